@@ -35,6 +35,13 @@ bool is_empty(const AttributeSet& offered) {
   return offered.has(Attribute::max_payload) && offered[Attribute::max_payload] == 0;
 }
 
+Obstacle obstacle_of(std::optional<mesh::Lack> lack) {
+  if (lack == mesh::Lack::rate) return Obstacle::no_rate;
+  if (lack == mesh::Lack::time) return Obstacle::links_must_last;
+  if (lack == mesh::Lack::absent) return Obstacle::links_absent;
+  return Obstacle::no_path;
+}
+
 }  // namespace
 
 Value mesh_event(const AttributeSet& offered) {
@@ -312,7 +319,7 @@ struct Media::Crossing {
   std::size_t longest = 0;       ///< links
   AttributeSet links_give = {};  ///< on the longest way
   bool reached = false;
-  bool unrated = false;  ///< there is no way, and there would be if rates were known
+  std::optional<mesh::Lack> lack = {};  ///< of the links by which there would be a way
   bool fits = true;
 };
 
@@ -321,7 +328,7 @@ struct Media::Crossing {
 void Media::no_path(const Crossing& c, std::size_t hop) {
   const mesh::Mesh& mesh = c.mesh;
   if (!s_.best_cases_pass || is_fixed(mesh) || mesh.nodes.empty()) {
-    obstruct(c.unrated ? Obstacle::no_rate : Obstacle::no_path, hop);
+    obstruct(obstacle_of(c.lack), hop);
     return;
   }
   if (!may_know_rates(mesh)) {
@@ -376,7 +383,7 @@ bool Media::take_path(Crossing& c, std::uint32_t from, std::uint32_t to) {
   if (c.best_case && mesh::is_measured(c.mesh)) return false;
   const auto& path = c.view.path(from, to);
   if (path.empty()) {
-    c.unrated = c.view.lacks_rates(from, to);
+    c.lack = c.view.lack(from, to);
     return false;
   }
   if (!c.best_case && !is_relayed(c, path)) return false;

@@ -36,10 +36,10 @@ const mesh::PathCost& MeshView::cost(std::uint32_t from, std::uint32_t to) const
       .first->second;
 }
 
-bool MeshView::lacks_rates(std::uint32_t from, std::uint32_t to) const {
-  const auto [it, fresh] = unrated_.try_emplace(from);
-  if (fresh) it->second = mesh::reached_without_rates(graph, from);
-  return to < it->second.size() && it->second[to];
+std::optional<mesh::Lack> MeshView::lack(std::uint32_t from, std::uint32_t to) const {
+  const auto [it, fresh] = lacking_.try_emplace(from);
+  if (fresh) it->second = mesh::lacking_from(graph, from);
+  return to < it->second.size() ? it->second[to] : std::nullopt;
 }
 
 std::string MeshView::node_name(std::uint32_t node) const {

@@ -74,8 +74,8 @@ class MeshView {
   /// The cost of the path between two nodes that have one.
   [[nodiscard]] const mesh::PathCost& cost(std::uint32_t from, std::uint32_t to) const;
 
-  /// Whether a path would lead there if links that are there had rates.
-  [[nodiscard]] bool lacks_rates(std::uint32_t from, std::uint32_t to) const;
+  /// Where no path leads there: what links that would lead there lack; see lacking_from().
+  [[nodiscard]] std::optional<mesh::Lack> lack(std::uint32_t from, std::uint32_t to) const;
 
   /// As described, or else its address.
   [[nodiscard]] std::string node_name(std::uint32_t node) const;
@@ -93,7 +93,7 @@ class MeshView {
   // The result of a search is remembered.
   mutable mesh::Paths paths_;
   mutable std::unordered_map<std::uint64_t, mesh::PathCost> costs_;
-  mutable std::unordered_map<std::uint32_t, std::vector<bool>> unrated_;  ///< reached from a node
+  mutable std::unordered_map<std::uint32_t, std::vector<std::optional<mesh::Lack>>> lacking_;
 };
 
 /// One entry for each network, and for each gateway.

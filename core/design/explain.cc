@@ -240,6 +240,12 @@ void Explainer::add_obstacle(const Verdict& v) {
           "add a Source that knows rates: nl80211, batman, olsr, wire, a file, or awds with "
           "metric=\"packet-pair\"";
       break;
+    case Obstacle::links_absent:
+      f.hint = "see 'mlccactl routes': its source of presence does not report these links";
+      break;
+    case Obstacle::links_must_last:
+      f.hint = "wait until the links have lasted, or state a shorter hold-up of the Mesh";
+      break;
     case Obstacle::relay_gated:
       for (const Place hop : hops_of(v.route))
         if (hop.kind == Place::Kind::network &&

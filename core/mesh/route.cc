@@ -113,24 +113,33 @@ const std::vector<std::uint32_t>& Paths::between(std::uint32_t from, std::uint32
   return paths_.emplace(key, find(from, to)).first->second;
 }
 
-std::vector<bool> reached_without_rates(const Graph& graph, std::uint32_t from) {
+std::vector<std::optional<Lack>> lacking_from(const Graph& graph, std::uint32_t from) {
+  std::vector<std::optional<Lack>> lacking(graph.nodes);
   std::vector<std::vector<std::uint32_t>> next(graph.nodes);
   for (const Link& link : graph.links) next[link.from].push_back(link.to);
-  for (const UnusableLink& link : graph.unusable)
-    if (link.lack == Lack::rate) next[link.from].push_back(link.to);
   std::vector<bool> reached(graph.nodes, false);
-  std::vector<std::uint32_t> open;
-  if (from < graph.nodes) open.push_back(from);
-  while (!open.empty()) {
-    const std::uint32_t node = open.back();
-    open.pop_back();
-    for (const std::uint32_t to : next[node]) {
-      if (reached[to]) continue;
-      reached[to] = true;
-      open.push_back(to);
+  const auto reach_more = [&](std::optional<Lack> lack) {
+    std::vector<std::uint32_t> open;
+    for (std::uint32_t n = 0; n < graph.nodes; ++n)
+      if (reached[n] || n == from) open.push_back(n);
+    while (!open.empty()) {
+      const std::uint32_t node = open.back();
+      open.pop_back();
+      for (const std::uint32_t to : next[node]) {
+        if (reached[to]) continue;
+        reached[to] = true;
+        lacking[to] = lack;
+        open.push_back(to);
+      }
     }
+  };
+  reach_more(std::nullopt);
+  for (const Lack lack : {Lack::rate, Lack::time, Lack::absent}) {
+    for (const UnusableLink& link : graph.unusable)
+      if (link.lack == lack) next[link.from].push_back(link.to);
+    reach_more(lack);
   }
-  return reached;
+  return lacking;
 }
 
 std::vector<std::uint32_t> path(const Graph& graph, const Mesh& mesh, std::uint32_t from,

@@ -3,6 +3,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -62,7 +63,9 @@ class Paths {
 [[nodiscard]] std::vector<std::uint32_t> path(const Graph& graph, const Mesh& mesh,
                                               std::uint32_t from, std::uint32_t to);
 
-/// The nodes that links lead to from there, where one of unknown rate counts like the others.
-[[nodiscard]] std::vector<bool> reached_without_rates(const Graph& graph, std::uint32_t from);
+/// Of each node to which links lead from there, but only over such as carry nothing now: what the
+/// most lacking one of them lacks, on the way where that is least. A rate is less than time, time
+/// less than presence; links that are gone lead nowhere. Nothing: there is a way, or none at all.
+[[nodiscard]] std::vector<std::optional<Lack>> lacking_from(const Graph& graph, std::uint32_t from);
 
 }  // namespace mlcca::core::mesh

@@ -139,6 +139,13 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
       return "no links are known that lead through " + at();
     case Obstacle::no_rate:
       return "rate unknown: no source knows what the links that lead through " + at() + " carry";
+    case Obstacle::links_absent:
+      return "links that would lead through " + at() +
+             " are known, and the source that knows which are there does not report them";
+    case Obstacle::links_must_last:
+      return "links that lead through " + at() + " were lost, and must last " +
+             format_value(Attribute::latency, system.networks[v.obstacle_at.index].mesh->hold_up) +
+             " before they count again";
     case Obstacle::relay_gated:
       return "gateway " + at() +
              " has its gate on a radio of the mesh, where it drops what its "

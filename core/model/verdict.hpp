@@ -50,24 +50,26 @@ struct Row {
 enum class Obstacle : std::uint8_t {
   none,
   no_route,
-  unavailable,   ///< the interface of a network is not available
-  unbound,       ///< the channel has no identifier on a network
-  no_node,       ///< the profile needs a node, the publisher states none
-  too_long,      ///< the event does not fit the frames of a network
-  no_traffic,    ///< a capacity to be held, and the publisher does not say what it sends
-  no_data_rate,  ///< FD frames, and no bit rate is known for their data phase
-  no_period,     ///< an analysed bus, and the publisher does not say how often it sends
-  no_path,       ///< no links are known that lead through a mesh
-  no_rate,       ///< the links that lead through a mesh are there, and their rates are unknown
-  relay_gated,   ///< a gateway on the way through a mesh drops at its gate what its node relays
-  no_sender,     ///< no program carries events across a gateway, from CAN to Ethernet or back
-  renamed,       ///< the kernel would carry messages that name their PGN within, to another PGN
-  untagged,      ///< the broker has not dealt the channel its tag on a network yet
-  contradicted,  ///< the broker has dealt the channel's tag to another, or it another tag
-  withdrawn,     ///< by an operator, until it is reinstated
-  unlisted,      ///< the channel is not described, and a network admits no such channel
-  sender_twice,  ///< another device sends the channel's identifier on a bus already
-  echo,          ///< its events would come to a network twice, or go round over several gateways
+  unavailable,      ///< the interface of a network is not available
+  unbound,          ///< the channel has no identifier on a network
+  no_node,          ///< the profile needs a node, the publisher states none
+  too_long,         ///< the event does not fit the frames of a network
+  no_traffic,       ///< a capacity to be held, and the publisher does not say what it sends
+  no_data_rate,     ///< FD frames, and no bit rate is known for their data phase
+  no_period,        ///< an analysed bus, and the publisher does not say how often it sends
+  no_path,          ///< no links are known that lead through a mesh
+  no_rate,          ///< the links that lead through a mesh are there, and their rates are unknown
+  links_absent,     ///< who would know does not say that links that lead through a mesh are there
+  links_must_last,  ///< they were lost, and are back since too short a time
+  relay_gated,      ///< a gateway on the way through a mesh drops at its gate what its node relays
+  no_sender,        ///< no program carries events across a gateway, from CAN to Ethernet or back
+  renamed,          ///< the kernel would carry messages that name their PGN within, to another PGN
+  untagged,         ///< the broker has not dealt the channel its tag on a network yet
+  contradicted,     ///< the broker has dealt the channel's tag to another, or it another tag
+  withdrawn,        ///< by an operator, until it is reinstated
+  unlisted,         ///< the channel is not described, and a network admits no such channel
+  sender_twice,     ///< another device sends the channel's identifier on a bus already
+  echo,             ///< its events would come to a network twice, or go round over several gateways
 };
 
 /// What an analysed medium gives a flow: times on a CAN bus; over a mesh the way, whose rates

@@ -135,8 +135,8 @@ class Listing {
 
 bool is_about_a_network(core::Obstacle obstacle) {
   using enum core::Obstacle;
-  return obstacle == no_path || obstacle == no_rate || obstacle == relay_gated ||
-         obstacle == unavailable;
+  return obstacle == no_path || obstacle == no_rate || obstacle == links_absent ||
+         obstacle == links_must_last || obstacle == relay_gated || obstacle == unavailable;
 }
 
 control::RouteReport new_route(const core::State& state, const core::Verdict& v, core::Place from) {

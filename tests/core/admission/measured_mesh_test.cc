@@ -314,7 +314,15 @@ TEST(MeasuredMeshTest, LinksWithoutARateAreNotUnknown) {
   EXPECT_EQ(v.obstacle, Obstacle::no_rate);
   EXPECT_EQ(reason(state.system(), state.members(), v),
             "rate unknown: no source knows what the links that lead through air carry");
-  EXPECT_EQ(decided(state, row_of_links(mesh::Lack::absent)).obstacle, Obstacle::no_path);
+  const Verdict& absent = decided(state, row_of_links(mesh::Lack::absent));
+  EXPECT_EQ(absent.obstacle, Obstacle::links_absent);
+  EXPECT_EQ(reason(state.system(), state.members(), absent),
+            "links that would lead through air are known, and the source that knows which are "
+            "there does not report them");
+  const Verdict& back = decided(state, row_of_links(mesh::Lack::time));
+  EXPECT_EQ(back.obstacle, Obstacle::links_must_last);
+  EXPECT_EQ(reason(state.system(), state.members(), back),
+            "links that lead through air were lost, and must last 5 s before they count again");
   EXPECT_TRUE(decided(state, row_of_links()).granted);
   EXPECT_EQ(decided(state, row_of_links(mesh::Lack::rate)).obstacle, Obstacle::no_rate);
 }

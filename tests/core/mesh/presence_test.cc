@@ -140,7 +140,28 @@ TEST_F(PresenceTest, ALinkThatIsThereWithoutARateLacksThat) {
   say(0, {sample(0, 0)}, 0);
   EXPECT_EQ(lack(0, 1), Lack::rate);
   EXPECT_EQ(table.links()[0].lack, Lack::rate);
-  EXPECT_EQ(reached_without_rates(table.graph(), 0), (std::vector<bool>{false, true, false}));
+  using Lacking = std::vector<std::optional<Lack>>;
+  EXPECT_EQ(lacking_from(table.graph(), 0), (Lacking{std::nullopt, Lack::rate, std::nullopt}));
+}
+
+/// 0 to 1 lacks a rate and 1 to 2 time; the direct link from 0 to 2 is absent. Node 3 is lost, and
+/// 4 is reached.
+TEST(LackTest, TheLeastThatIsLackingOnAnyWayIsNamed) {
+  Graph graph;
+  graph.nodes = 5;
+  graph.unusable = {{0, 1, std::nullopt, Lack::rate},
+                    {0, 2, std::nullopt, Lack::absent},
+                    {1, 2, std::nullopt, Lack::time},
+                    {2, 3, std::nullopt, Lack::gone}};
+  Link link;
+  link.to = 4;
+  graph.links.push_back(link);
+  using Lacking = std::vector<std::optional<Lack>>;
+  EXPECT_EQ(lacking_from(graph, 0),
+            (Lacking{std::nullopt, Lack::rate, Lack::time, std::nullopt, std::nullopt}));
+  EXPECT_EQ(lacking_from(graph, 1),
+            (Lacking{std::nullopt, std::nullopt, Lack::time, std::nullopt, std::nullopt}));
+  EXPECT_EQ(lacking_from(graph, 9), Lacking(5)) << "there is no such node";
 }
 
 }  // namespace
