@@ -144,10 +144,19 @@ const Row* want_of_room(const Verdict& v) {
   return found == v.rows.end() ? nullptr : &*found;
 }
 
-/// FD frames on a bus that states no bit rate for their data phase.
+/// FD frames on a bus that states no bit rate for their data phase: all such buses of the way.
 std::string data_rate_hint(const System& system, const Verdict& v, const Publisher& publisher) {
-  const std::string hint =
-      "add data-bitrate to the Bus of Network " + name_of(system, v.obstacle_at);
+  std::string hint;
+  for (const Place hop : hops_of(v.route)) {
+    if (hop.kind != Place::Kind::network) continue;
+    const Network& network = system.networks[hop.index];
+    const Binding* const binding = network.binding_of(v.channel);
+    const bool lacking = binding != nullptr && binding->format != FrameFormat::classic &&
+                         network.bus.bitrate != 0 && network.bus.data_bitrate == 0;
+    if (lacking || hop == v.obstacle_at)
+      hint += (hint.empty() ? "add data-bitrate to the Bus of Network " : " and of Network ") +
+              network.name;
+  }
   const bool fits_classic =
       attributes_in(publisher, v.set)[Attribute::max_payload] <= kClassicBytes;
   return fits_classic ? hint + ", or let the Binding have format=\"classic\"" : hint;

@@ -129,6 +129,28 @@ std::string identifier_hint(const can::Schedule& bus, const std::optional<can::M
          "less often, or allow more time";
 }
 
+/// Whether all that is described for a bus, granted or not, takes more time than there is: what its
+/// own publishers send there, and what somebody on it subscribes to. It ends with the first message
+/// that is too much.
+bool is_asked_too_much(const Situation& s, std::size_t network, const can::Timing& timing) {
+  const Place bus{Place::Kind::network, network};
+  const auto subscribed_there = [&](std::size_t channel) {
+    return std::ranges::any_of(s.members.subscribers_of(channel), [&](std::size_t subscriber) {
+      return s.members.subscriber(subscriber).place == bus;
+    });
+  };
+  std::uint64_t all = 0;
+  for (std::size_t c = 0; c < s.system.channels.size(); ++c)
+    for (const std::size_t number : s.members.publishers_of(c)) {
+      if (s.members.publisher(number).place != bus && !subscribed_there(c)) continue;
+      const auto m = can::message_of(s.system, s.members.publisher(number), 0, network, timing);
+      if (m && m->period != 0)
+        all = add_saturating(all, mul_div_up(m->transmission, mesh::kWhole, m->period));
+      if (all > mesh::kWhole) return true;
+    }
+  return false;
+}
+
 // What helps where the messages together need more time than there is, or nothing.
 std::string overload_hint(const can::Schedule& bus, const std::optional<can::Message>& newcomer) {
   const std::uint64_t all =
@@ -177,6 +199,11 @@ std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdic
            "others and as the last one for " +
            untagged->name;
   if (std::string promise = promise_of(s.system, row); !promise.empty()) return promise;
+  if (is_asked_too_much(s, row.place.index, timing))
+    return "send less often, or use a faster bus: all that is described for " +
+           name_of(s.system, row.place) +
+           " takes more than all of its time, so another order of identifiers only lets others be "
+           "late";
   return identifier_hint(bus, newcomer, own, late);
 }
 

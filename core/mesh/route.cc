@@ -21,6 +21,23 @@ bool every_link_weighed(const Graph& graph) {
   return std::ranges::all_of(graph.links, [](const Link& link) { return link.weight.has_value(); });
 }
 
+/// All nodes that `next` leads to from those in `open`, and that were not reached yet.
+std::vector<std::uint32_t> reach_more(const std::vector<std::vector<std::uint32_t>>& next,
+                                      std::vector<std::uint32_t> open, std::vector<bool>& reached) {
+  std::vector<std::uint32_t> fresh;
+  while (!open.empty()) {
+    const std::uint32_t node = open.back();
+    open.pop_back();
+    for (const std::uint32_t to : next[node]) {
+      if (reached[to]) continue;
+      reached[to] = true;
+      fresh.push_back(to);
+      open.push_back(to);
+    }
+  }
+  return fresh;
+}
+
 }  // namespace
 
 Paths::Paths(const Graph& graph, const Mesh& mesh) : graph_(graph) {
@@ -115,29 +132,19 @@ const std::vector<std::uint32_t>& Paths::between(std::uint32_t from, std::uint32
 
 std::vector<std::optional<Lack>> lacking_from(const Graph& graph, std::uint32_t from) {
   std::vector<std::optional<Lack>> lacking(graph.nodes);
+  if (from >= graph.nodes) return lacking;
   std::vector<std::vector<std::uint32_t>> next(graph.nodes);
   for (const Link& link : graph.links) next[link.from].push_back(link.to);
   std::vector<bool> reached(graph.nodes, false);
-  const auto reach_more = [&](std::optional<Lack> lack) {
-    std::vector<std::uint32_t> open;
-    for (std::uint32_t n = 0; n < graph.nodes; ++n)
-      if (reached[n] || n == from) open.push_back(n);
-    while (!open.empty()) {
-      const std::uint32_t node = open.back();
-      open.pop_back();
-      for (const std::uint32_t to : next[node]) {
-        if (reached[to]) continue;
-        reached[to] = true;
-        lacking[to] = lack;
-        open.push_back(to);
-      }
-    }
-  };
-  reach_more(std::nullopt);
+  reach_more(next, {from}, reached);
   for (const Lack lack : {Lack::rate, Lack::time, Lack::absent}) {
     for (const UnusableLink& link : graph.unusable)
       if (link.lack == lack) next[link.from].push_back(link.to);
-    reach_more(lack);
+    std::vector<std::uint32_t> open{from};
+    for (std::uint32_t n = 0; n < graph.nodes; ++n)
+      if (reached[n]) open.push_back(n);
+    for (const std::uint32_t node : reach_more(next, std::move(open), reached))
+      lacking[node] = lack;
   }
   return lacking;
 }

@@ -72,7 +72,8 @@ void DeliveryEvents::silence(const core::Verdict& v, const gate_event& event,
         v.requirement[Attribute::omission]);
   else
     note.message =
-        fmt::format("{} towards {} comes again, after {} without", what, note.network, time);
+        fmt::format("{} towards {} comes again: for {} it stayed out, or came with breaks", what,
+                    note.network, time);
   log_.write(std::move(note));
 }
 

@@ -253,33 +253,6 @@ TEST(InspectTest, ABestCaseThatDoesNotFitRefutes) {
 
 // --- a shared medium ---------------------------------------------------------------------------
 
-/// `count` heart-beats, each 160 bytes/s, where the first bus has `capacity`.
-System heart_beats(std::size_t count, Value capacity) {
-  System system = described(0);
-  system.networks[kRobotCan].provision.set(Attribute::bandwidth, capacity);
-  for (std::size_t i = 1; i < count; ++i) {
-    auto channel = system.channels[0];
-    channel.name = "channel-" + std::to_string(i);
-    channel.subject += i;
-    system.channels.push_back(channel);
-    for (Network& n : system.networks) {
-      auto binding = n.bindings[0];
-      binding.channel = i;
-      binding.id += static_cast<std::uint32_t>(i);
-      n.bindings.push_back(binding);
-    }
-    auto publisher = system.publishers[0];
-    publisher.name = "sender-" + std::to_string(i);
-    publisher.channel = i;
-    system.publishers.push_back(publisher);
-    auto listener = system.subscribers[0];
-    listener.name = "listener-" + std::to_string(i);
-    listener.channel = i;
-    system.subscribers.push_back(listener);
-  }
-  return system;
-}
-
 TEST(InspectTest, AllChannelsTogetherMustFitANetwork) {
   EXPECT_EQ(ids_of(inspect(heart_beats(3, 480))), Ids{});
   const Inspection result = inspect(heart_beats(3, 479));
@@ -434,65 +407,17 @@ TEST(InspectTest, ADeadlineThatFollowsFromThePeriodIsSaidToBeImplied) {
   EXPECT_TRUE(f->hint.contains("state Latency of bridge")) << f->hint;
 }
 
-/// The bus of the robot with a bit rate, and times that follow from it.
-System on_bus(std::uint32_t bitrate, Value deadline) {
+TEST(InspectTest, EachBusOfAWayWithoutADataRateIsNamed) {
   System system = described(0);
-  Network& bus = system.networks[kRobotCan];
-  bus.bus.bitrate = bitrate;
-  bus.provision = AttributeSet{}.set(Attribute::omission, 0);
-  system.publishers[0].attributes.set(Attribute::deadline, deadline);
-  return system;
-}
-
-const Finding& late_in(const Inspection& inspection) {
-  const auto f = std::ranges::find(inspection.findings, Id::deadline_missed, &Finding::id);
-  EXPECT_NE(f, inspection.findings.end());
-  static const Finding none;
-  return f == inspection.findings.end() ? none : *f;
-}
-
-TEST(InspectTest, ABusThatIsOverloadedIsNotHelpedByAnIdentifier) {
-  const Inspection result = inspect(on_bus(2'000, 50 * kMs));
-  EXPECT_EQ(
-      late_in(result).hint,
-      "send less often, or use a faster bus: what is granted there and these frames would take "
-      "160.0 % of the time");
-}
-
-TEST(InspectTest, FramesThatAloneTakeTooLongAreNotHelpedByAnIdentifier) {
-  const Inspection result = inspect(on_bus(5'000, 20 * kMs));
-  EXPECT_EQ(late_in(result).hint,
-            "allow switch more time, let it send smaller events, or use a faster bus: its frames "
-            "alone take 32 ms");
-}
-
-TEST(InspectTest, FramesThatOthersDelayAreHelpedByAnIdentifier) {
-  System system = heart_beats(2, 100'000);
-  Network& bus = system.networks[kRobotCan];
-  bus.bus.bitrate = 8'000;
-  bus.provision = AttributeSet{}.set(Attribute::omission, 0);
-  system.publishers[1].attributes.set(Attribute::deadline, 30 * kMs);
-  const Inspection result = inspect(system);
-  EXPECT_TRUE(late_in(result).hint.starts_with("give sender-1 a better identifier"))
-      << late_in(result).hint;
-}
-
-TEST(InspectTest, FramesThatHaveTheBestIdentifierAreNotHelpedByAnother) {
-  System system = heart_beats(2, 100'000);
-  Network& bus = system.networks[kRobotCan];
-  bus.bus.bitrate = 8'000;
-  bus.provision = AttributeSet{}.set(Attribute::omission, 0);
-  system.publishers[0].attributes.set(Attribute::deadline, 30 * kMs);
-  const std::string hint = late_in(inspect(system)).hint;
-  EXPECT_TRUE(hint.starts_with("allow switch more time, send smaller events")) << hint;
-}
-
-TEST(InspectTest, FramesOfTooMuchJitterAreNotHelpedByABiggerPeriod) {
-  constexpr Value second = 1000 * kMs;
-  System system = on_bus(500'000, 9000 * second);
-  system.publishers[0].attributes.set(Attribute::jitter, 2000 * second);
-  EXPECT_EQ(late_in(inspect(system)).hint,
-            "state a smaller Jitter of switch: 2000 s is more than what is analysed");
+  for (const std::size_t n : {kRobotCan, kSecondCan}) {
+    system.networks[n].bus.bitrate = 500'000;
+    system.networks[n].bindings[0].format = FrameFormat::fd;
+  }
+  const std::string hint = only(inspect(system)).hint;
+  EXPECT_TRUE(hint.starts_with("add data-bitrate to the Bus of Network " +
+                               system.networks[kSecondCan].name + " and of Network " +
+                               system.networks[kRobotCan].name))
+      << hint;
 }
 
 }  // namespace

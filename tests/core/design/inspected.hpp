@@ -30,6 +30,33 @@ inline System described(Value omission) {
   return system;
 }
 
+/// `count` heart-beats, each 160 bytes/s, where the first bus has `capacity`.
+inline System heart_beats(std::size_t count, Value capacity) {
+  System system = described(0);
+  system.networks[kRobotCan].provision.set(Attribute::bandwidth, capacity);
+  for (std::size_t i = 1; i < count; ++i) {
+    auto channel = system.channels[0];
+    channel.name = "channel-" + std::to_string(i);
+    channel.subject += i;
+    system.channels.push_back(channel);
+    for (Network& n : system.networks) {
+      auto binding = n.bindings[0];
+      binding.channel = i;
+      binding.id += static_cast<std::uint32_t>(i);
+      n.bindings.push_back(binding);
+    }
+    auto publisher = system.publishers[0];
+    publisher.name = "sender-" + std::to_string(i);
+    publisher.channel = i;
+    system.publishers.push_back(publisher);
+    auto listener = system.subscribers[0];
+    listener.name = "listener-" + std::to_string(i);
+    listener.channel = i;
+    system.subscribers.push_back(listener);
+  }
+  return system;
+}
+
 inline Ids ids_of(const Inspection& inspection) {
   Ids out;
   for (const Finding& f : inspection.findings) out.push_back(f.id);

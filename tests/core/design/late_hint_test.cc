@@ -127,5 +127,79 @@ TEST(LateHintTest, AJitterThatIsTheCauseIsNamed) {
   EXPECT_EQ(hint_of(one_message(promises(3 * kMillisecond, kMillisecond))), "none");
 }
 
+/// The bus of the robot with a bit rate, and times that follow from it.
+System on_bus(std::uint32_t bitrate, Value deadline) {
+  System system = described(0);
+  Network& bus = system.networks[kRobotCan];
+  bus.bus.bitrate = bitrate;
+  bus.provision = AttributeSet{}.set(Attribute::omission, 0);
+  system.publishers[0].attributes.set(Attribute::deadline, deadline);
+  return system;
+}
+
+const Finding& late_in(const Inspection& inspection) {
+  const auto f = std::ranges::find(inspection.findings, Id::deadline_missed, &Finding::id);
+  EXPECT_NE(f, inspection.findings.end());
+  static const Finding none;
+  return f == inspection.findings.end() ? none : *f;
+}
+
+TEST(LateHintTest, ABusThatIsOverloadedIsNotHelpedByAnIdentifier) {
+  const Inspection result = inspect(on_bus(2'000, 50 * kMs));
+  EXPECT_EQ(
+      late_in(result).hint,
+      "send less often, or use a faster bus: what is granted there and these frames would take "
+      "160.0 % of the time");
+}
+
+TEST(LateHintTest, FramesThatAloneTakeTooLongAreNotHelpedByAnIdentifier) {
+  const Inspection result = inspect(on_bus(5'000, 20 * kMs));
+  EXPECT_EQ(late_in(result).hint,
+            "allow switch more time, let it send smaller events, or use a faster bus: its frames "
+            "alone take 32 ms");
+}
+
+TEST(LateHintTest, FramesThatOthersDelayAreHelpedByAnIdentifier) {
+  System system = heart_beats(2, 100'000);
+  Network& bus = system.networks[kRobotCan];
+  bus.bus.bitrate = 8'000;
+  bus.provision = AttributeSet{}.set(Attribute::omission, 0);
+  system.publishers[1].attributes.set(Attribute::deadline, 30 * kMs);
+  const Inspection result = inspect(system);
+  EXPECT_TRUE(late_in(result).hint.starts_with("give sender-1 a better identifier"))
+      << late_in(result).hint;
+}
+
+/// Five messages of 32 % of the bus each, three of which would be granted: whichever goes first,
+/// another one is late.
+TEST(LateHintTest, AnotherOrderIsNotAdvisedWhereAllTogetherAreTooMuch) {
+  System system = heart_beats(5, 100'000);
+  Network& bus = system.networks[kRobotCan];
+  bus.bus.bitrate = 8'000;
+  bus.provision = AttributeSet{}.set(Attribute::omission, 0);
+  system.publishers[1].attributes.set(Attribute::deadline, 30 * kMs);
+  EXPECT_EQ(late_in(inspect(system)).hint,
+            "send less often, or use a faster bus: all that is described for robot-can takes more "
+            "than all of its time, so another order of identifiers only lets others be late");
+}
+
+TEST(LateHintTest, FramesThatHaveTheBestIdentifierAreNotHelpedByAnother) {
+  System system = heart_beats(2, 100'000);
+  Network& bus = system.networks[kRobotCan];
+  bus.bus.bitrate = 8'000;
+  bus.provision = AttributeSet{}.set(Attribute::omission, 0);
+  system.publishers[0].attributes.set(Attribute::deadline, 30 * kMs);
+  const std::string hint = late_in(inspect(system)).hint;
+  EXPECT_TRUE(hint.starts_with("allow switch more time, send smaller events")) << hint;
+}
+
+TEST(LateHintTest, FramesOfTooMuchJitterAreNotHelpedByABiggerPeriod) {
+  constexpr Value second = 1000 * kMs;
+  System system = on_bus(500'000, 9000 * second);
+  system.publishers[0].attributes.set(Attribute::jitter, 2000 * second);
+  EXPECT_EQ(late_in(inspect(system)).hint,
+            "state a smaller Jitter of switch: 2000 s is more than what is analysed");
+}
+
 }  // namespace
 }  // namespace mlcca::core::testing

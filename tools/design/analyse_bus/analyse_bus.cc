@@ -140,18 +140,29 @@ std::string unbounded_words(const AnalysedBus& analysed,
       name(static_cast<std::size_t>(first - analysed.responses.begin())));
 }
 
-/// The messages are in time as well if everything sends that is not counted.
-bool holds_with_uncounted(const Bus& bus, std::vector<core::can::Message> messages) {
+/// What the frames that are not counted would do to messages that fit without them.
+struct Harm {
+  bool late = false;  ///< one would miss its deadline
+  bool lost = false;  ///< one would be in time, and its queue too short
+};
+
+Harm harm_of_uncounted(const Bus& bus, std::vector<core::can::Message> messages,
+                       const std::vector<bool>& fit) {
+  if (bus.uncounted.empty()) return {};
   const std::size_t counted = messages.size();
   for (const auto& message : bus.uncounted) {
-    if (!message) return false;
+    if (!message) return {.late = true};
     messages.push_back(*message);
   }
-  if (messages.size() == counted) return true;
   const auto responses = analyse(bus.assumptions, messages);
-  for (std::size_t i = 0; i < counted; ++i)
-    if (!responses[i].meets(messages[i].deadline)) return false;
-  return true;
+  Harm harm;
+  for (std::size_t i = 0; i < counted; ++i) {
+    if (!responses[i].meets(messages[i].deadline))
+      harm.late = true;
+    else if (fit[i] && !fits(bus.assumptions, messages[i], responses[i]))
+      harm.lost = true;
+  }
+  return harm;
 }
 
 AnalysedBus analysed(Bus bus, bool assign) {
@@ -172,8 +183,10 @@ AnalysedBus analysed(Bus bus, bool assign) {
     result.late = result.late || !result.responses[i].meets(messages[i].deadline);
     result.schedulable = result.schedulable && fit && !bus.messages[i].in_vain;
   }
-  result.met_alone = !result.late && !holds_with_uncounted(bus, messages);
-  result.schedulable = result.schedulable && bus.unknown.empty() && !result.met_alone;
+  const Harm harm = harm_of_uncounted(bus, messages, result.fit);
+  result.met_alone = !result.late && harm.late;
+  result.kept_alone = harm.lost;
+  result.schedulable = result.schedulable && bus.unknown.empty() && !result.met_alone && !harm.lost;
   result.load = utilisation_ppm(bus.assumptions, messages);
   result.assigned = assign;
   if (assign) result.order = assign_priorities(bus.assumptions, messages);

@@ -155,7 +155,10 @@ std::string summary_of(const AnalysedBus& analysed) {
   if (!analysed.late && !analysed.bus.unknown.empty())
     text = "whether every deadline is met is not known";
   if (analysed.met_alone) text += " only while what is not counted is silent";
-  if (queue) text += ", and frames can be lost in a queue that is too short";
+  if (queue)
+    text += ", and frames can be lost in a queue that is too short";
+  else if (analysed.kept_alone)
+    text += ", and no frame is lost in a queue only while what is not counted is silent";
   if (const auto refused = refused_by_check(analysed); refused != 0)
     text += fmt::format(", but mlccactl check refuses {}", messages(refused));
   return text;

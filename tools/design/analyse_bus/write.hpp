@@ -18,6 +18,7 @@ struct AnalysedBus {
   std::vector<bool> fit;                       ///< in time, with room in the queue
   bool late = false;                           ///< one of them is, or is not bounded
   bool met_alone = false;     ///< none is, but one would be if what is not counted sends
+  bool kept_alone = false;    ///< a queue that is long enough would not be if that sends
   bool schedulable = true;    ///< all fit, as far as is known, and check refuses none for the bus
   std::string why_unbounded;  ///< a sentence, if one is not
   std::uint64_t load = 0;     ///< 1e-6 of the bus time

@@ -40,7 +40,8 @@ Response response_of(const core::BusMessage& m) {
   else if (m.refused_response)
     out.verdict = verdict({"✕", "late", "unfit"});
   else
-    out.verdict = verdict({"✕", m.in_vain ? "others would be late" : "refused elsewhere", "unfit"});
+    out.verdict =
+        verdict({"✕", m.in_vain ? "others would be late" : "refused for another reason", "unfit"});
   if (!response) return out;
   out.time = time_text(*response);
   if (*response == core::can::kNever) return out;
@@ -94,13 +95,17 @@ std::string bus_table(const SystemReport& report, std::size_t n) {
               m->message ? time_text(m->message->deadline) : "", response.left},
              m->granted ? "fit" : "unfit");
   }
+  const bool refused = std::ranges::any_of(messages, [](const auto* m) { return !m->granted; });
   const auto above =
-      fmt::format("<p class=\"load\">{} of the time of the bus at {}{}</p>\n",
+      fmt::format("<p class=\"load\">{} of the time of the bus at {} for what is granted{}{}</p>\n",
                   meter(load.time_ppm.value_or(0), kWholeTime), print_bitrate(network.bus.bitrate),
                   network.bus.background == 0
                       ? ""
                       : fmt::format(", {:.2f} % of it taken by others",
-                                    static_cast<double>(network.bus.background) / 10'000));
+                                    static_cast<double>(network.bus.background) / 10'000),
+                  refused ? "; what is refused is not counted, and a sender on the bus itself "
+                            "takes time of it all the same"
+                          : "");
   auto html = rows.html(above);
   if (!html.empty()) return html;
   return fmt::format("<div class=\"card\">\n<h3>Bus {}</h3>\n{}<p>No message is on it.</p></div>\n",

@@ -33,19 +33,21 @@ void write(std::string& out, const ReportedFinding& f, Color color) {
                    styled("hint: " + f.hint, Style::dim, color));
 }
 
-/// "volksbot: 3 channels: 2 fit, 1 decided at run time, 0 do not fit"; where mlccad would refuse
-/// the description as a whole nothing fits, whatever the deliveries alone give.
+/// "volksbot: 3 channels: 2 fit, 1 decided at run time, 0 do not fit". Where mlccad would refuse
+/// the description as a whole nothing fits, and the counts say what the deliveries by themselves
+/// give.
 std::string channels_line(const SystemReport& system) {
   const auto& name = system.system.name.empty() ? system.file : system.system.name;
   if (!system.readable) return fmt::format("{}: cannot be read", name);
   if (!system.inspected)
     return fmt::format("{}: deliveries are checked when the names and rules are right", name);
   const auto counts = counts_of(system);
-  return fmt::format("{}: {}{}: {} {}, {} decided at run time, {} do not fit{}", name,
-                     system.usable ? "" : "not usable for these errors; without them, ",
-                     counted(system.inspection.channels.size(), "channel"), counts.fit,
-                     system.usable ? "fit" : "would fit", counts.run_time, counts.unfit,
-                     counts.unused == 0 ? "" : fmt::format(", {} without use", counts.unused));
+  return fmt::format(
+      "{}: {}{}: {} {}, {} decided at run time, {} do not fit{}", name,
+      system.usable ? "" : "not usable for these errors; its deliveries by themselves: ",
+      counted(system.inspection.channels.size(), "channel"), counts.fit,
+      system.usable ? "fit" : "would fit", counts.run_time, counts.unfit,
+      counts.unused == 0 ? "" : fmt::format(", {} without use", counts.unused));
 }
 
 }  // namespace

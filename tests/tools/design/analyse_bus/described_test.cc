@@ -287,6 +287,46 @@ TEST_F(AnalyseBusTest, WhatIsNotCountedMayBreakNoDeadlineUnsaid) {
       << check;
 }
 
+/// Two events wait in a queue of 4 of the gateway: with the frames of `noise`, which nobody
+/// subscribes, six do.
+TEST_F(AnalyseBusTest, WhatIsNotCountedMayFillNoQueueUnsaid) {
+  const auto channel = [](const std::string& name, const char* subject, const char* attributes) {
+    return "<EventChannel name=\"" + name + "\"><SubjectUID>" + subject +
+           "</SubjectUID><Attributes maxPayload=\"8\" " + attributes + "/></EventChannel>";
+  };
+  const auto binding = [](const char* name, const char* id) {
+    return std::string("<Binding channel=\"") + name + "\"><Identifier form=\"standard\">" + id +
+           "</Identifier></Binding>";
+  };
+  const auto bus = [&](const char* name, const char* rate, const std::string& more) {
+    return std::string("<Network name=\"") + name + "\"><Kind>can</Kind><Profile>raw</Profile>" +
+           "<Bus bitrate=\"" + rate + "\"/>" + more + binding("x", "0x11") + binding("y", "0x12") +
+           "</Network>";
+  };
+  const std::string system =
+      "<System name=\"queues\">" + channel("noise", "0x1", "period=\"400us\"") +
+      channel("x", "0x4", "period=\"2ms\" deadline=\"40ms\"") +
+      channel("y", "0x5", "period=\"2ms\" deadline=\"40ms\"") + bus("src", "1000000", "") +
+      bus("bus", "500000", binding("noise", "0x10")) +
+      "<Gateway name=\"g\"><Provision omission=\"0\" latency=\"1ms\" jitter=\"0us\"/>"
+      "<Port network=\"src\"><Interface name=\"can1\"/></Port>"
+      "<Port network=\"bus\" queue-length=\"4\"><Interface name=\"can0\"/></Port></Gateway>"
+      "<Publisher name=\"n\" channel=\"noise\" network=\"bus\"/>"
+      "<Publisher name=\"px\" channel=\"x\" network=\"src\"/>"
+      "<Subscriber name=\"sx\" channel=\"x\" network=\"bus\"/>"
+      "<Publisher name=\"py\" channel=\"y\" network=\"src\"/>"
+      "<Subscriber name=\"sy\" channel=\"y\" network=\"bus\"/></System>";
+  const auto done = analyse(file("queues.xml", system), {"--network", "bus"});
+  EXPECT_EQ(done.status, 1) << done.out << done.error;
+  EXPECT_TRUE(done.out.contains(
+      "every deadline is met, and no frame is lost in a queue only while what is not counted is "
+      "silent\n"))
+      << done.out;
+  const Json json =
+      Json::parse(analyse(file("queues.xml", system), {"--network", "bus", "--json"}).out);
+  EXPECT_FALSE(json["schedulable"].get<bool>());
+}
+
 TEST_F(AnalyseBusTest, TwoSendersOfOneIdentifierAreRefusedWithBothLines) {
   const auto path = table(
       "a,0x10,0,8,10000,10000,0\nb,17,0,8,10000,10000,0\n"

@@ -163,6 +163,24 @@ TEST_F(TextTest, SaysEachFindingOnALineThatAnEditorFollows) {
                 "1 error, 0 warnings, 0 notes\n");
 }
 
+/// The rule's error and what does not fit are the same thing: nothing is promised without it.
+TEST_F(TextTest, OfASystemThatIsNotUsableItSaysWhatTheDeliveriesByThemselvesGive) {
+  const auto name = file(
+      "long.xml",
+      system_of("<EventChannel name='c'><SubjectUID>0x1</SubjectUID>"
+                "<Attributes period='50ms' maxPayload='12'/></EventChannel>"
+                "<Network name='a'><Kind>can</Kind><Profile>raw</Profile><Bus bitrate='500000'/>"
+                "<Binding channel='c'><Identifier form='standard'>0x10</Identifier></Binding>"
+                "</Network><Publisher name='p' channel='c' network='a'/>"
+                "<Subscriber name='s' channel='c' network='a'/>"));
+  const auto outcome = test::run({"check", name});
+  EXPECT_TRUE(outcome.out.contains("error MLCCA025")) << outcome.out;
+  EXPECT_TRUE(outcome.out.contains(
+      "test: not usable for these errors; its deliveries by themselves: 1 channel: 0 would fit, 0 "
+      "decided at run time, 1 do not fit\n1 error, 0 warnings, 0 notes\n"))
+      << outcome.out;
+}
+
 TEST_F(TextTest, HasColoursOnATerminalOnly) {
   const auto name = bad();
   test::Running terminal({"check", name}, test::Running::Where::terminal);

@@ -112,8 +112,21 @@ constexpr const char* kBus =
 TEST_F(HtmlTest, ABusHasItsLoadAndTheResponseOfEachMessage) {
   const auto text = text_of(html(file("s.xml", test::system_of(kBus)), 0));
   // 135 bits of 2 us in each 10 ms.
-  EXPECT_TRUE(text.contains("2.70 % of the time of the bus at 500 kbit/s")) << text;
+  EXPECT_TRUE(text.contains("2.70 % of the time of the bus at 500 kbit/s for what is granted"))
+      << text;
+  EXPECT_FALSE(text.contains("what is refused is not counted"));
   EXPECT_TRUE(text.contains("speed of wheel 0x010 ✓ in time 270 us 1 ms 730 us to spare")) << text;
+}
+
+TEST_F(HtmlTest, TheLoadOfABusSaysThatWhatIsRefusedIsNotCounted) {
+  std::string lossy = kBus;
+  lossy.replace(lossy.find("omission='0'"), 12, "omission='3'");
+  const auto text = text_of(html(file("s.xml", test::system_of(lossy)), 1));
+  EXPECT_TRUE(
+      text.contains("0.00 % of the time of the bus at 500 kbit/s for what is granted; what "
+                    "is refused is not counted"))
+      << text;
+  EXPECT_TRUE(text.contains("refused for another reason")) << text;
 }
 
 TEST_F(HtmlTest, ADeliveryHasItsSmallestMarginAndItsReaction) {
