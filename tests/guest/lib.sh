@@ -11,6 +11,9 @@
 #   own namespace: vxcan_pair gives every interface an index of its own.
 # - `ip netns exec` hides bpffs, tracefs and debugfs, because it mounts /sys again; in_ns does not.
 
+# The guest is emulated, and gojq starts in a fifth of the time that jq takes. It sorts the keys of objects.
+jq() { gojq "$@"; }
+
 fail() {
 	echo "${BASH_SOURCE[-1]}:${BASH_LINENO[-2]}: $*" >&2
 	exit 1
