@@ -30,6 +30,13 @@ struct {
 	__type(value, struct deadman);
 } deadman SEC(".maps");
 
+struct {
+	__uint(type, BPF_MAP_TYPE_ARRAY);
+	__uint(max_entries, 1);
+	__type(key, __u32);
+	__type(value, struct gate_until);
+} until SEC(".maps");
+
 static __u64 next_check(void)
 {
 	__u64 check = READ_ONCE(control.check_ns);
@@ -82,6 +89,25 @@ int gate_arm(struct __sk_buff *skb)
 }
 
 /*
+ * The deadline `next`, or the one before that gate_until allows. Jiffies are rounded down, and one is
+ * taken off for that which has begun; where nothing is left the deadline is over already.
+ */
+static __always_inline __u64 allowed(__u64 jiffies, __u64 next)
+{
+	__u32 key = 0;
+	struct gate_until *u = bpf_map_lookup_elem(&until, &key);
+	__u64 left = 0, end, now;
+
+	if (!u || !READ_ONCE(u->until))
+		return next;
+	now = bpf_ktime_get_ns();
+	if (READ_ONCE(u->until) > now && READ_ONCE(u->tick))
+		left = (READ_ONCE(u->until) - now) / READ_ONCE(u->tick);
+	end = left ? jiffies + left - 1 : jiffies - 1;
+	return end < next ? end : next;
+}
+
+/*
  * Run by BPF_PROG_TEST_RUN; skb->mark is an enum gate_beat. Gates that have been closed for silence
  * never open by a beat: frames may have been dropped, and what the daemon knows may be old. A
  * deadline of 0 is that of a word for which no heart-beat has come yet.
@@ -90,7 +116,8 @@ SEC("tc")
 int gate_beat(struct __sk_buff *skb)
 {
 	__u64 ticks = READ_ONCE(control.grace_ticks), deadline = READ_ONCE(control.deadline);
-	__u64 now = bpf_jiffies64(), next = ticks == FOR_EVER ? FOR_EVER : now + ticks;
+	__u64 now = bpf_jiffies64();
+	__u64 next = allowed(now, ticks == FOR_EVER ? FOR_EVER : now + ticks);
 
 	if (skb->mark == GATE_BEAT_CLEAR) {
 		WRITE_ONCE(control.deadline, next);

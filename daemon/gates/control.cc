@@ -71,6 +71,13 @@ Result<Fd> make_note(std::uint64_t grace) {
 }
 
 std::string grace_pin(const std::string& directory) { return directory + "/grace"; }
+std::string until_pin(const std::string& directory) { return directory + "/until"; }
+
+/// What a daemon before this one has set, if one has.
+Fd open_until(const std::string& directory) {
+  Fd map = open_pin(until_pin(directory));
+  return map && is_array(map.get(), sizeof(gate_until), 1) ? std::move(map) : Fd();
+}
 
 using Object = std::unique_ptr<deadman_bpf, FreeWith<deadman_bpf__destroy>>;
 
@@ -157,6 +164,7 @@ struct Control::State {
   std::vector<std::string> replaced;
   Fd grace_note;
   std::optional<GraceWords> grace;  ///< as set by this daemon
+  Fd until;  ///< what gate_beat reads; nothing: neither this daemon nor one before has set it
 
   [[nodiscard]] std::string control_pin() const { return directory + "/control"; }
   [[nodiscard]] std::string deadman_pin() const { return directory + "/deadman"; }
@@ -169,6 +177,7 @@ struct Control::State {
   [[nodiscard]] static Result<void> run(bpf_program* program, std::uint32_t mark);
   [[nodiscard]] Result<void> run_beat(gate_beat what);
   Result<void> note_grace(std::uint64_t ns);
+  Result<void> note_until(std::uint64_t ns);
 };
 
 /// Two processes may be at it: the one whose pin comes first has made it. Something else that has
@@ -299,6 +308,20 @@ Result<void> Control::set_grace(std::uint64_t grace) {
   return noted;
 }
 
+Result<void> Control::set_until(std::uint64_t until) {
+  if (until == 0 && this->until() == 0) return {};
+  if (auto noted = state_->note_until(until); !noted) return noted;
+  return load(word().deadline) != 0 ? state_->run_beat(GATE_BEAT_SHORTEN) : Result<void>{};
+}
+
+std::uint64_t Control::until() const {
+  const Fd there = state_->until ? Fd() : open_until(state_->directory);
+  const int map = state_->until ? state_->until.get() : there.get();
+  const std::uint32_t key = 0;
+  gate_until value{};
+  return map >= 0 && bpf_map_lookup_elem(map, &key, &value) == 0 ? value.until : 0;
+}
+
 Result<bool> Control::keep_grace() {
   if (!state_->grace || words_of_grace(word()) == *state_->grace) return false;
   if (auto set = set_grace(state_->grace->grace_ns); !set) return std::unexpected(set.error());
@@ -346,6 +369,7 @@ Result<bool> Control::keep_pinned() {
                         {state_->deadman.get(), state_->deadman_pin()},
                         {state_->events.get(), state_->directory + "/events"}};
   if (state_->grace_note) pins.push_back({state_->grace_note.get(), grace_pin(state_->directory)});
+  if (state_->until) pins.push_back({state_->until.get(), until_pin(state_->directory)});
   const auto again = enforce::keep_pinned(pins);
   if (!again) return std::unexpected(again.error());
   return !again->empty();
@@ -381,6 +405,10 @@ Result<void> Control::State::load_programs(const Fd& timer) {
   if (timer)
     if (const int error = bpf_map__reuse_fd(made->maps.deadman, timer.get()); error != 0)
       return complaints.error("dead-man: take over the timer", error);
+  Fd limit = directory.empty() ? Fd() : open_until(directory);
+  if (limit)
+    if (const int error = bpf_map__reuse_fd(made->maps.until, limit.get()); error != 0)
+      return complaints.error("dead-man: take over until when the gates may be open", error);
   if (const int error = deadman_bpf__load(made.get()); error != 0)
     return complaints.error("load the dead-man program", error);
   // The first that this process loads: later ones rely on what libbpf has found out for it.
@@ -388,6 +416,25 @@ Result<void> Control::State::load_programs(const Fd& timer) {
   if (auto probed = probed_without_failure(made->maps.data_control, program); !probed)
     return probed;
   object = std::move(made);
+  until = std::move(limit);
+  return {};
+}
+
+/// Its map is made with the programs, and pinned when it first says something.
+Result<void> Control::State::note_until(std::uint64_t ns) {
+  if (auto loaded = load_programs(); !loaded) return loaded;
+  const auto tick = kernel_tick();
+  if (!tick) return std::unexpected(tick.error());
+  const int limit = bpf_map__fd(object->maps.until);
+  const gate_until value{.until = ns, .tick = *tick};
+  const std::uint32_t key = 0;
+  if (bpf_map_update_elem(limit, &key, &value, BPF_ANY) != 0)
+    return failure("set until when the gates may be open", errno);
+  if (until || directory.empty()) return {};
+  if (auto pinned = pin_instead(limit, until_pin(directory)); !pinned)
+    return std::unexpected(pinned.error());
+  until = Fd(::fcntl(limit, F_DUPFD_CLOEXEC, 0));  // NOLINT(*-vararg)
+  if (!until) return failure("keep until when the gates may be open", errno);
   return {};
 }
 

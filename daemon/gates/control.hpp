@@ -91,6 +91,13 @@ class Control {
   Result<bool> keep_grace();
   [[nodiscard]] std::uint64_t grace() const;
 
+  /// Until when the gates may be open at the most, whatever heart-beats come: CLOCK_MONOTONIC, ns;
+  /// 0: as long as they come, which is so where nothing was set. They close up to two ticks of the
+  /// kernel's clock before that. An earlier one than before holds at once, a later one from the
+  /// next beat on. It is pinned, and holds for the next daemon until that sets another one.
+  Result<void> set_until(std::uint64_t until);
+  [[nodiscard]] std::uint64_t until() const;
+
   /// Starts the kernel timer; beat() first. Harmless when it runs: it then calls the new program.
   Result<void> arm();
 

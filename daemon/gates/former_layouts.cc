@@ -43,7 +43,7 @@ Result<void> close_former_layouts(const std::string& root) {
     if (!name.starts_with("v") || name == ours) continue;
     const std::string pins = (std::filesystem::path(root) / name).string();
     if (const Fd word = open_pin(pins + "/control"); word) close_word(word.get());
-    for (const char* pin : {"/control", "/deadman", "/events"}) remove_pin(pins + pin);
+    for (const char* pin : {"/control", "/deadman", "/events", "/until"}) remove_pin(pins + pin);
   }
   return {};
 }

@@ -37,6 +37,10 @@ class GateControl {
   /// How long verdicts outlive the daemon, ns.
   virtual Result<void> set_grace(std::uint64_t grace) = 0;
   [[nodiscard]] virtual std::uint64_t grace() const = 0;
+  /// The gates close at that time at the latest, whatever heart-beats come: CLOCK_MONOTONIC, ns; 0:
+  /// as long as they come. See enforce::Control::set_until().
+  virtual Result<void> set_until(std::uint64_t until) = 0;
+  [[nodiscard]] virtual std::uint64_t until() const = 0;
   /// A heart-beat, due every beat_interval(). `now`: CLOCK_MONOTONIC, ns.
   virtual Result<void> beat(std::uint64_t now) = 0;
   [[nodiscard]] virtual std::uint64_t beat_interval() const = 0;

@@ -26,6 +26,8 @@ class KernelGateControl final : public GateControl {
   [[nodiscard]] enforce::Mode mode() const override { return control_.mode(); }
   Result<void> set_grace(std::uint64_t grace) override { return control_.set_grace(grace); }
   [[nodiscard]] std::uint64_t grace() const override { return control_.grace(); }
+  Result<void> set_until(std::uint64_t until) override { return control_.set_until(until); }
+  [[nodiscard]] std::uint64_t until() const override { return control_.until(); }
   Result<void> beat(std::uint64_t now) override { return control_.beat(now); }
   [[nodiscard]] std::uint64_t beat_interval() const override { return control_.beat_interval(); }
   [[nodiscard]] bool lapsed() const override { return control_.lapsed(); }

@@ -3,8 +3,10 @@
 // pinned.
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <filesystem>
 
+#include "base/clock.hpp"
 #include "tests/daemon/gates/attach_fixture.hpp"
 #include "tests/support/becomes.hpp"
 
@@ -106,6 +108,65 @@ TEST_P(Attach, GraceInTicksIsNeverShorter) {
   }
   ASSERT_TRUE(control_.set_grace(kForEver));
   EXPECT_EQ(word[0].grace_ticks, kForEver);
+}
+
+constexpr std::uint64_t kHour = 3'600'000'000'000;
+
+/// ns that the gates stay open without another heart-beat.
+std::uint64_t left(const Control& control) {
+  return time_left(control.map_fd()).value_or(kForEver);
+}
+
+TEST_P(Attach, StaysOpenNoLongerThanItMay) {
+  const auto now = monotonic_ns();
+  ASSERT_TRUE(control_.set_until(now + kHour));
+  EXPECT_EQ(control_.until(), now + kHour);
+  EXPECT_LE(left(control_), kHour) << "at once";
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(control_.beat(0));
+    EXPECT_LE(left(control_), now + kHour - monotonic_ns() + kHour / 1000);
+  }
+  ASSERT_TRUE(control_.set_until(now + kHour / 2));
+  EXPECT_LE(left(control_), kHour / 2) << "an earlier end holds at once";
+  ASSERT_TRUE(control_.set_until(0));
+  ASSERT_TRUE(control_.beat(0));
+  EXPECT_GT(left(control_), kHour) << "the fixture's grace has no end";
+}
+
+TEST_P(Attach, ClosesWhenItsTimeIsOverWhateverBeatsCome) {
+  const Bus bus("bus0");
+  auto gate = attach(bus);
+  admit(gate, {in(0x123)});
+  bus.inject(frame(0x123));
+  expect_passed(gate, in(0x123), 1);
+  ASSERT_TRUE(control_.set_until(1));
+  EXPECT_TRUE(closes(bus, gate));
+  ASSERT_TRUE(control_.beat(0));
+  EXPECT_TRUE(control_.lapsed()) << "it is a silence like another one";
+  ASSERT_TRUE(control_.clear_lapse(0));
+  EXPECT_EQ(left(control_), 0U) << "nothing opens before a later end is set";
+  EXPECT_TRUE(closes(bus, gate));
+  ASSERT_TRUE(control_.set_until(monotonic_ns() + kHour));
+  ASSERT_TRUE(control_.beat(0));
+  ASSERT_TRUE(control_.clear_lapse(0));
+  EXPECT_GT(left(control_), 0U);
+}
+
+TEST_P(Attach, TheNextDaemonKeepsHowLongTheGatesMayBeOpen) {
+  const auto is_pinned = [&] { return std::filesystem::exists(control_.directory() + "/until"); };
+  EXPECT_FALSE(is_pinned()) << "nobody has set anything";
+  ASSERT_TRUE(control_.set_until(0));
+  EXPECT_FALSE(is_pinned());
+  const auto end = monotonic_ns() + kHour;
+  ASSERT_TRUE(control_.set_until(end));
+  EXPECT_TRUE(is_pinned());
+  Control next = create(root_);
+  EXPECT_EQ(next.until(), end);
+  ASSERT_TRUE(next.beat(0));
+  EXPECT_LE(left(next), kHour);
+  ASSERT_TRUE(next.set_until(1));
+  EXPECT_EQ(left(next), 0U);
+  EXPECT_EQ(control_.until(), 1U) << "they are one";
 }
 
 }  // namespace

@@ -41,8 +41,11 @@ void FakeKernel::unplug(const std::string& name) {
   interfaces.erase(found);
 }
 
-void FakeKernel::advance_to(std::uint64_t now) {
-  if (lapsed || !open || now < beaten || now - beaten <= grace) return;
+void FakeKernel::advance_to(std::uint64_t to) {
+  now = to;
+  const bool silent = now >= beaten && now - beaten > grace;
+  const bool over = until != 0 && now >= until;
+  if (lapsed || !open || (!silent && !over)) return;
   lapsed = true;
   ++lapses;
 }
@@ -66,6 +69,11 @@ void FakeControl::close_all() {
 Result<void> FakeControl::set_grace(std::uint64_t grace) {
   if (auto done = kernel_.calls.make("grace"); !done) return done;
   kernel_.grace = grace;
+  return {};
+}
+Result<void> FakeControl::set_until(std::uint64_t until) {
+  if (auto done = kernel_.calls.make("set until"); !done) return done;
+  kernel_.until = until;
   return {};
 }
 Result<void> FakeControl::beat(std::uint64_t now) {

@@ -75,6 +75,8 @@ struct FakeKernel {
   std::uint64_t lapses = 0;
   std::uint64_t grace = 0;
   std::uint64_t beaten = 0;  ///< CLOCK_MONOTONIC of the latest heart-beat
+  std::uint64_t until = 0;   ///< when the gates close, whatever heart-beats come; 0: never
+  std::uint64_t now = 0;     ///< as of advance_to()
   enforce::Mode mode = enforce::Mode::enforce;
   std::vector<std::string> order;  ///< what was done, for tests of the order
   int next_ifindex = 1;
@@ -82,8 +84,8 @@ struct FakeKernel {
   void plug(const std::string& name);
   void unplug(const std::string& name);
   /// The timer of the kernel: closes the gates when no heart-beat was given for the grace.
-  void advance_to(std::uint64_t now);
-  [[nodiscard]] bool passes() const { return open && !lapsed; }
+  void advance_to(std::uint64_t to);
+  [[nodiscard]] bool passes() const { return open && !lapsed && (until == 0 || now < until); }
   [[nodiscard]] const FakeInterface* interface(int ifindex) const;
 };
 
@@ -105,6 +107,8 @@ class FakeControl final : public GateControl {
   [[nodiscard]] enforce::Mode mode() const override { return kernel_.mode; }
   Result<void> set_grace(std::uint64_t grace) override;
   [[nodiscard]] std::uint64_t grace() const override { return kernel_.grace; }
+  Result<void> set_until(std::uint64_t until) override;
+  [[nodiscard]] std::uint64_t until() const override { return kernel_.until; }
   Result<void> beat(std::uint64_t now) override;
   [[nodiscard]] std::uint64_t beat_interval() const override { return 1'000'000'000; }
   [[nodiscard]] bool lapsed() const override { return kernel_.lapsed; }
