@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/early_closing.hpp"
 
+#include <fmt/core.h>
 #include <net/if.h>
 #include <sys/fsuid.h>
 #include <sys/stat.h>
@@ -11,17 +12,18 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
-#include <optional>
-#include <sstream>
 #include <string>
+#include <vector>
 
 #include "daemon/gates/interfaces.hpp"
+#include "daemon/interface_files.hpp"
 #include "daemon/manager.hpp"
 
 namespace mlcca {
 namespace {
 
 constexpr int kFailed = 1;
+constexpr int kBadInput = 2;
 constexpr int kTries = 3;
 constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 250'000'000};
 
@@ -58,44 +60,58 @@ bool close_one(const std::string& name, const std::string& root) {
   return true;
 }
 
-/// What udev has read from gate.conf is one text.
-bool is_meant(const std::string& name, const std::optional<std::string>& among) {
-  if (!among) return true;
-  std::istringstream list(*among);
-  for (std::string one; list >> one;)
-    if (one == name) return true;
-  return false;
-}
-
-int close_all(const Options& options) {
+int close_all(const std::vector<std::string>& names, const std::string& root) {
   int status = 0;
-  pin_as_owner_of(options.bpf_root);
-  for (const std::string& name : options.close)
-    if (!name.empty() && is_meant(name, options.among) && !close_one(name, options.bpf_root))
-      status = kFailed;
+  pin_as_owner_of(root);
+  for (const std::string& name : names)
+    if (!close_one(name, root)) status = kFailed;
   return status;
 }
 
 /// In a process of its own: libbpf keeps for the life of a process that a probe of the kernel has
 /// failed once.
-int close_all_apart(const Options& options) {
+int close_all_apart(const std::vector<std::string>& names, const std::string& root) {
   const pid_t child = ::fork();
-  if (child < 0) return close_all(options);
-  if (child == 0) std::_Exit(close_all(options));
+  if (child < 0) return close_all(names, root);
+  if (child == 0) std::_Exit(close_all(names, root));
   int status = 0;
   while (::waitpid(child, &status, 0) < 0)
     if (errno != EINTR) return kFailed;
   return WIFEXITED(status) ? WEXITSTATUS(status) : kFailed;
 }
 
-}  // namespace
-
-int close_early(const Options& options) {
+int close_with_patience(const std::vector<std::string>& names, const std::string& root) {
   for (int tries = 1;; ++tries) {
-    const int status = close_all_apart(options);
+    const int status = close_all_apart(names, root);
     if (status == 0 || tries == kTries) return status;
     ::nanosleep(&kPause, nullptr);
   }
+}
+
+/// Where a file has a mistake it is not known which are named: then all that were asked for are.
+std::vector<std::string> meant(const Options& options, const InterfaceFiles& files) {
+  std::vector<std::string> names = options.close;
+  if (!options.named_in) return names;
+  if (names.empty())
+    for (const auto& one : files.named) names.push_back(one.name);
+  else if (files.mistakes.empty())
+    std::erase_if(names, [&files](const std::string& name) { return !files.names(name); });
+  return names;
+}
+
+}  // namespace
+
+int close_early(const Options& options) {
+  InterfaceFiles files;
+  if (options.named_in) files = read_interface_files(*options.named_in);
+  for (const std::string& mistake : files.mistakes) write_at_once(STDERR_FILENO, mistake + '\n');
+  const int wrong = files.mistakes.empty() ? 0 : kBadInput;
+  if (options.check_only) {
+    for (const auto& one : files.named) fmt::print("{}: {}\n", one.place, one.name);
+    return wrong;
+  }
+  const int status = close_with_patience(meant(options, files), options.bpf_root);
+  return status != 0 ? status : wrong;
 }
 
 }  // namespace mlcca

@@ -276,7 +276,7 @@ int main(int argc, char** argv) {
   ::umask(S_IRWXG | S_IRWXO);  // what it makes is for its user only, unless stated otherwise
   const Parsed parsed = parse_options(argc, argv);
   if (parsed.exit) return parsed.status;
-  if (parsed.options.check_only) return check_description(parsed.options);
   if (parsed.options.close_mode) return close_early(parsed.options);
+  if (parsed.options.check_only) return check_description(parsed.options);
   return run(parsed.options);
 }

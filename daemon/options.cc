@@ -77,11 +77,13 @@ Parsed parse_options(int argc, char** argv) {
                      "close these interfaces in the kernel and exit; one that does not exist "
                      "is left to the udev rule")
           ->expected(0, 64);
-  app.add_option("--among", o.among,
-                 "with --close: leave those alone that this list does not name (names between "
-                 "spaces)")
+  app.add_option("--named-in", o.named_in,
+                 "with --close: the interfaces that gate.conf and conf.d/*.conf of this directory "
+                 "name; of those behind --close, the others are left alone")
       ->needs(close);
-  app.add_flag("--check", o.check_only, "read the description, say what is wrong, and exit");
+  app.add_flag("--check", o.check_only,
+               "read the description, say what is wrong, and exit; with --close: read the files of "
+               "--named-in, say what they name and what is wrong, and exit");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -92,6 +94,7 @@ Parsed parse_options(int argc, char** argv) {
   if (const auto ns = parse_time(start_limit)) o.start_limit_ns = *ns;
   if (const auto ns = parse_time(read_limit)) o.read_limit_ns = *ns;
   o.close_mode = close->count() > 0;
+  std::erase(o.close, "");  // what CLI11 makes of none
   return parsed;
 }
 

@@ -25,8 +25,9 @@ struct Options {
   std::uint64_t read_limit_ns = 60'000'000'000;
   std::vector<std::string> close;  ///< close these interfaces and exit
   bool close_mode = false;
-  std::optional<std::string> among;  ///< close only those that it names, between spaces
-  bool check_only = false;           ///< read the description, say what is wrong, exit
+  /// Where gate.conf and conf.d name the interfaces that are meant.
+  std::optional<std::string> named_in;
+  bool check_only = false;  ///< read the description, say what is wrong, exit
 };
 
 /// Result of reading the command line: go on, or exit with the status.

@@ -9,7 +9,7 @@ MAKE_UNIT = sed -e 's|@sbindir@|$(PREFIX)/sbin|g' -e 's|@bindir@|$(PREFIX)/bin|g
 install-systemd:
 	$(call say,INSTALL,units, udev rule, sysusers, tmpfiles)
 	$(Q)install -d $(DESTDIR)$(UNITDIR) $(DESTDIR)$(UDEVDIR) $(DESTDIR)$(SYSUSERSDIR) \
-		$(DESTDIR)$(TMPFILESDIR) $(DESTDIR)/etc/mlcca
+		$(DESTDIR)$(TMPFILESDIR) $(DESTDIR)/etc/mlcca/conf.d
 	$(Q)install -m 644 systemd/mlccad.socket systemd/run-mlcca-bpf.mount \
 		systemd/mlcca-awds@.socket systemd/mlcca-exporter.socket systemd/mlcca-sources.socket $(DESTDIR)$(UNITDIR)
 	$(Q)$(MAKE_UNIT) systemd/mlccad.service.in > $(DESTDIR)$(UNITDIR)/mlccad.service
@@ -24,6 +24,7 @@ install-systemd:
 	$(Q)install -m 644 systemd/mlcca.tmpfiles $(DESTDIR)$(TMPFILESDIR)/mlcca.conf
 	$(Q)for f in gate.conf mlccad.conf famouso.conf; do \
 		[ -e $(DESTDIR)/etc/mlcca/$$f ] || install -m 644 systemd/$$f $(DESTDIR)/etc/mlcca/$$f; done
+	$(Q)install -m 644 systemd/conf.d.README $(DESTDIR)/etc/mlcca/conf.d/README
 install-programs: $(PROGRAMS)
 	$(call say,INSTALL,$(PREFIX)/sbin/mlccad $(PREFIX)/bin/mlccactl)
 	$(Q)install -d $(addprefix $(DESTDIR)$(PREFIX)/,sbin bin libexec/mlcca)

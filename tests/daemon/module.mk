@@ -1,1 +1,2 @@
 $(eval $(call unit_test,manager_test,tests/daemon/manager_test.cc,$O/daemon/manager.o,))
+$(eval $(call unit_test,interface_files_test,tests/daemon/interface_files_test.cc,$O/daemon/interface_files.o,-lfmt))

@@ -293,6 +293,77 @@ TEST_F(StartTest, ClosesEveryInterfaceWithoutAReaderOfItsOutput) {
   EXPECT_EQ(closing.end(), 0);
 }
 
+/// lan0 is named in gate.conf, lan1 in conf.d, lan2 nowhere. They may have a gate of an earlier
+/// test.
+class NamedInterfaces {
+ public:
+  explicit NamedInterfaces(const Gateway& gateway) : gateway_(gateway) {
+    std::filesystem::create_directories(gateway_.path("etc/conf.d"));
+    std::ofstream(gateway_.path("etc/gate.conf")) << "MLCCA_INTERFACES=lan0\n";
+    std::ofstream(gateway_.path("etc/conf.d/10.conf")) << "MLCCA_INTERFACES=lan1\n";
+  }
+  void make_a_mistake() const {
+    std::ofstream(gateway_.path("etc/conf.d/05.conf")) << "\nMLCCA_INTERFACE=lan3\n";
+  }
+  /// The exit status; what it says is the log.
+  [[nodiscard]] int close(std::vector<std::string> more) const {
+    std::filesystem::remove(gateway_.path("log"));
+    more.insert(more.begin(), {"--named-in", gateway_.path("etc"), "--close"});
+    return Process(gateway_.command(std::move(more)), gateway_.path("log")).end();
+  }
+  /// Of lan0, lan1 and lan2 those that have a gate now, by what it says.
+  [[nodiscard]] std::set<std::string> closed() const {
+    std::set<std::string> names;
+    for (const char* name : {"lan0", "lan1", "lan2"})
+      if (says(std::string(name) + ": closed\n") ||
+          says(std::string(name) + ": has a gate already"))
+        names.insert(name);
+    return names;
+  }
+  [[nodiscard]] bool says(const std::string& words) const {
+    return gateway_.log().find(words) != std::string::npos;
+  }
+
+ private:
+  const Gateway& gateway_;
+};
+using Names = std::set<std::string>;
+
+TEST_F(StartTest, ClosesTheInterfacesThatAreNamed) {
+  const NamedInterfaces interfaces(gateway_);
+  EXPECT_EQ(interfaces.close({}), 0);
+  EXPECT_EQ(interfaces.closed(), (Names{"lan0", "lan1"}));
+}
+
+TEST_F(StartTest, ClosesOneThatAppearsWhereItIsNamed) {
+  const NamedInterfaces interfaces(gateway_);
+  EXPECT_EQ(interfaces.close({"lan2"}), 0);
+  EXPECT_EQ(gateway_.log(), "");
+  EXPECT_EQ(interfaces.close({"lan1"}), 0);
+  EXPECT_EQ(interfaces.closed(), (Names{"lan1"}));
+}
+
+TEST_F(StartTest, WithAMistakeClosesTheOthersAndWhatAppearsCountsAsNamed) {
+  const NamedInterfaces interfaces(gateway_);
+  interfaces.make_a_mistake();
+  EXPECT_EQ(interfaces.close({}), 2);
+  EXPECT_TRUE(interfaces.says(gateway_.path("etc/conf.d/05.conf:2: "))) << gateway_.log();
+  EXPECT_EQ(interfaces.closed(), (Names{"lan0", "lan1"}));
+  EXPECT_EQ(interfaces.close({"lan2"}), 2);
+  EXPECT_EQ(interfaces.closed(), (Names{"lan2"}));
+}
+
+TEST_F(StartTest, ListsTheInterfacesThatAreNamedWithoutClosingAny) {
+  const NamedInterfaces interfaces(gateway_);
+  EXPECT_EQ(interfaces.close({"--check"}), 0);
+  EXPECT_EQ(gateway_.log(), gateway_.path("etc/gate.conf:1: lan0\n") +
+                                gateway_.path("etc/conf.d/10.conf:1: lan1\n"));
+  interfaces.make_a_mistake();
+  EXPECT_EQ(interfaces.close({"--check"}), 2);
+  EXPECT_TRUE(interfaces.says("'MLCCA_INTERFACE' is no setting")) << gateway_.log();
+  EXPECT_EQ(interfaces.closed(), Names{});
+}
+
 TEST_F(StartTest, TheReaderOfUntrustedInputEndsWithoutAReaderOfItsOutput) {
   Process reader({"mlcca-sources"}, gateway_.path("log"), Readers::none);
   EXPECT_TRUE(reader.ends());
