@@ -3,11 +3,12 @@
 // it is refused.
 import { svg } from "./dom.js";
 import { count, many, percent } from "./format.js";
-import { inColumns, inTree, kHeight } from "./layout.js";
+import { inColumns, inTree, kHeight, kWidth } from "./layout.js";
 import { lastHop } from "./model.js";
 
 const kEdge = 14; // of a box
 const kLine = 16; // height of a line of a label
+const kWidest = 340; // of a box in a row: longer texts are cut, and its title has them
 
 let pen; // measures texts
 function widthOf(text, font = "13px") {
@@ -90,11 +91,23 @@ function label(e, layout, room) {
   return group;
 }
 
+const fontOfNote = (p) => p.ill ? "600 13px" : "13px";
+/** So wide is a box in which nothing is cut. */
+const needs = (p) => 2 * kEdge + 1 + Math.max(widthOf(called(p), "600 15px"), widthOf(p.subtitle), widthOf(p.note, fontOfNote(p)));
+/** In columns that are as wide as texts need where there is room for it. */
+function asWide(columns, edges, available) {
+  const most = Math.min(kWidest, Math.max(kWidth, ...columns.flat().map((p) => Math.ceil(needs(p)))));
+  const narrow = inColumns(columns, edges, kWidth);
+  const more = Math.floor((available - 12 - narrow.width) / Math.max(1, columns.length));
+  return more > 0 && most > kWidth ? inColumns(columns, edges, Math.min(most, kWidth + more)) : narrow;
+}
+
 function box(p, at, choose) {
   const { x, y, width } = at.get(p.name);
   const room = width - 2 * kEdge;
   const loaded = p.load !== null && p.load !== undefined;
-  const full = `${called(p)}: ${p.subtitle}${p.note ? `. ${p.note}` : ""}${loaded ? `, ${percent(p.load)} reserved` : ""}`;
+  const full = `${called(p)}: ${p.subtitle}${p.note ? `. ${p.note}` : ""}${loaded ? `, ${percent(p.load)} reserved` : ""}${
+    loaded && p.used ? `, ${percent(p.used.part)} used` : ""}`;
   const node = svg("g", { class: `place ${p.gateway ? "gateway" : ""} ${p.ill ? "ill" : ""}`, tabindex: 0, role: "button",
     "data-place": p.name, transform: `translate(${x} ${y})`, onclick: () => choose(p.name),
     onkeydown: (e) => { if (e.key === "Enter" || e.key === " ") { e.preventDefault(); choose(p.name); } } },
@@ -102,11 +115,13 @@ function box(p, at, choose) {
   svg("rect", { width, height: kHeight, rx: p.gateway ? 20 : 6 }),
   svg("text", { x: kEdge, y: 27, class: "name" }, clipped(called(p), room, "600 15px")),
   svg("text", { x: kEdge, y: 47, class: "quiet" }, clipped(p.subtitle, room)),
-  svg("text", { x: kEdge, y: 65, class: p.ill ? "bad" : "quiet" }, clipped(p.note, room, p.ill ? "600 13px" : "13px")));
+  svg("text", { x: kEdge, y: 65, class: p.ill ? "bad" : "quiet" }, clipped(p.note, room, fontOfNote(p))));
   if (loaded)
     node.append(svg("rect", { class: "bar", x: kEdge, y: 76, width: room, height: 5, rx: 2.5 }),
       svg("rect", { class: p.load > 0.9 ? "bar full" : "bar used", x: kEdge, y: 76, height: 5, rx: 2.5,
         width: p.load ? Math.max(2, Math.min(1, p.load) * room) : 0 }));
+  if (loaded && p.used?.part)
+    node.append(svg("rect", { class: "bar now", x: kEdge, y: 83, height: 3, rx: 1.5, width: Math.max(2, Math.min(1, p.used.part) * room) }));
   return node;
 }
 
@@ -136,7 +151,7 @@ function way(c, layout) {
 /** `chosen`: the channel whose way is shown, or none. */
 export function draw(graph, chosen, available, choose) {
   const edges = graph.edges.filter((e) => graph.places.has(e.a) && graph.places.has(e.b));
-  const columns = inColumns(graph.columns, edges);
+  const columns = asWide(graph.columns, edges, available);
   const wide = columns.width <= available + 60;
   const layout = wide ? columns : inTree(graph.columns, edges, available);
   const image = svg("svg", { viewBox: `-6 -6 ${layout.width + 12} ${layout.height + 12}`, class: "drawing", role: "group",

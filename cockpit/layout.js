@@ -5,8 +5,8 @@ export const kWidth = 190, kHeight = 92;
 const kGap = 110, kRow = 26, kCrowd = 40; // between columns, places of a column, and more where many lines are
 const kAbove = 34, kLane = 18; // in a tree: room above each place for its label, and between lines beside it
 
-/** From left to right. What is joined is in neighbouring columns: lines need the gaps between them only. */
-export function inColumns(columns, edges) {
+/** From left to right, each of one width. What is joined is in neighbouring columns: lines need the gaps between them only. */
+export function inColumns(columns, edges, own) {
   const at = new Map();
   const most = Math.max(1, ...columns.map((c) => c.length));
   const column = new Map(columns.flatMap((places, i) => places.map((p) => [p.name, i])));
@@ -14,20 +14,20 @@ export function inColumns(columns, edges) {
   for (const { a, b } of edges) crowd[Math.min(column.get(a), column.get(b))] += 1;
   let x = 0;
   columns.forEach((places, i) => {
-    places.forEach((p, j) => at.set(p.name, { x, y: (j + (most - places.length) / 2) * (kHeight + kRow), width: kWidth }));
-    if (i + 1 < columns.length) x += kWidth + kGap + Math.min(6, Math.max(0, crowd[i] - 2)) * kCrowd;
+    places.forEach((p, j) => at.set(p.name, { x, y: (j + (most - places.length) / 2) * (kHeight + kRow), width: own }));
+    if (i + 1 < columns.length) x += own + kGap + Math.min(6, Math.max(0, crowd[i] - 2)) * kCrowd;
   });
   const line = (a, b) => {
     const [p, q] = [at.get(a), at.get(b)];
     const right = q.x > p.x;
-    return [[right ? p.x + kWidth : p.x, p.y + kHeight / 2], [right ? q.x : q.x + kWidth, q.y + kHeight / 2]];
+    return [[right ? p.x + own : p.x, p.y + kHeight / 2], [right ? q.x : q.x + own, q.y + kHeight / 2]];
   };
   // Lines cross in the middle of a gap: a label that has no room there is put nearer to an end.
   const labels = (a, b) => {
     const [[x1, y1], [x2, y2]] = line(a, b);
     return [.5, .4, .6, .3, .7, .25, .75, .45, .55, .35, .65].map((t) => ({ x: x1 + (x2 - x1) * t, y: y1 + (y2 - y1) * t, anchor: "middle" }));
   };
-  return { at, line, labels, stacked: true, width: x + kWidth, height: most * (kHeight + kRow) - kRow };
+  return { at, line, labels, stacked: true, width: x + own, height: most * (kHeight + kRow) - kRow };
 }
 
 /** Each place behind the one that it is reached from, with those behind it in a row: [place, depth, from]. */

@@ -8,14 +8,15 @@ import { by, h, svg } from "./dom.js";
 import { draw } from "./drawing.js";
 import { count, many, moment, percent } from "./format.js";
 import { List } from "./list.js";
-import { graphOf, key, kStates, sorted } from "./model.js";
+import { Counted, graphOf, key, kStates, sorted, used } from "./model.js";
 
 const kFindings = 200; // that are shown
 const kEntries = 200; // of the history that are shown, and that are asked for where nothing is searched
 const kSearched = 10000; // that are asked for else: as many as mlccactl gives
-const kSamples = 240; // of what is reserved, for as long as the page is open
+const kSamples = 240; // of what is reserved and used, for as long as the page is open
 const kLoud = ["withdrawn", "refused", "missing", "lapsed", "drift", "bypass", "mode", "trouble"];
-const now = { status: null, networks: [], channels: [], reservations: [], routes: { links: [] }, history: [], audit: null, live: false, taken: 0 };
+const now = { status: null, networks: [], channels: [], reservations: [], routes: { links: [] }, history: [], audit: null, live: false, taken: 0,
+  counted: new Counted() };
 const samples = new Map();
 let chosen = null; // key of the channel whose detail is open
 let opened = null; // what had the focus before
@@ -131,13 +132,25 @@ function channelsPanel() {
     h("span", { id: "shown", class: "quiet", role: "status" })), list.element];
 }
 
+/** Reserved, and where it is known, used. */
 function spark(points) {
   const width = 240, height = 36;
   const first = points[0].at, span = Math.max(1, points.at(-1).at - first);
-  const path = points.map((p) => `${((p.at - first) / span * width).toFixed(1)},${(height - 2 - Math.min(1, p.part) * (height - 4)).toFixed(1)}`);
+  const line = (of, what) => {
+    const path = of.map((p) => `${((p.at - first) / span * width).toFixed(1)},${(height - 2 - Math.min(1, p[what]) * (height - 4)).toFixed(1)}`);
+    return svg("polyline", { class: what, points: of.length > 1 ? path.join(" ") : `0,${path[0].split(",")[1]} ${width},${path[0].split(",")[1]}` });
+  };
+  const known = points.filter((p) => p.used !== null);
+  const said = (of, what, word) => `${word} from ${percent(of[0][what])} to ${percent(of.at(-1)[what])}`;
   return svg("svg", { viewBox: `0 0 ${width} ${height}`, class: "spark", role: "img", preserveAspectRatio: "none",
-    "aria-label": `from ${percent(points[0].part)} to ${percent(points.at(-1).part)} since the page was opened` },
-  svg("polyline", { points: points.length > 1 ? path.join(" ") : `0,${path[0].split(",")[1]} ${width},${path[0].split(",")[1]}` }));
+    "aria-label": `${said(points, "part", "reserved")}${known.length ? `, ${said(known, "used", "used")}` : ""} since the page was opened` },
+  line(points, "part"), known.length ? line(known, "used") : null);
+}
+/** What is not counted: events that do not come in here by a gate, and those without a Period. */
+function usedWords(resource) {
+  const now_ = used(resource, now.counted);
+  if (!now_) return resource.reservations.length ? "; no event of these is counted here" : "";
+  return `; ${percent(now_.part)} used${now_.measured < now_.of ? ` by the ${count(now_.measured)} of ${many(now_.of, "reservation")} whose events are counted here` : ""}`;
 }
 function reservedPanel() {
   const known = now.reservations.filter((r) => r.capacity);
@@ -150,7 +163,7 @@ function reservedPanel() {
     meter.children[1].style.width = `${Math.min(1 - Math.min(1, part), taken) * 100}%`;
     const top = [...r.reservations].sort((a, b) => b.amount - a.amount);
     return h("li", {}, h("h3", {}, r.name, h("span", { class: "quiet" }, ` ${r.kind}`)), meter,
-      h("p", {}, `${percent(part)} reserved${taken ? `, ${percent(taken)} taken by others` : ""}`), spark(samples.get(`${r.kind} ${r.name}`)),
+      h("p", {}, `${percent(part)} reserved${taken ? `, ${percent(taken)} taken by others` : ""}${usedWords(r)}`), spark(samples.get(`${r.kind} ${r.name}`)),
       top.length ? h("details", {}, h("summary", {}, many(top.length, "reservation")), h("ol", {}, top.slice(0, 50).map((one) =>
         h("li", {}, `${one.channel} of ${one.publisher}: ${percent(one.amount / r.capacity)}`))),
       top.length > 50 ? h("p", { class: "quiet" }, `and ${count(top.length - 50)} smaller ones`) : "") : null);
@@ -260,10 +273,11 @@ async function refresh() {
     now.history = parts[4].entries;
     now.audit = parts[5];
     now.taken = taken;
+    now.counted.take(now.channels, taken);
     for (const r of now.reservations) if (r.capacity) {
       const name = `${r.kind} ${r.name}`;
       const line = samples.get(name) ?? [];
-      samples.set(name, [...line, { at: Date.now(), part: r.reserved / r.capacity }].slice(-kSamples));
+      samples.set(name, [...line, { at: Date.now(), part: r.reserved / r.capacity, used: used(r, now.counted)?.part ?? null }].slice(-kSamples));
     }
     showHealth();
     showMap();

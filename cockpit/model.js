@@ -35,6 +35,54 @@ export function load(name, resources) {
   return most;
 }
 
+const kSettled = 1e9; // ns: between two answers, as many events as come in no time say nothing
+
+/** How often the events of each publisher come: between the last two answers, or before there are two, since it is let in. */
+export class Counted {
+  #taken = 0;
+  #events = new Map();
+  #share = new Map(); // of the rate that its Period allows
+
+  take(channels, taken) {
+    const seconds = (taken - this.#taken) / 1e9;
+    if (taken - this.#taken < kSettled) return;
+    const events = new Map();
+    const share = new Map();
+    for (const c of channels) {
+      const w = c.watch;
+      const name = `${c.name}\n${c.publisher}`;
+      if (!c.granted || !w || w.shared || events.has(name)) continue; // another delivery of the same events
+      const before = this.#events.get(name);
+      const hertz = before !== undefined && before <= w.events ? (w.events - before) / seconds : (w.rate_mhz ?? 0) / 1000;
+      events.set(name, w.events);
+      share.set(name, hertz * w.period_ns / 1e9);
+    }
+    this.#taken = taken;
+    this.#events = events;
+    this.#share = share;
+  }
+  /** Nothing: its events are not counted. */
+  share(channel, publisher) { return this.#share.get(`${channel}\n${publisher}`); }
+}
+
+/** The part of a resource that is used now, of so many reservations as are measured; null: of none. */
+export function used(resource, counted) {
+  let [amount, measured] = [0, 0];
+  for (const r of resource.reservations) {
+    const share = counted.share(r.channel, r.publisher);
+    if (share === undefined) continue;
+    amount += r.amount * share;
+    measured += 1;
+  }
+  return measured && resource.capacity ? { part: amount / resource.capacity, measured, of: resource.reservations.length } : null;
+}
+
+/** Of the resources of a place the one of which most is used; null: of none it is known. */
+function mostUsed(name, resources, counted) {
+  const all = resources.filter((r) => r.name === name || r.name.startsWith(`${name}: `)).map((r) => used(r, counted)).filter(Boolean);
+  return all.reduce((most, one) => !most || one.part > most.part ? one : most, null);
+}
+
 /**
  * The last place of the route that its events reach. Of a refused channel that is the one before the first hop that
  * does not fit; where no single hop is to blame, or the channel is withdrawn, it does not leave where it begins.
@@ -46,7 +94,7 @@ export function lastHop(c) {
 }
 
 /** Places and what joins them, as they are now, with the channels that go from one to the next. */
-export function graphOf({ status, networks, channels, reservations, routes }) {
+export function graphOf({ status, networks, channels, reservations, routes, counted }) {
   const places = new Map();
   const place = (name, gateway) => {
     if (!places.has(name)) places.set(name, { name, gateway, next: new Set(), order: 0 });
@@ -58,6 +106,7 @@ export function graphOf({ status, networks, channels, reservations, routes }) {
     here.interfaces = status.interfaces.filter((i) => i.network === n.name);
     here.links = routes.links.filter((l) => l.network === n.name);
     here.load = load(n.name, reservations);
+    here.used = mostUsed(n.name, reservations, counted);
     for (const g of n.gateways) {
       const gateway = place(g, true);
       gateway.next.add(n.name);
@@ -68,6 +117,7 @@ export function graphOf({ status, networks, channels, reservations, routes }) {
     if (p.gateway) {
       p.own = p.name === status.gateway;
       p.load = load(p.name, reservations);
+      p.used = mostUsed(p.name, reservations, counted);
     }
     Object.assign(p, inWords(p));
   }
