@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstddef>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -104,32 +107,103 @@ class New {
     Terminal::say(a_.file + ": a new system. An empty answer takes what stands in brackets.");
     return question("Gateway, the computer between the networks [gateway]: ", "gateway",
                     [&](const std::string& name) { return set_gateway(name); }) &&
-           several(
-               "Network, as NAME:KIND:INTERFACE (KIND is can, udp-multicast or mesh; a CAN bus "
-               "may have :BITRATE) [no more]: ",
-               [&](const std::string& text) { return add_network(plan_, text); },
-               [&] { return !plan_.networks.empty(); }) &&
-           several(
-               "Channel, as NAME:PERIOD:BYTES:FROM:TO, such as speed:50ms:8:" +
-                   plan_.networks.front().name + ":" + plan_.networks.back().name + " [no more]: ",
-               [&](const std::string& text) { return add_channel(plan_, text); },
-               [] { return true; }) &&
+           several([&](bool& more) { return ask_network(more); }) &&
+           several([&](bool& more) { return ask_channel(more); }) &&
            confirm(terminal_, fmt::format("Write {}?", a_.file));
   }
 
-  /// Until the answer is empty and that is enough.
-  template <class Add, class IsEnough>
-  bool several(const std::string& text, Add add, IsEnough is_enough) {
-    for (bool more = true; more;) {
-      const bool answered = question(text, "", [&](const std::string& answer) -> Result<void> {
-        if (!answer.empty()) return add(answer);
-        if (!is_enough()) return fail("at least one is needed");
-        more = false;
-        return {};
-      });
-      if (!answered) return false;
-    }
+  /// Until there are no more. False at the end of the input.
+  template <class One>
+  static bool several(One one) {
+    for (bool more = true; more;)
+      if (!one(more)) return false;
     return true;
+  }
+
+  using Fields = std::vector<std::string>;  ///< of the text that an option would have
+  using Add = Result<void> (*)(Plan&, std::string_view);
+
+  static Result<void> add_fields(Plan& plan, const Fields& fields, Add add) {
+    return add(plan, fmt::format("{}", fmt::join(fields, ":")));
+  }
+
+  /// Takes one of the fields. Those that were not asked for yet have values that are never wrong.
+  Result<void> take_field(Fields& fields, std::size_t index, const std::string& answer, Add add) {
+    if (answer.find(':') != std::string::npos)
+      return fail(fmt::format("'{}': one thing at a time, without ':'", answer));
+    Fields next = fields;
+    next[index] = answer;
+    Plan trial = plan_;
+    if (auto done = add_fields(trial, next, add); !done) return done;
+    fields = std::move(next);
+    return {};
+  }
+  bool ask_field(const std::string& text, const std::string& otherwise, Fields& fields,
+                 std::size_t index, Add add) {
+    return question(
+        fmt::format("  {} [{}]: ", text, otherwise), otherwise,
+        [&](const std::string& answer) { return take_field(fields, index, answer, add); });
+  }
+  /// The field that comes first; without a name there is `more` no longer.
+  bool ask_name(const std::string& what, bool enough, Fields& fields, Add add, bool& more) {
+    return question(fmt::format("{}, its name{}: ", what, enough ? " [no more]" : ""), "",
+                    [&](const std::string& answer) -> Result<void> {
+                      more = !answer.empty();
+                      if (more) return take_field(fields, 0, answer, add);
+                      if (!enough) return fail("at least one is needed");
+                      return {};
+                    });
+  }
+
+  bool ask_network(bool& more) {
+    Fields f{"", "can", "asked-for-later"};
+    if (!ask_name("Network", !plan_.networks.empty(), f, add_network, more)) return false;
+    if (!more) return true;
+    if (!ask_field(fmt::format("kind of {}: can, udp-multicast or mesh", f[0]), "can", f, 1,
+                   add_network) ||
+        !ask_field(fmt::format("interface of {} at {}", f[0], plan_.gateway), usual_interface(f[1]),
+                   f, 2, add_network))
+      return false;
+    if (f[1] == "can") {
+      f.emplace_back("500k");
+      if (!ask_field("bit rate of " + f[0], "500k", f, 3, add_network)) return false;
+    }
+    return add_fields(plan_, f, add_network).has_value();
+  }
+
+  /// can0, and can1 where that is taken.
+  [[nodiscard]] std::string usual_interface(const std::string& kind) const {
+    const std::string stem = kind == "can" ? "can" : kind == "mesh" ? "mesh" : "eth";
+    for (std::size_t n = 0;; ++n) {
+      std::string name = stem + std::to_string(n);
+      if (std::ranges::find(plan_.networks, name, &PlannedNetwork::interface) ==
+          plan_.networks.end())
+        return name;
+    }
+  }
+
+  bool ask_channel(bool& more) {
+    const std::string& first = plan_.networks.front().name;
+    Fields f{"", "50ms", "1", first, first};
+    if (!ask_name("Channel", true, f, add_channel, more)) return false;
+    if (!more) return true;
+    const std::string names = fmt::format("{}", fmt::join(network_names(), ", "));
+    if (!ask_field(fmt::format("Period of {}, the time from one event to the next", f[0]), "50ms",
+                   f, 1, add_channel) ||
+        !ask_field(fmt::format("network that it is published on, of {}", names), first, f, 3,
+                   add_channel))
+      return false;
+    const std::string& other =
+        plan_.networks.back().name == f[3] ? first : plan_.networks.back().name;
+    return ask_field("networks that it is subscribed on, with commas between several", other, f, 4,
+                     add_channel) &&
+           ask_field("bytes of an event", "8", f, 2, add_channel) &&
+           add_fields(plan_, f, add_channel).has_value();
+  }
+  [[nodiscard]] std::vector<std::string> network_names() const {
+    std::vector<std::string> names;
+    for (const auto& network : plan_.networks) names.push_back(network.name);
+    return names;
   }
 
   std::optional<Refusal> write() {

@@ -96,22 +96,60 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_F(NewTest, QuestionsMakeTheSame) {
   test::OnTerminal terminal({"new", path_});
-  terminal.await("Gateway");
-  terminal.type("laptop\n");
-  terminal.await("Network");
-  terminal.type("bus:kan:can0\n");
-  terminal.await("must be can, udp-multicast or mesh");
-  terminal.type("bus:can:can0\n");
-  terminal.await("Network");
-  terminal.type("\n");
-  terminal.await("Channel");
-  terminal.type("speed:50ms:8:bus:bus\n");
-  terminal.await("Channel");
-  terminal.type("\n");
-  terminal.await("Write");
-  terminal.type("yes\n");
+  const auto answer = [&](const std::string& question, const std::string& text) {
+    terminal.await(question);
+    terminal.type(text + "\n");
+  };
+  answer("Gateway", "laptop");
+  answer("Network, its name", "0");
+  answer("a letter, then up to 62 letters", "bus");
+  answer("kind of bus: can, udp-multicast or mesh [can]", "kan");
+  answer("must be can, udp-multicast or mesh", "");
+  answer("interface of bus at laptop [can0]", "can1");
+  answer("bit rate of bus [500k]", "2M");
+  answer("a CAN bus has at most 1M", "250k");
+  answer("Network, its name [no more]", "lan");
+  answer("kind of lan", "udp-multicast");
+  answer("interface of lan at laptop [eth0]", "can1");
+  answer("is the interface of bus", "");
+  answer("Network, its name [no more]", "");
+  answer("Channel, its name [no more]", "speed");
+  answer("Period of speed, the time from one event to the next [50ms]", "10");
+  answer("needs a unit", "10ms");
+  answer("published on, of bus, lan [bus]", "lam");
+  answer("there is no such network", "lan");
+  answer("subscribed on, with commas between several [bus]", "bus,lan");
+  answer("bytes of an event [8]", "9");
+  answer("at most 8 bytes", "4");
+  answer("Channel, its name [no more]", "");
+  answer("Write", "yes");
   EXPECT_EQ(terminal.finish(), 0) << terminal.screen();
-  EXPECT_TRUE(has("<Publisher channel=\"speed\" network=\"bus\"/>")) << made();
+  test::Folder other;
+  const std::string same = other.path("same.xml");
+  ASSERT_EQ(
+      test::run({"new", same, "--gateway", "laptop", "--network", "bus:can:can1:250k", "--network",
+                 "lan:udp-multicast:eth0", "--channel", "speed:10ms:4:lan:bus,lan"})
+          .status,
+      0);
+  const auto but_subject = [](std::string text) {
+    const auto begin = text.find("<SubjectUID>");
+    return text.erase(begin, text.find("</SubjectUID>") - begin);
+  };
+  EXPECT_EQ(but_subject(made()), but_subject(test::content_of(same)));
+}
+
+TEST_F(NewTest, WhatIsWrittenAsForAnOptionIsNoAnswer) {
+  test::OnTerminal terminal({"new", path_});
+  terminal.await("Gateway");
+  terminal.type("\n");
+  terminal.await("Network, its name: ");
+  terminal.type("\n");
+  terminal.await("at least one is needed");
+  terminal.type("bus:can:can0\n");
+  terminal.await("'bus:can:can0': one thing at a time");
+  terminal.type("\x04");
+  EXPECT_EQ(terminal.finish(), 1) << terminal.screen();
+  EXPECT_EQ(made(), "");
 }
 
 TEST_F(NewTest, TheEndOfTheInputWritesNothing) {
