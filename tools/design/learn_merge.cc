@@ -30,6 +30,9 @@ extern char** environ;  // NOLINT(*-redundant-declaration): not in every C libra
 namespace mlcca::tools::design {
 namespace {
 
+/// Where no more than one of so many events is shorter than the others, the length does not just
+/// vary.
+constexpr std::uint64_t kFewOf = 100;
 constexpr std::size_t kLargestFile = 16U << 20U;  // as `describe` edits
 
 std::optional<std::size_t> network_named(const core::System& system, const std::string& name) {
@@ -246,6 +249,12 @@ class Merge {
           "dropped",
           who, p.name, core::format_value(Attribute::max_payload, stated[Attribute::max_payload]),
           seen.bytes));
+    if (seen.shorter_events != 0 && seen.shorter_events <= seen.events / kFewOf)
+      merged_.differs.push_back(fmt::format(
+          "{}: publisher {}: {} of {} events {} fewer bytes than the others ({} at least, not {}): "
+          "no gate drops a frame for that",
+          who, p.name, seen.shorter_events, seen.events, seen.shorter_events == 1 ? "has" : "have",
+          seen.least_bytes, seen.bytes));
     if (seen.periodic && stated.has(Attribute::period) && period + period / 2 < seen.period)
       merged_.differs.push_back(fmt::format(
           "{}: publisher {} states Period {}, and {} was seen: it is reported as missing", who,

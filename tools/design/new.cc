@@ -173,7 +173,7 @@ class New {
 
   /// can0, and can1 where that is taken.
   [[nodiscard]] std::string usual_interface(const std::string& kind) const {
-    const std::string stem = kind == "can" ? "can" : kind == "mesh" ? "mesh" : "eth";
+    const std::string stem = kind == "udp-multicast" ? "eth" : kind;
     for (std::size_t n = 0;; ++n) {
       std::string name = stem + std::to_string(n);
       if (std::ranges::find(plan_.networks, name, &PlannedNetwork::interface) ==
@@ -201,8 +201,8 @@ class New {
            add_fields(plan_, f, add_channel).has_value();
   }
   [[nodiscard]] std::vector<std::string> network_names() const {
-    std::vector<std::string> names;
-    for (const auto& network : plan_.networks) names.push_back(network.name);
+    std::vector<std::string> names(plan_.networks.size());
+    std::ranges::transform(plan_.networks, names.begin(), &PlannedNetwork::name);
     return names;
   }
 

@@ -38,6 +38,9 @@ struct DraftPublisher {
   std::uint32_t bytes = 0;
   bool periodic = false;
   std::string xml;
+  std::uint64_t events = 0;
+  std::uint64_t shorter_events = 0;  ///< of fewer than `bytes`
+  std::uint32_t least_bytes = 0;
 };
 
 /// One channel as it is drafted, for a table and for tests.

@@ -29,7 +29,9 @@ void Flow::add(std::uint64_t ns, std::uint32_t bytes, Stretch stretch) {
   constexpr std::uint64_t disorder = 1'000'000;
   all_bytes_ += bytes;
   least_bytes_ = std::min(least_bytes_, bytes);
+  if (bytes > most_bytes_) longest_events_ = 0;
   most_bytes_ = std::max(most_bytes_, bytes);
+  longest_events_ += bytes == most_bytes_ ? 1 : 0;
   const bool is_reset = events_++ == 0 || stretch.clock != stretch_.clock || ns + disorder < last_;
   const bool is_new = is_reset || stretch != stretch_;
   stretch_ = stretch;

@@ -30,6 +30,8 @@ class Flow {
   [[nodiscard]] std::uint64_t all_bytes() const { return all_bytes_; }
   [[nodiscard]] std::uint32_t least_bytes() const { return least_bytes_; }
   [[nodiscard]] std::uint32_t most_bytes() const { return most_bytes_; }
+  /// Events of fewer bytes than the longest have.
+  [[nodiscard]] std::uint64_t shorter_events() const { return events_ - longest_events_; }
 
   // Of the times between two events of a stretch, ns; 0 where there are none.
   [[nodiscard]] std::uint64_t gaps() const { return gaps_; }
@@ -97,7 +99,8 @@ class Flow {
   std::uint64_t all_bytes_ = 0;
   std::uint32_t least_bytes_ = UINT32_MAX;
   std::uint32_t most_bytes_ = 0;
-  std::vector<Moment> begin_;  ///< until the periods are chosen
+  std::uint64_t longest_events_ = 0;  ///< of so many bytes
+  std::vector<Moment> begin_;         ///< until the periods are chosen
   std::array<Policer, kPolicers> policers_{};
   std::unique_ptr<Histogram> histogram_;
 };

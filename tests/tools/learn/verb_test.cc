@@ -121,6 +121,36 @@ TEST_F(LearnVerb, WhatIsNotAsItIsDescribedIsSaid) {
       << unknown.error;
 }
 
+/// The first `shorter` of the lines have one byte, the others what they had.
+std::string shortened(std::string lines, int shorter) {
+  std::size_t at = 0;
+  for (int i = 0; i < shorter; ++i) {
+    at = lines.find('#', at) + 3;
+    lines.erase(at, lines.find('\n', at) - at);
+  }
+  return lines;
+}
+
+TEST_F(LearnVerb, AFewEventsThatAreShorterThanTheOthersAreSaid) {
+  const auto path = drafted();
+  const std::string all = frames("can0", "123", 4, 400);
+  const auto differs = [&](int shorter) {
+    const Ran ran =
+        run({"learn", folder.write("more.log", shortened(all, shorter)), "--merge", path});
+    EXPECT_EQ(ran.status, ran.error.contains("differs:") ? 1 : 0) << ran.error;
+    return ran.error;
+  };
+  EXPECT_FALSE(differs(0).contains("fewer bytes"));
+  EXPECT_TRUE(
+      differs(1).contains("1 of 400 events has fewer bytes than the others (1 at least, not 4): "
+                          "no gate drops a frame for that"));
+  EXPECT_TRUE(
+      differs(4).contains("4 of 400 events have fewer bytes than the others (1 at least, "
+                          "not 4)"));
+  // Of a length that varies nothing is said.
+  EXPECT_FALSE(differs(5).contains("fewer bytes"));
+}
+
 TEST_F(LearnVerb, OfAnEthernetItDraftsWhatCheckTakes) {
   const auto trace = folder.write("eth0.pcap", datagrams(kDistance, 7, 8));
   const auto path = folder.path("system.xml");
