@@ -73,7 +73,9 @@ run-bench-relay: all $O/bench/probe $O/bench/bus-probe $(GUEST_READY)
 	$(Q)tests/bench/relay/run-bus $O
 .PHONY: run-bench-relay
 
-# What it takes to learn from four buses, beside candump.
-run-bench-learn: all $(GUEST_READY)
+# What it takes to learn from a log of MIB mebibytes, and from four live buses, beside candump.
+run-bench-learn: run-bench-learn-log all $(GUEST_READY)
 	$(Q)tests/bench/learn/run $O
-.PHONY: run-bench-learn
+run-bench-learn-log: $O/mlccactl $O/mlcca-design
+	$(Q)tests/bench/learn/log $O
+.PHONY: run-bench-learn run-bench-learn-log
