@@ -17,19 +17,18 @@ constexpr double kRegular = 0.9;         // share of gaps near the median, of wh
 constexpr std::uint64_t kBurst = 32;     // events at once, of what is aperiodic
 constexpr std::uint64_t kFarApart = 10;  // longest gap over the median, of what is aperiodic
 
-/// Up to two digits.
-std::uint64_t rounded_up(std::uint64_t value) {
-  std::uint64_t unit = 1;
-  while (value / unit >= 100) unit *= 10;
-  return (value + unit - 1) / unit * unit;
-}
-
 }  // namespace
 
 std::string about(std::uint64_t ns) {
   std::uint64_t unit = 1;
   while (ns / unit >= 1000) unit *= 10;
   return tools::time_words((ns + unit / 2) / unit * unit);
+}
+
+std::uint64_t rounded_up(std::uint64_t value) {
+  std::uint64_t unit = 1;
+  while (value / unit >= 100) unit *= 10;
+  return (value + unit - 1) / unit * unit;
 }
 
 std::uint64_t with_margin(std::uint64_t value, unsigned percent) {

@@ -29,6 +29,8 @@ enum class OfFew : std::uint8_t { half_the_mean, the_mean };
 
 /// To three digits, for people.
 [[nodiscard]] std::string about(std::uint64_t ns);
+/// To two digits.
+[[nodiscard]] std::uint64_t rounded_up(std::uint64_t value);
 /// So many percent more, rounded up to two digits.
 [[nodiscard]] std::uint64_t with_margin(std::uint64_t value, unsigned percent);
 
