@@ -335,13 +335,19 @@ void Client::Connection::on_event(const control::Event& event) {
       if (part->request.role == control::Role::subscriber)
         part->note(Cause::refused, event.message, &event);
     } else if (meaning == Meaning::happened) {
-      if (event.subject == 0 || part->concerns(event))
-        part->note(cause_of(event), event.message, &event);
+      if (event.subject == 0 || part->concerns(event)) on_happened(part, event);
     } else {
       if (meaning == Meaning::withdrawn) part->withdraw(event);
       ask_again(part);
     }
   }
+}
+
+void Client::Connection::on_happened(const PartOf& part, const control::Event& event) {
+  const Cause cause = cause_of(event);
+  const bool is_outdated = cause == Cause::restored && part->forget_trouble(event);
+  part->note(cause, event.message, &event);
+  if (is_outdated) ask_again(part);  // something else may be wrong
 }
 
 bool Client::Connection::has_exceptions() {

@@ -59,6 +59,7 @@ class Client::Connection {
   void watch();
   void on_reply(control::Reply reply);
   void on_event(const control::Event& event);
+  void on_happened(const PartOf& part, const control::Event& event);
   void on_answer(const PartOf& part, const control::Reply& reply);
   void carry(const PartOf& part, const control::Reply& reply);
   /// What is decided is asked for once more: at once, or when the answer under way is there.

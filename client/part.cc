@@ -57,6 +57,7 @@ void Channel::Part::note(Cause cause, std::string text, const control::Event* ev
   exception.answer = answer;
   if (event != nullptr) {
     exception.publisher = event->publisher;
+    if (cause == Cause::network_down) exception.network = event->network_down;
     exception.silent = std::chrono::nanoseconds(event->silent_ns);
     exception.missing_events = event->missing;
     exception.frames = event->frames;
@@ -105,6 +106,19 @@ void Channel::Part::take(std::shared_ptr<const Answer> now) {
            "there is no delivery of " + d.publisher + " to " + d.to + " any more");
 }
 
+bool Channel::Part::forget_trouble(const control::Event& event) {
+  const auto is_of = [&](const Delivery& d) {
+    return !d.trouble.empty() && (event.publisher.empty() || d.publisher == event.publisher) &&
+           (event.network.empty() || d.to == event.network || d.from == event.network);
+  };
+  if (std::ranges::none_of(answer->deliveries, is_of)) return false;
+  auto now = std::make_shared<Answer>(*answer);
+  for (Delivery& d : now->deliveries)
+    if (is_of(d)) d.trouble.clear();
+  answer = std::move(now);
+  return true;
+}
+
 void Channel::Part::withdraw(const control::Event& event) {
   auto now = std::make_shared<Answer>(*answer);
   bool found = false;
@@ -120,7 +134,7 @@ void Channel::Part::withdraw(const control::Event& event) {
   if (!found) return;
   summarise(*now);
   answer = std::move(now);
-  note(Cause::withdrawn, event.message, &event);
+  note(event.network_down.empty() ? Cause::withdrawn : Cause::network_down, event.message, &event);
 }
 
 }  // namespace mlcca::client

@@ -38,6 +38,9 @@ struct Channel::Part {
   [[nodiscard]] bool concerns(const control::Event& event) const;
   /// Another answer, and an exception for each delivery that is decided otherwise than before.
   void take(std::shared_ptr<const Answer> now);
+  /// Events of a delivery come again: the answer does not say any more that something is wrong.
+  /// False: it did not.
+  bool forget_trouble(const control::Event& event);
   /// A delivery of it is withdrawn: the answer says so before the daemon is asked.
   void withdraw(const control::Event& event);
 };

@@ -67,7 +67,9 @@ struct Note {
   std::uint64_t frames = 0;                    ///< of dropping and excess: since the last report
   std::uint64_t late = 0;                      ///< of late: events since the last report
   std::uint64_t longest_ns = 0;                ///< and the longest time of one of them
-  std::optional<control::Actor> by = {};       ///< the client that asked for it
+  std::string network_down =
+      {};  ///< of withdrawn: the network that is not available, if it is that
+  std::optional<control::Actor> by = {};  ///< the client that asked for it
 };
 
 /// Nothing here waits for whoever reads: the gates matter more than the log. A line that cannot be

@@ -14,6 +14,14 @@
 #include "daemon/gateway/report.hpp"
 
 namespace mlcca {
+namespace {
+
+/// Empty: it is refused for another reason.
+std::string network_down_of(const core::System& system, const core::Verdict& v) {
+  return v.obstacle == core::Obstacle::unavailable ? core::name_of(system, v.obstacle_at) : "";
+}
+
+}  // namespace
 
 std::vector<core::AdmissionId> DeliveryEvents::admissions_of(const core::Verdict& v) const {
   const core::Members& members = scene_.state->members();
@@ -40,7 +48,9 @@ void DeliveryEvents::verdict(Kind kind, const core::Verdict& v, const std::strin
               .from = core::name_of(scene_.state->system(),
                                     scene_.state->members().publisher(v.publisher).place),
               .publisher = scene_.state->members().publisher(v.publisher).name,
-              .admissions = admissions_of(v)});
+              .admissions = admissions_of(v),
+              .network_down = kind == Kind::withdrawn ? network_down_of(scene_.state->system(), v)
+                                                      : std::string()});
 }
 
 void DeliveryEvents::silence(const core::Verdict& v, const gate_event& event,

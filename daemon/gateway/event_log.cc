@@ -53,6 +53,7 @@ void EventLog::write(Note note) {
   event.missing = note.missing;
   event.by = std::move(note.by);
   event.publisher = std::move(note.publisher);
+  event.network_down = std::move(note.network_down);
   publish_(event);
 }
 

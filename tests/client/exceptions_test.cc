@@ -5,12 +5,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "mlcca/client/generated.hpp"
 #include "tests/client/scene.hpp"
 
 namespace mlcca::client {
@@ -46,6 +49,53 @@ TEST(Exceptions, AWithdrawalIsToldAlsoWhereTheNextAnswerIsGrantedAgain) {
   PublisherChannel stop(client, "stop");
   stop.announce();
   EXPECT_EQ(causes(exceptions(client, stop, 2)), (Texts{"withdrawn", "granted"}));
+}
+
+TEST(Exceptions, ANetworkThatIsDownIsToldAsSuchAndByItsName) {
+  control::Reply down = event("withdrawn");
+  std::get<control::Event>(down.body).network_down = "second-can";
+  Scene scene({{{channels({delivery("robot-can", true)}), down}},
+               {{channels({delivery("robot-can", false)}), event("granted")}},
+               {{channels({delivery("robot-can", true)})}}});
+  Client client(scene.options());
+  PublisherChannel stop(client, "stop");
+  stop.announce();
+  const auto all = exceptions(client, stop, 2);
+  EXPECT_EQ(causes(all), (Texts{"network down", "granted"}));
+  EXPECT_EQ(all[0].network, "second-can");
+  EXPECT_EQ(all[0].answer->state, State::refused);
+  EXPECT_EQ(all[0].text, "what is withdrawn");
+  EXPECT_EQ(all[1].network, "");
+}
+
+/// What was wrong is not there any more, and something else may be.
+TEST(Exceptions, WhatWasMissingIsNotSaidAnyMoreOnceItIsRestored) {
+  control::Channel troubled = delivery("robot-can", true);
+  troubled.troubles = {"nothing has come for 161 ms"};
+  control::Channel late = delivery("robot-can", true);
+  late.troubles = {"the program that carries it is late"};
+  Scene scene({{{channels({troubled}), event("restored")}}, {{channels({late})}}});
+  Client client(scene.options());
+  PublisherChannel stop(client, "stop");
+  stop.announce();
+  const auto all = exceptions(client, stop, 1);
+  EXPECT_EQ(all[0].answer->deliveries[0].trouble, "");
+  while (stop.answer()->deliveries[0].trouble.empty()) client.wait(kLong);
+  EXPECT_EQ(stop.answer()->deliveries[0].trouble, "the program that carries it is late");
+}
+
+/// What `mlccactl generate` makes knows no network.
+struct GeneratedSpec {
+  enum class Why : std::uint8_t { refused, withdrawn, switched, violated };
+  static void exception(Why why) { last = why; }
+  static inline std::optional<Why> last;
+};
+
+TEST(Exceptions, ANetworkThatIsDownIsAWithdrawalToGeneratedHandlers) {
+  Exception down;
+  down.cause = Cause::network_down;
+  detail::call_handler<GeneratedSpec>(down);
+  EXPECT_EQ(GeneratedSpec::last, GeneratedSpec::Why::withdrawn);
 }
 
 TEST(Exceptions, AnAnswerFromBeforeAChangeGrantsNothing) {

@@ -204,6 +204,31 @@ class Clients:
     def test_after_events_that_were_lost_it_is_asked_again(self):
         self.assertEqual(self.causes([channels(True), event("lagged", 0)], [channels(False)], count=1), [Cause.WITHDRAWN])
 
+    def test_a_network_that_is_down_is_told_as_such_and_by_its_name(self):
+        _, told = self.both([channels(True), event("withdrawn", network_down="second-can")], [channels(False)], count=1)
+        self.assertEqual([(e.cause, e.network, e.answer.state) for e in told],
+                         [(Cause.NETWORK_DOWN, "second-can", State.REFUSED)])
+
+    def test_what_was_missing_is_not_said_any_more_once_it_is_restored(self):
+        troubled = channels(True)
+        troubled.channels.channels[0].troubles.append("nothing has come for 161 ms")
+        given, told = self.both([troubled, event("restored")], [channels(True)], count=1)
+        self.assertEqual(given.deliveries[0].trouble, "nothing has come for 161 ms")
+        self.assertEqual(told[0].answer.deliveries[0].trouble, "")
+
+    def test_a_grant_further_on_is_told_to_subscribers(self):
+        daemon = Daemon([channels(True), event("granted", network="middle")])
+        with mlcca.Client(daemon.path, patience=60) as client:
+            told = []
+            stop = client.subscriber("stop")
+            stop.on_exception = told.append
+            stop.subscribe()
+            while not told:
+                client.wait(60)
+            self.assertEqual([e.cause for e in told], [Cause.GRANTED])
+            self.assertEqual(len(daemon.requests), 1)
+        daemon.close()
+
     def test_what_happens_to_others_is_not_told(self):
         _, told = self.both([channels(True), event("missing", publisher="other"), event("withdrawn", publisher="other"),
                              event("restored", publisher="lever")], [channels(True)], count=1)

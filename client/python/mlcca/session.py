@@ -133,7 +133,7 @@ class Part:
             self._waiting.append(ChannelException(cause, text, answer=self.answer))
             return
         self._waiting.append(ChannelException(
-            cause, text, publisher=event.publisher, silent_ns=event.silent_ns, missing_events=event.missing,
+            cause, text, publisher=event.publisher, network=event.network_down, silent_ns=event.silent_ns, missing_events=event.missing,
             frames=event.frames, late_events=event.late, longest_ns=event.longest_ns, answer=self.answer))
 
     def concerns(self, event: control_pb2.Event) -> bool:
@@ -166,6 +166,16 @@ class Part:
             if d.granted:
                 self.note(Cause.WITHDRAWN, f"there is no delivery of {d.publisher} to {d.to} any more")
 
+    def forget_trouble(self, event: control_pb2.Event) -> bool:
+        """Events come again: the answer does not say any more that something is wrong. False: it did not."""
+        def concerned(d: Delivery) -> bool:
+            return bool(d.trouble) and event.publisher in ("", d.publisher) and event.network in ("", d.to, d.source)
+        if not any(map(concerned, self.answer.deliveries)):
+            return False
+        self.answer = replace(self.answer, deliveries=tuple(replace(d, trouble="") if concerned(d) else d
+                                                            for d in self.answer.deliveries))
+        return True
+
     def withdraw(self, event: control_pb2.Event) -> None:
         """A delivery of it is withdrawn: the answer says so before the daemon is asked."""
         def concerned(d: Delivery) -> bool:
@@ -174,7 +184,7 @@ class Part:
             return
         self.answer = summary_of(tuple(replace(d, granted=False, reason=event.message, checks=()) if concerned(d) else d
                                        for d in self.answer.deliveries))
-        self.note(Cause.WITHDRAWN, event.message, event)
+        self.note(Cause.NETWORK_DOWN if event.network_down else Cause.WITHDRAWN, event.message, event)
 
 
 class Session:
@@ -348,7 +358,10 @@ class Session:
                 continue
             if event.kind not in VERDICT:
                 if event.subject == 0 or part.concerns(event):
+                    outdated = event.kind == "restored" and part.forget_trouble(event)
                     part.note(HAPPENED.get(event.kind, Cause.OTHER), event.message, event)
+                    if outdated:  # something else may be wrong
+                        self.ask_again(part)
                 continue
             if event.kind == "withdrawn":
                 part.withdraw(event)

@@ -22,6 +22,7 @@ class Cause(enum.Enum):
     GRANTED = "granted"            # a delivery that was refused is granted
     REFUSED = "refused"            # a delivery is refused
     WITHDRAWN = "withdrawn"        # a delivery was granted and is not any more
+    NETWORK_DOWN = "network down"  # the same, since a network on its way is not available: see `network`
     REJECTED = "rejected"          # after a reload the announcement does not go with the description any more
     DEGRADED = "degraded"          # another attribute set is in use, which asks for less
     UPGRADED = "upgraded"          # another attribute set is in use, which gives more
@@ -95,6 +96,7 @@ class ChannelException:
     cause: Cause
     text: str                # one line, as in the log of the gateway
     publisher: str = ""      # that it is of, by its name; empty: of several, or of none
+    network: str = ""        # network down: which one
     silent_ns: int = 0       # missing, restored: how long nothing came
     missing_events: int = 0  # missing, restored: how many did not come in that time
     frames: int = 0          # policed, dropped: so many since the last such exception

@@ -75,6 +75,7 @@ enum class Cause : std::uint8_t {
   granted,       ///< a delivery that was refused is granted
   refused,       ///< a delivery is refused
   withdrawn,     ///< a delivery was granted and is not any more
+  network_down,  ///< the same, since a network on its way is not available: see `network`
   rejected,      ///< after a reload the announcement does not go with the description any more
   degraded,      ///< another attribute set is in use, which asks for less
   upgraded,      ///< another attribute set is in use, which gives more
@@ -98,6 +99,7 @@ struct Exception {
   Cause cause = Cause::other;
   std::string text;                   ///< one line, as in the log of the gateway
   std::string publisher;              ///< that it is of, by its name; empty: of several, or of none
+  std::string network;                ///< network_down: which one
   std::chrono::nanoseconds silent{};  ///< missing, restored: how long nothing came
   std::uint64_t missing_events = 0;   ///< missing, restored: how many did not come in that time
   std::uint64_t frames = 0;           ///< policed, dropped: so many since the last such exception

@@ -42,6 +42,7 @@ void call_handler(const Exception& exception) {
       Spec::exception(Why::refused);
       break;
     case Cause::withdrawn:
+    case Cause::network_down:
     case Cause::gates_closed:
       Spec::exception(Why::withdrawn);
       break;

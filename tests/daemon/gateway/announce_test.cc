@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // A program takes up the end that is meant for it, and no other one.
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>

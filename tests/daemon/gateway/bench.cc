@@ -198,7 +198,10 @@ Bench::Bench(core::System described)
 std::optional<StartError> Bench::start() {
   end();
   log_ = std::make_unique<EventLog>(SystemLog::to_journald("/nowhere/at/all"));
-  log_->on_event([this](const control::Event& event) { events.push_back(event.kind); });
+  log_->on_event([this](const control::Event& event) {
+    events.push_back(event.kind);
+    published.push_back(event);
+  });
   links_ = std::make_unique<FakeLinks>(kernel);
   gates_ = std::make_unique<FakeGates>(kernel, *links_);
   control_ = std::make_unique<FakeControl>(kernel);

@@ -84,6 +84,7 @@ class Bench {
   std::string state_directory = "/nowhere/at/all";  ///< of the history, on the real disk
   std::vector<Result<void>> commits;                ///< what on_commit() was called with
   std::vector<std::string> events;                  ///< kinds
+  std::vector<control::Event> published;            ///< the same as clients get them
 
  private:
   std::unique_ptr<store::test::MemoryDisk> memory_;
