@@ -56,15 +56,44 @@ AttributeSet requirement_before(const AttributeSet& requirement, const Attribute
 
 namespace {
 
-/// Where on its way a granted delivery comes to the gateway: the number of the network among its
-/// hops. Nothing: it begins there, or does not come by it.
-std::optional<std::size_t> hop_before(const Verdict& v, std::size_t gateway) {
+/// Where on its way a granted delivery comes to the gateway.
+struct WayIn {
+  std::size_t hop = 0;        ///< the number of the network among its hops
+  bool is_described = false;  ///< it has come by another gateway, which knows this description
+};
+/// Nothing: it begins there, or does not come by it.
+std::optional<WayIn> way_in(const Verdict& v, std::size_t gateway) {
   const auto at = std::ranges::find(v.route, Place{Place::Kind::gateway, gateway});
   if (at == v.route.begin() || at == v.route.end()) return std::nullopt;
   const auto hops = hops_of(v.route);
   const auto network = std::ranges::find(hops, *std::prev(at));
   if (network == hops.end() || network->kind != Place::Kind::network) return std::nullopt;
-  return static_cast<std::size_t>(network - hops.begin());
+  const bool by_another = std::any_of(
+      v.route.begin(), at, [](const Place& place) { return place.kind == Place::Kind::gateway; });
+  return WayIn{static_cast<std::size_t>(network - hops.begin()), by_another};
+}
+
+/// Why the delivery, the n-th one of its channel, cannot be passed on; empty: it can.
+std::string keeps_back(const Verdict& v, std::size_t n) {
+  if (n > kMostOnward) return "it has more than " + std::to_string(kMostOnward) + " deliveries";
+  if (v.user_requirement.empty()) return {};
+  return "it requires a user-defined attribute, which a subscription does not state";
+}
+
+/// For whom the delivery is to be subscribed further on; false: all of them are known there.
+bool note_subscribers(const Members& members, const Verdict& v, const WayIn& in,
+                      OnwardSubscription& to) {
+  bool any = false;
+  for (const std::size_t s : v.subscribers) {
+    const AdmissionId admission = members.admission_of_subscriber(s);
+    if (admission == 0 && in.is_described) continue;
+    any = true;
+    if (admission == 0)
+      to.described = true;
+    else
+      to.admitted.push_back(admission);
+  }
+  return any;
 }
 
 }  // namespace
@@ -84,26 +113,25 @@ std::vector<OnwardSubscription> State::onward(std::size_t gateway, std::size_t c
   std::map<std::size_t, OnwardSubscription> by_network;
   std::size_t seen = 0;
   for (const Verdict& v : decisions_[channel].verdicts) {
-    const bool came = std::ranges::any_of(
-        v.subscribers, [&](std::size_t s) { return members_.admission_of_subscriber(s) != 0; });
-    const auto at = v.granted && came ? hop_before(v, gateway) : std::nullopt;
-    if (!at) continue;
-    const std::size_t network = hops_of(v.route)[*at].index;
+    const auto in = v.granted ? way_in(v, gateway) : std::nullopt;
+    if (!in) continue;
+    const std::size_t network = hops_of(v.route)[in->hop].index;
     if (system_.networks[network].subscriptions.accept < Subscribing::with_attributes) continue;
-    OnwardSubscription& one =
-        by_network.try_emplace(network, OnwardSubscription{channel, network, {}}).first->second;
-    if (!v.user_requirement.empty())
-      one.problem = "it requires a user-defined attribute, which a subscription does not state";
-    if (++seen > kMostOnward)
-      one.problem = "it has more than " + std::to_string(kMostOnward) + " deliveries";
+    OnwardSubscription fresh{channel, network, {}};
+    const auto known = by_network.find(network);
+    if (!note_subscribers(members_, v, *in, known == by_network.end() ? fresh : known->second))
+      continue;
+    OnwardSubscription& one = by_network.try_emplace(network, std::move(fresh)).first->second;
+    if (auto why = keeps_back(v, ++seen); !why.empty()) one.problem = std::move(why);
     if (!one.problem.empty()) continue;
     const auto hops = hops_of_granted(v);
-    if (hops.size() <= *at) continue;
-    const std::size_t behind = hops.size() - *at - 1;
+    if (hops.size() <= in->hop) continue;
+    const std::size_t behind = hops.size() - in->hop - 1;
     one.required = strictest(
         one.required,
-        behind == 0 ? v.requirement
-                    : requirement_before(v.requirement, compose(hops.data() + *at + 1, behind, 0)));
+        behind == 0
+            ? v.requirement
+            : requirement_before(v.requirement, compose(hops.data() + in->hop + 1, behind, 0)));
   }
   std::vector<OnwardSubscription> out;
   out.reserve(by_network.size());

@@ -4,7 +4,9 @@
 #pragma once
 #include <cstddef>
 #include <string>
+#include <vector>
 
+#include "core/model/members.hpp"
 #include "mlcca/attribute.hpp"
 
 namespace mlcca::core {
@@ -25,6 +27,9 @@ struct OnwardSubscription {
   AttributeSet required;
   /// Why it cannot be passed on, in words; empty: it can.
   std::string problem = {};
+  /// For whom it is: described subscribers, those that were admitted, or both.
+  bool described = false;
+  std::vector<AdmissionId> admitted = {};
 };
 
 /// Deliveries of a channel that are looked at: with more nothing of it is passed on.

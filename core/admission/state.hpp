@@ -188,9 +188,10 @@ class State {
   [[nodiscard]] GateChanges gate_changes(const std::vector<Change>& changes, std::size_t gateway,
                                          const FormerRules& left = {}) const;
 
-  /// What the gateway subscribes of a channel on its networks, for subscribers that were admitted
-  /// at run time and are granted: to the network that the events come from, where that accepts
-  /// subscriptions.
+  /// What the gateway subscribes of a channel on its networks, for subscribers behind it or on it
+  /// that are granted: to the network that the events come from, where that accepts subscriptions.
+  /// Where they have come by another gateway of this description, that one knows who is described,
+  /// and subscribes for them itself.
   [[nodiscard]] std::vector<OnwardSubscription> onward(std::size_t gateway, std::size_t channel);
 
   [[nodiscard]] std::optional<std::size_t> find_channel(const std::string& name_or_subject) const;

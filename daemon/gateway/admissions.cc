@@ -17,11 +17,16 @@ namespace {
 constexpr std::uint64_t kTryAgain = 10'000'000'000;  // ns
 constexpr std::size_t kEndedTogether = 64;           // leases, written to disk together
 
+/// Of a peer on a network.
+bool is_subscription(const control::Admit& admit) {
+  return admit.key.starts_with(subscription_keys(admit.to));
+}
+
 /// Why what came over a network does not count in this description; nothing: it does, or the
 /// admission is another one. Who states no attributes has no lease.
 std::optional<std::string> refuses_subscription(const core::State& state,
                                                 const control::Admit& admit) {
-  if (!admit.key.starts_with(subscription_keys(admit.to))) return std::nullopt;
+  if (!is_subscription(admit)) return std::nullopt;
   const auto& networks = state.system().networks;
   const auto network = std::ranges::find(networks, admit.to, &core::Network::name);
   if (network == networks.end()) return std::nullopt;
@@ -117,6 +122,11 @@ Result<core::AdmissionId> Admissions::named(core::AdmissionId id, const std::str
   if (recorder_.contents().admissions.find(id) == nullptr)
     return fail(fmt::format("there is no admission {}", id));
   return id;
+}
+
+bool Admissions::came_over_a_network(core::AdmissionId id) const {
+  const auto* admit = recorded(recorder_, id);
+  return admit != nullptr && is_subscription(*admit);
 }
 
 void Admissions::add(core::AdmissionId id, const control::Admit& request, std::uint64_t session) {

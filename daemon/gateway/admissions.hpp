@@ -60,6 +60,9 @@ class Admissions {
     return keys_.count_with_prefix(prefix);
   }
 
+  /// It is the subscription of a peer on a network.
+  [[nodiscard]] bool came_over_a_network(core::AdmissionId id) const;
+
   /// One that was just granted to a connection.
   void add(core::AdmissionId id, const control::Admit& request, std::uint64_t session);
   /// A connection has asked for one: if it holds it, its lease does not run, and its events go to

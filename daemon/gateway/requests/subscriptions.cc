@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Where peers may subscribe, and what the gateway itself subscribes for who was admitted behind it.
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 
 #include "control/attributes.hpp"
 #include "core/admission/onward.hpp"
+#include "daemon/gateway/admissions.hpp"
 #include "daemon/gateway/endpoints.hpp"
 #include "daemon/gateway/pace.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
@@ -15,6 +17,13 @@ namespace {
 
 constexpr std::size_t kOnwardRow = 256;  // bytes on the wire, mostly
 
+/// Also for who is described, or was admitted otherwise than by a subscription over a network.
+bool begins_here(const Context& context, const core::OnwardSubscription& one) {
+  return one.described || std::ranges::any_of(one.admitted, [&](core::AdmissionId id) {
+           return !context.admissions.came_over_a_network(id);
+         });
+}
+
 void add_channel(Context& context, std::size_t channel, control::Subscriptions& to) {
   core::State& state = *context.scene.state;
   const core::System& system = state.system();
@@ -24,7 +33,8 @@ void add_channel(Context& context, std::size_t channel, control::Subscriptions& 
                          .channel = described.name,
                          .network = system.networks[one.network].name,
                          .required = control::attributes_of(one.required),
-                         .problem = one.problem});
+                         .problem = one.problem,
+                         .begins_here = begins_here(context, one)});
 }
 
 /// As many channels from `at` on as there is time for in one turn.

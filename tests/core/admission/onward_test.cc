@@ -157,6 +157,56 @@ TEST(OnwardTest, TheStricterOfTwoSubscribersIsPassedOn) {
   EXPECT_EQ(onward[0].required[Attribute::omission], 2U);  // of the publisher
 }
 
+TEST(OnwardTest, ADescribedSubscriberIsPassedOnLikeOneThatWasAdmitted) {
+  System system = accepting(0);
+  system.subscribers.push_back(subscriber("motors", network(kRobotCan), heart_beat()));
+  State state(std::move(system));
+  const auto onward = state.onward(kBridge, 0);
+  ASSERT_EQ(onward.size(), 1U);
+  EXPECT_EQ(onward[0].network, kSecondCan);
+  EXPECT_EQ(onward[0].required[Attribute::deadline], 43 * kMs);
+  EXPECT_TRUE(onward[0].described);
+  EXPECT_TRUE(onward[0].admitted.empty());
+}
+
+TEST(OnwardTest, ADescribedSubscriberOnTheGatewayItselfIsPassedOn) {
+  System system = accepting(0);
+  system.subscribers.push_back(subscriber("logger", gateway(kBridge), heart_beat()));
+  State state(std::move(system));
+  const auto onward = state.onward(kBridge, 0);
+  ASSERT_EQ(onward.size(), 1U);
+  EXPECT_EQ(onward[0].network, kSecondCan);
+  EXPECT_EQ(onward[0].required[Attribute::deadline], 50 * kMs);  // there is nothing behind
+}
+
+/// A gateway of the same description that the events come by knows the described ones itself.
+TEST(OnwardTest, ADescribedSubscriberIsNotPassedOnToAGatewayOfTheSameDescription) {
+  System system = accepting(0);
+  system.networks.push_back(can_network("third-can"));
+  system.networks.back().subscriptions.accept = Subscribing::with_attributes;
+  const std::size_t third = system.networks.size() - 1;
+  Gateway before = system.gateways[kBridge];
+  before.name = "before";
+  before.ports[0].network = kSecondCan;
+  before.ports[1].network = third;
+  system.gateways.push_back(before);
+  system.publishers[0].place = network(third);
+  system.subscribers.push_back(subscriber("motors", network(kRobotCan), heart_beat()));
+  State state(std::move(system));
+  ASSERT_EQ(state.granted(), 1U);
+  EXPECT_TRUE(state.onward(kBridge, 0).empty());
+  const auto first = state.onward(1, 0);
+  ASSERT_EQ(first.size(), 1U) << "the first gateway of the way begins";
+  EXPECT_EQ(first[0].network, third);
+  // Who was admitted at one gateway alone is not known to the other one.
+  state.propose(subscription(1, heart_beat())).accept();
+  const auto onward = state.onward(kBridge, 0);
+  ASSERT_EQ(onward.size(), 1U);
+  EXPECT_EQ(onward[0].network, kSecondCan);
+  EXPECT_FALSE(onward[0].described);
+  EXPECT_EQ(onward[0].admitted, std::vector<AdmissionId>{1});
+}
+
 TEST(OnwardTest, NothingIsPassedOnToANetworkThatAcceptsNoSubscriptions) {
   System system = accepting(0);
   system.networks[kSecondCan].subscriptions.accept = Subscribing::nobody;

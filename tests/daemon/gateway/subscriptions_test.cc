@@ -221,9 +221,17 @@ class OnwardRequests : public SubscriptionRequests {
 };
 
 TEST_F(OnwardRequests, WhatIsRequiredBehindTheGatewayIsPassedOn) {
-  EXPECT_TRUE(what_there_is().onward.empty());  // what is described all gateways know
+  const auto described = what_there_is();
+  ASSERT_EQ(described.onward.size(), 1U) << "its subscriber on the bus is described";
+  EXPECT_TRUE(described.onward[0].begins_here);
+  bench_->system.subscribers.clear();
+  bench_->ask(control::ReloadRequest{});
+  bench_->reading().finish();
+  bench_->act();
+  EXPECT_TRUE(what_there_is().onward.empty());
   admit(40 * kMs);
   const auto there = what_there_is();
+  EXPECT_TRUE(there.onward[0].begins_here) << "it has not come over a network";
   ASSERT_EQ(there.onward.size(), 1U);
   EXPECT_EQ(there.onward[0].subject, subject_);
   EXPECT_EQ(there.onward[0].network, lan_);
