@@ -104,6 +104,8 @@ void EventChannelHandler::turn(std::uint64_t now) {
     }
   }
   client_.process();
+  if (std::exchange(is_back_, false) && std::exchange(is_away_, false))
+    outside_.log("mlccad answers again");
   read_again(now);
   close_ended();
 }
@@ -153,7 +155,7 @@ void EventChannelHandler::accept(std::uint64_t now) {
                           .session = {},
                           .since = now,
                           .held_since = {}};
-    if (!users_ || users_->contains(*user)) make_room(now);
+    if (!users_ || users_->contains(*user)) make_room(*user, now);
     if (const auto why = refusal(connection, *user)) {
       refuse(*why, now);
       continue;
@@ -231,8 +233,40 @@ void EventChannelHandler::close(int fd, const std::string& why) {
 
 // --- channels ------------------------------------------------------------------------------------
 
-void EventChannelHandler::say_answer(const std::string& what, const client::Answer& answer) const {
-  outside_.log(what + ": " + client::name_of(answer.state) + ", " + answer.reason);
+/// Once, however many channels there are.
+void EventChannelHandler::say_away(const std::string& why) {
+  if (!std::exchange(is_away_, true)) outside_.log("mlccad is gone: " + why);
+}
+
+/// An answer that is not there yet comes as an exception.
+void EventChannelHandler::say_answer(std::uint64_t subject, const client::Answer& answer,
+                                     std::string& said) {
+  if (answer.state == client::State::no_daemon) {
+    if (!client_.is_connected()) say_away(answer.reason);
+    return;
+  }
+  std::string text = std::string(client::name_of(answer.state)) + ", " + answer.reason;
+  if (text == said) return;
+  said = std::move(text);
+  outside_.log(text_of(subject) + ": " + said);
+}
+
+template <class ChannelOf>
+void EventChannelHandler::on_exception(std::uint64_t subject, const client::Exception& exception,
+                                       Shared<ChannelOf>& shared) {
+  using client::Cause;
+  if (exception.cause == Cause::daemon_gone) {
+    say_away(exception.text);
+    return;
+  }
+  if (exception.cause == Cause::daemon_back) {
+    is_back_ = true;
+    say_answer(subject, *exception.answer, shared.said);
+    return;
+  }
+  shared.said =
+      std::string(client::name_of(exception.answer->state)) + ", " + exception.answer->reason;
+  outside_.log(text_of(subject) + ": " + client::name_of(exception.cause) + ": " + shared.said);
 }
 
 /// Once it is known which one the connection wants. The answer may be there at once or come later,
@@ -246,24 +280,23 @@ void EventChannelHandler::open_channel(int fd, Connection& connection) {
   const std::string what =
       text_of(subject) + (publishes ? " is announced by " : " is subscribed by ") + connection.name;
   outside_.log(what);
-  const auto say = [this, subject](const client::Exception& e) {
-    say_answer(text_of(subject) + ": " + client::name_of(e.cause), *e.answer);
-  };
   if (publishes) {
     auto& shared = publishers_[subject];
     shared.connections.insert(fd);
     if (shared.channel) return;
     shared.channel = std::make_unique<client::PublisherChannel>(client_, text_of(subject));
-    shared.channel->on_exception(say);
-    say_answer(text_of(subject), *shared.channel->announce());
+    shared.channel->on_exception(
+        [this, subject, &shared](const auto& e) { on_exception(subject, e, shared); });
+    say_answer(subject, *shared.channel->announce(), shared.said);
   } else {
     auto& shared = subscribers_[subject];
     shared.connections.insert(fd);
     if (shared.channel) return;
     shared.channel = std::make_unique<client::SubscriberChannel>(client_, text_of(subject));
-    shared.channel->on_exception(say);
+    shared.channel->on_exception(
+        [this, subject, &shared](const auto& e) { on_exception(subject, e, shared); });
     shared.channel->on_event([this, subject](const client::Event& e) { hand_out(subject, e); });
-    say_answer(text_of(subject), *shared.channel->subscribe());
+    say_answer(subject, *shared.channel->subscribe(), shared.said);
   }
 }
 

@@ -78,6 +78,7 @@ class EventChannelHandler {
     std::uint64_t dropped = 0;  ///< events of programs that were not sent
     bool is_dropping = false;
     bool answered = false;  ///< once
+    std::string said;       ///< what was answered last
   };
 
   EventChannelHandler(Fd epoll, Fd listener, std::optional<std::set<uid_t>> users,
@@ -96,7 +97,12 @@ class EventChannelHandler {
   void write(int fd, Connection& connection);
   void close(int fd, const std::string& why);
   void close_ended();
-  void say_answer(const std::string& what, const client::Answer& answer) const;
+  void say_away(const std::string& why);
+  /// Of the channel, unless it is as it was.
+  void say_answer(std::uint64_t subject, const client::Answer& answer, std::string& said);
+  template <class ChannelOf>
+  void on_exception(std::uint64_t subject, const client::Exception& exception,
+                    Shared<ChannelOf>& shared);
 
   Fd epoll_;
   Fd listener_;
@@ -106,6 +112,8 @@ class EventChannelHandler {
   std::map<int, Connection> connections_;
   std::map<std::uint64_t, Shared<client::PublisherChannel>> publishers_;
   std::map<std::uint64_t, Shared<client::SubscriberChannel>> subscribers_;
+  bool is_away_ = false;  ///< mlccad, as it was said
+  bool is_back_ = false;  ///< a channel has its answer again
   std::uint64_t refused_ = 0;
   std::uint64_t refused_at_ = 0;      ///< when that was said
   std::map<int, std::string> ended_;  ///< to be closed at the end of a turn, and why

@@ -12,6 +12,11 @@ bool accepts(const core::Network& network) {
 
 }  // namespace
 
+std::string control_user_of(const core::Port& port) {
+  if (port.control_uid == 0) return "root, since its Port states no control-user";
+  return fmt::format("user {}, the control-user of its Port", port.control_uid);
+}
+
 std::vector<std::size_t> subscription_ports(const Context& context) {
   const core::System& system = context.scene.state->system();
   const auto& ports = system.gateways[context.scene.self].ports;
@@ -33,9 +38,9 @@ Result<std::size_t> subscription_port(const Context& context, uid_t user,
           fmt::format("{} accepts no subscriptions: its Subscriptions would have to", network));
     if (ports[p].control_uid != user)
       return fail(
-          fmt::format("subscriptions on {} are for the control-user of its port, {}: this "
-                      "program is of user {}",
-                      network, ports[p].control_uid, user));
+          fmt::format("messages about subscriptions on {} are for programs of {}, and "
+                      "this one is of user {}",
+                      network, control_user_of(ports[p]), user));
     return p;
   }
   return fail(fmt::format("this gateway has no port on a network '{}'", network));

@@ -18,4 +18,7 @@ namespace mlcca::requests {
 [[nodiscard]] Result<std::size_t> subscription_port(const Context& context, uid_t user,
                                                     const std::string& network);
 
+/// Whose programs may, in words: "user 991, the control-user of its Port".
+[[nodiscard]] std::string control_user_of(const core::Port& port);
+
 }  // namespace mlcca::requests

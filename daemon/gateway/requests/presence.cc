@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The program that announces this gateway asks what to send, or has received another one's message.
+#include <fmt/core.h>
+
 #include <algorithm>
+#include <optional>
+#include <string>
 
 #include "daemon/gateway/gateway_presence.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
@@ -9,21 +13,24 @@
 namespace mlcca::requests {
 namespace {
 
-/// May send the control traffic of a network that has Subscriptions.
-bool is_announcer(const Context& context, uid_t user) {
+/// Why programs of the user do not announce this gateway; nothing: they do, since they may send the
+/// control traffic of a network that has Subscriptions.
+std::optional<std::string> refuses_announcer(const Context& context, uid_t user) {
   const auto& own = context.scene.state->system().gateways[context.scene.self].ports;
-  return std::ranges::any_of(subscription_ports(context),
-                             [&](std::size_t p) { return own[p].control_uid == user; });
+  const auto ports = subscription_ports(context);
+  if (ports.empty()) return "no network of this gateway has Subscriptions: it is not announced";
+  if (std::ranges::any_of(ports, [&](std::size_t p) { return own[p].control_uid == user; }))
+    return std::nullopt;
+  return fmt::format("this gateway is announced by programs of {}, and this one is of user {}",
+                     control_user_of(own[ports.front()]), user);
 }
 
 }  // namespace
 
 Response presence(Context& context, const Asker& asker, const control::PresenceRequest& request) {
   if (request.gateway.empty()) {
-    if (!is_announcer(context, asker.peer.uid))
-      return error_of(control::ErrorKind::forbidden,
-                      "this gateway is announced by the control-user of its ports on networks with "
-                      "Subscriptions");
+    if (const auto why = refuses_announcer(context, asker.peer.uid))
+      return error_of(control::ErrorKind::forbidden, *why);
     return context.presence.announce();
   }
   const auto port = subscription_port(context, asker.peer.uid, request.network);

@@ -116,7 +116,7 @@ TEST_F(SubscriptionRequests, AnImpossibleRequirementIsRefusedWithTheHop) {
 TEST_F(SubscriptionRequests, OnlyTheProgramOfTheNetworkMaySubscribe) {
   for (const uid_t user : {uid_t{0}, uid_t{1000}, kProgram + 1})
     EXPECT_TRUE(subscribe(wanted(), {.pid = 9, .uid = user, .may_change = true, .session = 8})
-                    .contains("are for the control-user of its port"))
+                    .contains(" are for programs of user 991, the control-user of its Port"))
         << user;
   control::SubscribeRequest elsewhere = wanted();
   elsewhere.network = bench_->state().system().networks[0].name;
@@ -253,10 +253,27 @@ TEST_F(OnwardRequests, ARefusalFurtherOnIsAnEventOfTheChannel) {
   EXPECT_EQ(says(program()), "nothing of that is subscribed on the network now");
   admit(40 * kMs);
   bench_->events.clear();
-  EXPECT_TRUE(says(member()).contains("are for the control-user"));
+  EXPECT_TRUE(says(refusal, member()).contains(" are for programs of user 991"));
   EXPECT_TRUE(bench_->events.empty());
   EXPECT_EQ(says(program()), "reported");
   EXPECT_EQ(bench_->events, std::vector<std::string>{"refused"});
+  // Programs that were told of the refusal are told that it is over.
+  refusal.reason = "";
+  EXPECT_EQ(says(refusal, program()), "reported");
+  EXPECT_EQ(bench_->events, (std::vector<std::string>{"refused", "granted"}));
+}
+
+TEST_F(OnwardRequests, WhoMayNotSpeakOfSubscriptionsIsToldWhoMay) {
+  const control::RefusalRequest refusal{
+      .subject = subject_, .network = lan_, .source = "192.0.2.9", .reason = "no"};
+  for (core::Port& port : bench_->system.gateways[0].ports) port.control_uid = 0;
+  bench_->ask(control::ReloadRequest{});
+  bench_->reading().finish();
+  bench_->act();
+  EXPECT_EQ(says(refusal, program()),
+            "messages about subscriptions on " + lan_ +
+                " are for programs of root, since its Port states no control-user, and this one "
+                "is of user 991");
 }
 
 }  // namespace

@@ -84,6 +84,7 @@ class HandlerTest : public ::testing::Test {
   test::Server::Answer answer(const control::Request& request) {
     const auto* announce = std::get_if<control::AnnounceRequest>(&request.body);
     if (announce == nullptr) return {};
+    if (hangs_up_.exchange(false)) return {.replies = {}, .hang_up = true};
     control::Channels channels;
     control::Channel& channel = channels.channels.emplace_back();
     channel.subject = kDistance;
@@ -136,6 +137,7 @@ class HandlerTest : public ::testing::Test {
   }
 
   std::atomic<bool> granted_ = true;
+  std::atomic<bool> hangs_up_ = false;  ///< at the next announcement
   std::mutex mutex_;
   std::string address_;
   test::Server server_{[this](const control::Request& request) { return answer(request); }};
@@ -280,6 +282,36 @@ TEST_F(HandlerTest, WithoutAnAnswerItIsDroppedAfterAWhile) {
   EXPECT_FALSE(has_said("are dropped"));
   now_ += 1;
   until(**handler, [&] { return has_said("events are dropped: not granted"); });
+}
+
+/// A daemon that answers a moment later is there.
+TEST_F(HandlerTest, ADaemonThatIsThereIsNotSaidToBeAway) {
+  const auto handler = open();
+  Tcp sonar(handler->port());
+  take_up(*handler, sonar, kAnnounce);
+  EXPECT_FALSE(has_said("no daemon")) << all_said();
+  EXPECT_FALSE(has_said("daemon back")) << all_said();
+}
+
+TEST_F(HandlerTest, ADaemonThatGoesAndComesIsSaidOnceHoweverManyChannelsThereAre) {
+  const auto handler = open();
+  Tcp sonar(handler->port());
+  take_up(*handler, sonar, kAnnounce);
+  Tcp display(handler->port());
+  take_up(*handler, display, kSubscribe);
+  said_.clear();
+  hangs_up_ = true;
+  Tcp third(handler->port());
+  third.say(
+      "\x56"
+      "Velocity"sv);
+  until(*handler, [&] { return has_said("0x56656c6f63697479: granted, 1 to spare"); });
+  const auto lines = [this](std::string_view text) {
+    return std::ranges::count_if(said_, [&](const auto& s) { return s.find(text) != s.npos; });
+  };
+  EXPECT_EQ(lines("mlccad is gone: "), 1) << all_said();
+  EXPECT_EQ(lines("mlccad answers again"), 1) << all_said();
+  EXPECT_EQ(lines("0x44697374616e6365: "), 0) << "what is decided is as it was: " << all_said();
 }
 
 /// Events for programs here go through the kernel, which keeps no more than some hundred.
