@@ -104,8 +104,11 @@ std::optional<Answer> answer_of(const control::Reply& reply) {
   return out;
 }
 
-bool is_refused_further_on(const control::Event& event) {
-  return event.kind == "refused" && event.publisher.empty() && !event.network.empty();
+std::optional<Cause> said_further_on(const control::Event& event) {
+  if (!event.publisher.empty() || event.network.empty()) return std::nullopt;
+  if (event.kind == "refused") return Cause::refused;
+  if (event.kind == "granted") return Cause::granted;
+  return std::nullopt;
 }
 
 Meaning meaning_of(const control::Event& event) {

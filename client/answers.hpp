@@ -10,8 +10,9 @@ namespace mlcca::client {
 
 /// Of a reply to AnnounceRequest. Nothing: the daemon could not answer, and may later.
 [[nodiscard]] std::optional<Answer> answer_of(const control::Reply& reply);
-/// Of a subscription that the gateway has passed on: what it decides itself has not changed.
-[[nodiscard]] bool is_refused_further_on(const control::Event& event);
+/// Of a subscription that the gateway has passed on, refused or granted: what it decides itself has
+/// not changed. Nothing: the event is of something else.
+[[nodiscard]] std::optional<Cause> said_further_on(const control::Event& event);
 /// State and reason of an answer follow from its deliveries.
 void summarise(Answer& answer);
 

@@ -331,9 +331,9 @@ void Client::Connection::on_event(const control::Event& event) {
     if (!of_channel && event.subject != 0) continue;
     // What came before the first answer happened before it was announced.
     if (meaning == Meaning::happened && part->answer->state == State::unannounced) continue;
-    if (is_refused_further_on(event)) {
+    if (const auto cause = said_further_on(event)) {
       if (part->request.role == control::Role::subscriber)
-        part->note(Cause::refused, event.message, &event);
+        part->note(*cause, event.message, &event);
     } else if (meaning == Meaning::happened) {
       if (event.subject == 0 || part->concerns(event)) on_happened(part, event);
     } else {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <tuple>
 #include <variant>
 
 #include "control/attributes.hpp"
@@ -15,6 +16,11 @@ namespace {
 using Kind = Subscription::Kind;
 
 constexpr std::uint64_t kInASecond = 1'000'000'000;
+/// Until an own subscription is sent once more without who was refused.
+constexpr std::uint64_t kWithout = kInASecond;
+constexpr std::uint64_t kOwnLease = 3 * Subscriptions::kRenewal;
+constexpr const char* kTooFar =
+    "it has come over as many gateways as may be: no further one passes it on";
 
 /// ns
 std::uint64_t lease_of(const Subscription& wanted) {
@@ -37,7 +43,7 @@ std::optional<std::string> refusal_in(const control::Reply& reply) {
 
 // --- what the daemon says ------------------------------------------------------------------------
 
-void Subscriptions::set(const control::Subscriptions& said, std::uint64_t now) {
+void Subscriptions::set_networks(const control::Subscriptions& said) {
   std::map<std::string, control::SubscriptionNetwork> networks;
   for (const control::SubscriptionNetwork& network : said.networks) {
     const auto before = networks_.find(network.network);
@@ -49,18 +55,24 @@ void Subscriptions::set(const control::Subscriptions& said, std::uint64_t now) {
   }
   networks_ = std::move(networks);
   std::erase_if(peers_, [&](const auto& one) { return !networks_.contains(one.first.network); });
+}
 
-  std::map<OwnKey, AttributeSet> wanted;
+Subscriptions::AllWanted Subscriptions::wanted_of(const control::Subscriptions& said) const {
+  AllWanted wanted;
   for (const control::OnwardSubscription& one : said.onward) {
     const auto network = networks_.find(one.network);
     if (network == networks_.end() || !network->second.problem.empty()) continue;
     const auto required = control::set_of(one.required);
     if (one.problem.empty() && required)
-      wanted.emplace(OwnKey{one.subject, one.network}, *required);
+      wanted.emplace(OwnKey{one.subject, one.network}, Wanted{*required, one.begins_here});
     else
       outside_.log(fmt::format("{} is not subscribed on {}: {}", one.channel, one.network,
                                required ? one.problem : required.error().text));
   }
+  return wanted;
+}
+
+void Subscriptions::end_all_but(const AllWanted& wanted) {
   for (auto it = own_.begin(); it != own_.end();) {
     if (wanted.contains(it->first)) {
       ++it;
@@ -73,22 +85,34 @@ void Subscriptions::set(const control::Subscriptions& said, std::uint64_t now) {
     if (it->second.was_sent) outside_.send(it->first.network, encode(over));
     it = own_.erase(it);
   }
-  for (const auto& [key, required] : wanted) {
+}
+
+void Subscriptions::set(const control::Subscriptions& said, std::uint64_t now) {
+  set_networks(said);
+  const AllWanted wanted = wanted_of(said);
+  end_all_but(wanted);
+  for (const auto& [key, now_wanted] : wanted) {
     const auto [at, fresh] = own_.try_emplace(key);
     Own& own = at->second;
-    if (!fresh && own.message.required == required) continue;
-    if (fresh) own.message.number = outside_.random();
+    own.begins_here = now_wanted.begins_here;
+    if (!fresh && own.message.required == now_wanted.required) continue;
+    if (fresh)
+      own.message.number = outside_.random();
+    else
+      own.renumber();
     own.message.kind = Kind::subscribe;
     own.message.subject = key.subject;
-    own.message.required = required;
-    own.message.lease_s = static_cast<std::uint16_t>(3 * kRenewal / kInASecond);
+    own.message.required = now_wanted.required;
+    own.message.lease_s = static_cast<std::uint16_t>(kOwnLease / kInASecond);
     own.due_at = now;
   }
   turn(now);
+  answer_all();
 }
 
-/// Those that who subscribed behind this gateway has left. What was admitted here itself begins.
-std::uint8_t Subscriptions::hops_left(const OwnKey& key) const {
+/// Those that who subscribed behind this gateway has left. What did not come over a network begins.
+std::uint8_t Subscriptions::hops_left(const OwnKey& key, const Own& own) const {
+  if (own.begins_here) return kHops;
   std::optional<std::uint8_t> most;
   for (const auto& [peer, state] : peers_)
     if (peer.subject == key.subject && peer.network != key.network &&
@@ -99,8 +123,16 @@ std::uint8_t Subscriptions::hops_left(const OwnKey& key) const {
 }
 
 void Subscriptions::send_own(const OwnKey& key, Own& own, std::uint64_t now) {
+  if (is_ending(key.subject)) {
+    own.due_at = now + kWithout;
+    return;
+  }
   own.due_at = now + kRenewal;
-  const std::uint8_t left = hops_left(key);
+  if (own.refused && now - own.refused_at >= kOwnLease) {  // by who is not there any more
+    own.refused.reset();
+    answer_all();
+  }
+  const std::uint8_t left = hops_left(key, own);
   if (left == 0) return;  // it has come over as many gateways as may be
   own.message.hops = static_cast<std::uint8_t>(left - 1);
   outside_.send(key.network, encode(own.message));
@@ -134,7 +166,7 @@ void Subscriptions::receive(const std::string& network, const std::string& sourc
       return;
     case Kind::granted:
     case Kind::refused:
-      on_answer(network, source, *message);
+      on_answer(network, source, *message, now);
       return;
   }
 }
@@ -152,10 +184,16 @@ void Subscriptions::subscribe(PeerKey key, const Subscription& message, std::uin
   Peer& peer = known->second;
   const bool is_same = peer.wanted.required == message.required;
   const bool holds = is_same && peer.verdict == Verdict::refused && now < peer.not_before;
-  if (!is_same) peer.not_before = 0;
+  if (!is_same) {
+    peer.not_before = 0;
+    peer.proven = false;
+  }
   peer.wanted = message;
   peer.to_answer = true;
-  if (holds) return answer(known->first, peer);
+  if (holds) {
+    answer(known->first, peer);
+    return;
+  }
   if (message.kind == Kind::plain)
     peer.ends_at.reset();
   else
@@ -164,7 +202,8 @@ void Subscriptions::subscribe(PeerKey key, const Subscription& message, std::uin
     peer.verdict = Verdict::refused;
     peer.reason = "user-defined attributes are not known to gateways on the way";
     peer.ends_at = peer.not_before = now + kRefusalHolds;
-    return answer(known->first, peer);
+    answer(known->first, peer);
+    return;
   }
   peer.to_ask = true;
   turn(now);
@@ -177,45 +216,145 @@ void Subscriptions::end(const PeerKey& key) {
   peers_.erase(known);
 }
 
+// --- answers of others further on ----------------------------------------------------------------
+
 /// Of one of our own subscriptions.
 void Subscriptions::on_answer(const std::string& network, const std::string& source,
-                              const Subscription& message) {
+                              const Subscription& message, std::uint64_t now) {
   const auto known = own_.find({message.subject, network});
   if (known == own_.end() || known->second.message.number != message.number) return;
   Own& own = known->second;
-  std::optional<std::string> refused;
-  if (message.kind == Kind::refused)
-    refused = fmt::format("{} on {}: {}", source, network, message.reason);
-  if (own.refused == refused) return;
-  own.refused = refused;
-  if (refused)
-    outside_.report({.subject = message.subject,
-                     .network = network,
-                     .source = source,
-                     .reason = message.reason});
-  answer_all_of(message.subject);
+  std::erase_if(own.answers, [&](const auto& one) { return now - one.second.at >= kOwnLease; });
+  if (own.answers.size() >= kMostAnswers && !own.answers.contains(source)) return;
+  own.answers[source] = {
+      .refused = message.kind == Kind::refused ? std::optional(message.reason) : std::nullopt,
+      .at = now};
+  judge(known->first, own, now);
 }
 
-const std::string* Subscriptions::refused_further_on(std::uint64_t subject,
-                                                     const std::string& network) const {
-  for (auto own = own_.lower_bound({subject, {}});
-       own != own_.end() && own->first.subject == subject; ++own)
-    if (own->first.network != network && own->second.refused) return &*own->second.refused;
-  return nullptr;
+/// One that grants it is enough: the events come by that one.
+void Subscriptions::judge(const OwnKey& key, Own& own, std::uint64_t now) {
+  const auto granting =
+      std::ranges::find_if(own.answers, [](const auto& one) { return !one.second.refused; });
+  if (granting != own.answers.end()) {
+    for (const auto& [name, peer] : behind(key)) peer->proven = true;
+    if (!own.refused) return;
+    own.refused.reset();
+    outside_.report(
+        {.subject = key.subject, .network = key.network, .source = granting->first, .reason = {}});
+    answer_all();
+    return;
+  }
+  const auto& [source, answer] = *own.answers.begin();
+  std::string why = fmt::format("{} on {}: {}", source, key.network, *answer.refused);
+  if (refuse_one(key, own, why, now)) return;
+  own.refused_at = now;
+  own.is_of_message = true;
+  if (own.refused == why) return;
+  own.refused = std::move(why);
+  outside_.report({.subject = key.subject,
+                   .network = key.network,
+                   .source = source,
+                   .reason = *answer.refused});
+  answer_all();
 }
 
-void Subscriptions::answer_all_of(std::uint64_t subject) {
+std::vector<std::pair<const Subscriptions::PeerKey*, Subscriptions::Peer*>> Subscriptions::behind(
+    const OwnKey& key) {
+  std::vector<std::pair<const PeerKey*, Peer*>> out;
+  for (auto& [name, peer] : peers_)
+    if (name.subject == key.subject && name.network != key.network &&
+        peer.verdict == Verdict::granted)
+      out.emplace_back(&name, &peer);
+  return out;
+}
+
+/// Who was never granted with the others may be the one: rather who was refused when it was alone,
+/// and else who has come last. A node of FAMOUSO requires no more than the channel does, and does
+/// not ask again.
+bool Subscriptions::refuse_one(const OwnKey& key, Own& own, const std::string& why,
+                               std::uint64_t now) {
+  const auto all = behind(key);
+  if (all.size() + (own.begins_here ? 1 : 0) < 2) return false;
+  const auto order = [](const auto& one) {
+    const Peer& peer = *one.second;
+    const bool is_known = peer.answered && !peer.answered->empty();
+    return std::tuple(!peer.proven && peer.wanted.kind != Kind::plain, is_known, peer.joined);
+  };
+  const auto last = std::ranges::max_element(all, {}, order);
+  if (!std::get<0>(order(*last))) return false;
+  own.renumber();
+  own.due_at = now + kWithout;
+  put_back(*last->first, *last->second, why, now);
+  turn(now);
+  return true;
+}
+
+/// It counts no more, and may ask again after a while.
+void Subscriptions::put_back(const PeerKey& key, Peer& peer, const std::string& why,
+                             std::uint64_t now) {
+  outside_.log(fmt::format("{} on {} subscribes {:#018x}: refused, {}", key.source, key.network,
+                           key.subject, why));
+  peer.verdict = Verdict::refused;
+  peer.reason = why;
+  peer.admitted = peer.to_ask = false;
+  peer.ends_at = peer.not_before = now + kRefusalHolds;
+  to_end_.insert(key);
+  answer(key, peer);
+}
+
+/// Somebody has come while what was passed on is refused: those that it was refused to stand back,
+/// so that it is known what becomes of the newcomer alone.
+void Subscriptions::make_room_for(const PeerKey& newcomer, std::uint64_t now) {
+  for (auto own = own_.lower_bound({newcomer.subject, {}});
+       own != own_.end() && own->first.subject == newcomer.subject; ++own) {
+    if (own->first.network == newcomer.network || !own->second.refused ||
+        !own->second.is_of_message)
+      continue;
+    bool any = false;
+    for (const auto& [key, peer] : behind(own->first)) {
+      if (*key == newcomer || peer->proven || peer->wanted.kind == Kind::plain) continue;
+      put_back(*key, *peer, *own->second.refused, now);
+      any = true;
+    }
+    if (!any) continue;
+    own->second.refused.reset();
+    own->second.renumber();
+    own->second.due_at = now + kWithout;
+  }
+}
+
+bool Subscriptions::is_ending(std::uint64_t subject) const {
+  return std::ranges::any_of(to_end_, [&](const PeerKey& key) { return key.subject == subject; }) ||
+         std::ranges::any_of(asked_, [&](const auto& one) {
+           return one.second.end && one.second.peer.subject == subject;
+         });
+}
+
+std::optional<std::string> Subscriptions::refused_further_on(const PeerKey& key,
+                                                             const Peer& peer) const {
+  for (auto own = own_.lower_bound({key.subject, {}});
+       own != own_.end() && own->first.subject == key.subject; ++own) {
+    if (own->first.network == key.network) continue;
+    const Own& passed_on = own->second;
+    // Until what is required now is answered, those who have heard of a refusal hear nothing else.
+    if (passed_on.refused && (passed_on.is_of_message || peer.answered == passed_on.refused))
+      return passed_on.refused;
+    if (hops_left(own->first, passed_on) == 0) return kTooFar;
+  }
+  return std::nullopt;
+}
+
+void Subscriptions::answer_all() {
   for (auto& [key, peer] : peers_)
-    if (key.subject == subject && peer.verdict == Verdict::granted) answer(key, peer);
+    if (peer.verdict == Verdict::granted && !peer.to_answer) answer(key, peer);
 }
 
 /// Where it is another answer than before, or one is due.
 void Subscriptions::answer(const PeerKey& key, Peer& peer) {
   std::string why;
   if (peer.verdict == Verdict::refused) why = peer.reason;
-  if (const auto* further = refused_further_on(key.subject, key.network);
-      further != nullptr && peer.verdict == Verdict::granted)
-    why = *further;
+  if (peer.verdict == Verdict::granted) why = refused_further_on(key, peer).value_or("");
   if (peer.verdict == Verdict::unknown) return;
   if (!std::exchange(peer.to_answer, false) && peer.answered == why) return;
   peer.answered = why;
@@ -239,7 +378,7 @@ bool Subscriptions::ask(const PeerKey& key, const Subscription& wanted, bool end
                                              .lease_ns = plain ? 0 : lease_of(wanted),
                                              .end = end});
   if (number == 0) return false;
-  asked_[number] = {key, end};
+  asked_[number] = {.peer = key, .required = wanted.required, .end = end};
   return true;
 }
 
@@ -250,6 +389,8 @@ void Subscriptions::answered(std::uint64_t request, const control::Reply& reply,
   const auto known = peers_.find(asked.mapped().peer);
   if (asked.mapped().end || known == peers_.end() || known->second.to_ask) return turn(now);
   Peer& peer = known->second;
+  // It requires something else now, and that was asked as well.
+  if (asked.mapped().required != peer.wanted.required) return;
   const auto refusal = refusal_in(reply);
   const Verdict before = std::exchange(peer.verdict, refusal ? Verdict::refused : Verdict::granted);
   peer.reason = refusal.value_or("");
@@ -258,6 +399,10 @@ void Subscriptions::answered(std::uint64_t request, const control::Reply& reply,
                              known->first.network, known->first.subject,
                              refusal ? "refused, " + *refusal : "granted"));
   peer.admitted = peer.admitted || !refusal;
+  if (!refusal && before != Verdict::granted) {
+    peer.joined = ++joined_;
+    make_room_for(known->first, now);
+  }
   peer.not_before = refusal ? now + kRefusalHolds : 0;
   // Nothing was admitted: it is forgotten soon, and may ask again.
   const bool is_over = refusal && !peer.admitted;

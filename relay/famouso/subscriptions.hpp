@@ -32,6 +32,8 @@ class Subscriptions {
   static constexpr std::size_t kMostAsked = 64;
   /// Gateways on a way.
   static constexpr std::uint8_t kHops = 8;
+  /// Gateways whose answers to one own subscription are kept.
+  static constexpr std::size_t kMostAnswers = 16;
 
   struct Outside {
     /// On the network, as an event of SUBSCRIB.
@@ -78,6 +80,8 @@ class Subscriptions {
     std::string reason{};                    ///< of its refusal
     bool admitted = false;                   ///< granted once, and not ended: the daemon has it
     bool to_ask = false;
+    std::uint64_t joined = 0;               ///< when it was granted, in the order of all
+    bool proven = false;                    ///< passed on with the others, and granted further on
     std::uint64_t not_before = 0;           ///< refused: when the daemon is asked again at first
     bool to_answer = false;                 ///< whatever it was answered before
     std::optional<std::string> answered{};  ///< empty: granted; else why refused
@@ -87,30 +91,65 @@ class Subscriptions {
     std::string network;
     auto operator<=>(const OwnKey&) const = default;
   };
+  /// Of a gateway further on.
+  struct Answer {
+    std::optional<std::string> refused{};
+    std::uint64_t at = 0;
+  };
   struct Own {
     Subscription message;
+    bool begins_here = false;  ///< also for subscribers that are no peers
     std::uint64_t due_at = 0;
     bool was_sent = false;
-    std::optional<std::string> refused{};  ///< by whom and why
+    std::map<std::string, Answer> answers{};  ///< to this message, by who has sent them
+    std::optional<std::string> refused{};     ///< by whom and why: nobody grants it
+    std::uint64_t refused_at = 0;             ///< when that was said last
+    bool is_of_message = false;               ///< refused as it is required now
+    /// What it requires, or for whom, is not what was answered.
+    void renumber() {
+      ++message.number;
+      answers.clear();
+      is_of_message = false;
+    }
   };
+  /// What the daemon wants to be subscribed.
+  struct Wanted {
+    AttributeSet required;
+    bool begins_here = false;
+  };
+  using AllWanted = std::map<OwnKey, Wanted>;
   struct Asked {
     PeerKey peer;
+    AttributeSet required;
     bool end = false;
   };
 
+  void set_networks(const control::Subscriptions& said);
+  [[nodiscard]] AllWanted wanted_of(const control::Subscriptions& said) const;
+  void end_all_but(const AllWanted& wanted);
   void subscribe(PeerKey key, const Subscription& message, std::uint64_t now);
   void end(const PeerKey& key);
-  void on_answer(const std::string& network, const std::string& source,
-                 const Subscription& message);
+  void on_answer(const std::string& network, const std::string& source, const Subscription& message,
+                 std::uint64_t now);
+  void judge(const OwnKey& key, Own& own, std::uint64_t now);
+  /// Those whom an own subscription is for.
+  [[nodiscard]] std::vector<std::pair<const PeerKey*, Peer*>> behind(const OwnKey& key);
+  /// One of several asks for too much: it is refused alone. False: there is none of whom that is
+  /// likelier than of others.
+  bool refuse_one(const OwnKey& key, Own& own, const std::string& why, std::uint64_t now);
+  void make_room_for(const PeerKey& newcomer, std::uint64_t now);
+  void put_back(const PeerKey& key, Peer& peer, const std::string& why, std::uint64_t now);
+  /// The daemon has not ended yet what no longer counts.
+  [[nodiscard]] bool is_ending(std::uint64_t subject) const;
   /// False: it could not be asked now.
   bool ask(const PeerKey& key, const Subscription& wanted, bool end);
   void answer(const PeerKey& key, Peer& peer);
-  void answer_all_of(std::uint64_t subject);
+  void answer_all();
   void send_own(const OwnKey& key, Own& own, std::uint64_t now);
-  [[nodiscard]] std::uint8_t hops_left(const OwnKey& key) const;
-  /// Why events of the subject do not come to the network although the daemon grants that.
-  [[nodiscard]] const std::string* refused_further_on(std::uint64_t subject,
-                                                      const std::string& network) const;
+  [[nodiscard]] std::uint8_t hops_left(const OwnKey& key, const Own& own) const;
+  /// Why its events do not come to it although the daemon grants that.
+  [[nodiscard]] std::optional<std::string> refused_further_on(const PeerKey& key,
+                                                              const Peer& peer) const;
   [[nodiscard]] std::size_t peers_on(const std::string& network) const;
 
   Outside outside_;
@@ -118,6 +157,7 @@ class Subscriptions {
   std::map<PeerKey, Peer> peers_;
   std::map<OwnKey, Own> own_;
   std::map<std::uint64_t, Asked> asked_;  ///< by the number of the request
+  std::uint64_t joined_ = 0;              ///< peers that were granted something
   std::set<PeerKey> to_end_;              ///< the daemon has them still
 };
 

@@ -222,6 +222,17 @@ TEST(Exceptions, ARefusalFurtherOnIsToldToSubscribers) {
   }
 }
 
+TEST(Exceptions, AGrantFurtherOnIsToldToSubscribers) {
+  control::Reply further = event("granted");
+  std::get<control::Event>(further.body).network = "middle";
+  Scene scene({{{channels({delivery("field", true)}), further, event("dropping")}}});
+  Client client(scene.options());
+  SubscriberChannel subscriber(client, "stop");
+  subscriber.subscribe();
+  EXPECT_EQ(causes(exceptions(client, subscriber, 2)), (Texts{"granted", "dropped"}));
+  EXPECT_EQ(scene.requests().size(), 1U) << "nothing is decided otherwise here";
+}
+
 /// Another program may hold the port for a while.
 TEST(Exceptions, EventsThatCannotBeCarriedAreTriedAgain) {
   control::Channels nowhere{{delivery("field", true)}, 0};

@@ -29,6 +29,8 @@ HAPPENED = {"excess": Cause.POLICED, "dropping": Cause.DROPPED, "missing": Cause
 # What is decided may be otherwise: it is asked for.
 VERDICT = {"granted", "refused", "withdrawn", "released", "switched", "rerouted", "reinstated", "reload", "lagged", "local",
            "binding"}
+# Of a subscription that the gateway has passed on.
+FURTHER_ON = {"refused": Cause.REFUSED, "granted": Cause.GRANTED}
 # They are lost first where a program takes none.
 ONLY_INFORM = {Cause.POLICED, Cause.DROPPED, Cause.MISSING, Cause.RESTORED, Cause.MODE, Cause.OTHER}
 
@@ -352,9 +354,9 @@ class Session:
             if event.kind not in VERDICT and part.answer.state is State.UNANNOUNCED:
                 continue
             # Of a subscription that the gateway has passed on: what it decides itself has not changed.
-            if event.kind == "refused" and not event.publisher and event.network:
+            if event.kind in FURTHER_ON and not event.publisher and event.network:
                 if not part.publishes:
-                    part.note(Cause.REFUSED, event.message, event)
+                    part.note(FURTHER_ON[event.kind], event.message, event)
                 continue
             if event.kind not in VERDICT:
                 if event.subject == 0 or part.concerns(event):

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A subscription that this gateway has passed on was refused further on.
+// A subscription that this gateway has passed on was refused further on, or is granted after that.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -39,14 +39,18 @@ Response refusal(Context& context, const Asker& asker, const control::RefusalReq
   for (const auto& [id, of] : state.admissions())
     if (of == *channel) concerned.push_back(id);
   const core::EventChannel& named = state.system().channels[*channel];
-  context.log.warning(Kind::refused,
-                      fmt::format("{} ({}) from {}: refused further on by {}: {}", named.name,
-                                  core::format_subject(named.subject), request.network,
-                                  printable_part(request.source), printable_part(request.reason)),
-                      {.subject = named.subject,
-                       .channel = named.name,
-                       .network = request.network,
-                       .admissions = std::move(concerned)});
+  const bool is_granted = request.reason.empty();
+  context.log.write({.kind = is_granted ? Kind::granted : Kind::refused,
+                     .priority = is_granted ? 6 : 4,
+                     .message = fmt::format(
+                         "{} ({}) from {}: {} further on by {}{}", named.name,
+                         core::format_subject(named.subject), request.network,
+                         is_granted ? "granted again" : "refused", printable_part(request.source),
+                         is_granted ? "" : ": " + printable_part(request.reason)),
+                     .subject = named.subject,
+                     .channel = named.name,
+                     .network = request.network,
+                     .admissions = std::move(concerned)});
   return control::Done{"reported"};
 }
 

@@ -4,14 +4,18 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "control/attributes.hpp"
 #include "core/model/text.hpp"
 #include "daemon/gateway/admissions.hpp"
+#include "daemon/gateway/delivery_events.hpp"
 #include "daemon/gateway/keys.hpp"
 #include "daemon/gateway/recorder.hpp"
+#include "daemon/gateway/report.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
 #include "daemon/gateway/requests/peers.hpp"
 
@@ -47,6 +51,27 @@ std::optional<std::string> exceeds_policy(const Context& context, const core::Ne
                      now);
 }
 
+/// It has something that is granted, and would not be granted what it wants now beside that: the
+/// refusal, with which it keeps what it has. What is granted of each would be granted of both, as
+/// each attribute is compared by itself.
+std::optional<Response> refuses_other(Context& context, core::AdmissionId held,
+                                      const control::Admit& wanted) {
+  core::State& state = *context.scene.state;
+  const auto asked = understand(state, wanted, context.recorder.contents().next_id);
+  const auto known = state.admissions().find(held);
+  if (!asked || !asked->admission || known == state.admissions().end()) return std::nullopt;
+  const auto has = [&](const core::Verdict& v) { return context.deliveries.concerns(v, held); };
+  const auto& verdicts = state.decisions()[known->second].verdicts;
+  if (!std::ranges::all_of(verdicts, [&](const core::Verdict& v) { return v.granted || !has(v); }))
+    return std::nullopt;
+  const core::Proposal proposal = state.propose(*asked->admission);
+  if (proposal.fit()) return std::nullopt;
+  Response response = outcome_of(context, proposal, *asked, "admit");
+  for (const core::Verdict* v : proposal.verdicts())
+    if (!v->granted) context.deliveries.verdict(Kind::refused, *v, verdict_line(state, *v));
+  return response;
+}
+
 Response end(Context& context, const std::string& key) {
   const auto known = context.admissions.with_key(key);
   if (!known) return control::Done{"there is no such subscription"};
@@ -80,7 +105,7 @@ Response subscribe(Context& context, const Asker& asker, const control::Subscrib
   const control::Request* held =
       known ? context.recorder.contents().admissions.find(*known) : nullptr;
   if (held != nullptr && std::get<control::Admit>(held->body) != *wanted) {
-    // It requires something else now: what it had is not kept for that.
+    if (auto refused = refuses_other(context, *known, *wanted)) return std::move(*refused);
     if (const auto done = context.admissions.release({*known}, "replaced"); !done)
       return failed(done.error().text);
     held = nullptr;

@@ -194,6 +194,25 @@ TEST_F(SubscriptionRequests, TheProgramLearnsWhereSubscriptionsComeFrom) {
   EXPECT_TRUE(there.onward.empty());
 }
 
+/// Whoever renews what it has must not lose it by a question in vain.
+TEST_F(SubscriptionRequests, WhatWasGrantedStaysWhereAStricterRequirementIsRefused) {
+  EXPECT_EQ(subscribe(wanted()), "granted");
+  const auto id = bench_->state().admissions().begin()->first;
+  control::SubscribeRequest strict = wanted();
+  strict.required = {{.name = "Omission", .value = 2, .unit = {}, .dynamic = false}};
+  bench_->events.clear();
+  EXPECT_EQ(subscribe(strict), "Omission 2 required, can0 provides none");
+  ASSERT_EQ(subscribers(), 2U);
+  EXPECT_TRUE(bench_->state().admissions().contains(id)) << "without an interruption";
+  EXPECT_EQ(std::ranges::count(bench_->events, "released"), 0);
+  const auto& members = bench_->state().members();
+  EXPECT_EQ(members.subscriber(members.subscribers_of(0).back()).attributes[Attribute::deadline],
+            40 * kMs);
+  EXPECT_EQ(subscribe(wanted()), "granted");
+  EXPECT_EQ(subscribe(wanted("192.0.2.7", 30)), "granted");
+  EXPECT_FALSE(bench_->state().admissions().contains(id));
+}
+
 /// From the Ethernet to a bus: who subscribes on the bus is passed on to the Ethernet.
 class OnwardRequests : public SubscriptionRequests {
  protected:
@@ -209,6 +228,11 @@ class OnwardRequests : public SubscriptionRequests {
       if (port.network == kEthernet) port.control_uid = kProgram;
     bench_ = std::make_unique<Bench>(std::move(system));
     ASSERT_FALSE(bench_->start());
+  }
+  [[nodiscard]] std::string says(const control::RefusalRequest& refusal, const serve::Peer& peer) {
+    const auto body = bench_->ask(refusal, peer).reply.body;
+    const auto* done = std::get_if<control::Done>(&body);
+    return done != nullptr ? done->message : std::get<control::Error>(body).message;
   }
   void admit(Value latency) {
     control::Admit request;
@@ -245,17 +269,14 @@ TEST_F(OnwardRequests, WhatIsRequiredBehindTheGatewayIsPassedOn) {
 TEST_F(OnwardRequests, ARefusalFurtherOnIsAnEventOfTheChannel) {
   control::RefusalRequest refusal{
       .subject = subject_, .network = lan_, .source = "192.0.2.9", .reason = "far: no\nway"};
-  const auto says = [&](const serve::Peer& peer) {
-    const auto body = bench_->ask(refusal, peer).reply.body;
-    const auto* done = std::get_if<control::Done>(&body);
-    return done != nullptr ? done->message : std::get<control::Error>(body).message;
-  };
-  EXPECT_EQ(says(program()), "nothing of that is subscribed on the network now");
+  bench_->ask(control::WithdrawRequest{.channel = "c0"});
+  EXPECT_EQ(says(refusal, program()), "nothing of that is subscribed on the network now");
+  bench_->ask(control::ReinstateRequest{.channel = "c0"});
   admit(40 * kMs);
   bench_->events.clear();
   EXPECT_TRUE(says(refusal, member()).contains(" are for programs of user 991"));
   EXPECT_TRUE(bench_->events.empty());
-  EXPECT_EQ(says(program()), "reported");
+  EXPECT_EQ(says(refusal, program()), "reported");
   EXPECT_EQ(bench_->events, std::vector<std::string>{"refused"});
   // Programs that were told of the refusal are told that it is over.
   refusal.reason = "";

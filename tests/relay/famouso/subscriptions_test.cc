@@ -8,98 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "tests/relay/famouso/subscriptions_scene.hpp"
+
 namespace mlcca::relay {
 namespace {
-
-using Kind = Subscription::Kind;
-
-constexpr std::uint64_t kDistance = 0x44697374616e6365;
-constexpr std::uint64_t kSecond = 1'000'000'000;
-
-/// Two networks, a bus and a lan, between which events go.
-class SubscriptionsTest : public ::testing::Test {
- protected:
-  struct Sent {
-    std::string network;
-    Subscription message;
-  };
-
-  SubscriptionsTest() {
-    for (const char* name : {"bus", "lan"}) {
-      said_.networks.emplace_back();
-      said_.networks.back().network = name;
-      said_.networks.back().most = 4;
-    }
-    subscriptions_.set(said_, 0);
-  }
-
-  static control::Reply granted() {
-    control::Channels out;
-    out.channels.emplace_back();
-    out.channels.back().granted = true;
-    return {0, std::move(out)};
-  }
-  static control::Reply refused(const std::string& why) {
-    control::Channels out;
-    out.channels.emplace_back();
-    out.channels.back().from = "lan";
-    out.channels.back().to = "bus";
-    out.channels.back().reason = why;
-    return {0, std::move(out)};
-  }
-  static Subscription wanted(std::uint32_t number, Value latency = 10'000'000) {
-    Subscription out{
-        .kind = Kind::subscribe, .subject = kDistance, .number = number, .lease_s = 60, .hops = 8};
-    out.required.set(Attribute::latency, latency);
-    return out;
-  }
-  void come(const std::string& source, const Subscription& message, std::uint64_t now = 0,
-            const std::string& network = "bus") {
-    subscriptions_.receive(network, source, encode(message), now);
-  }
-  /// The daemon answers what it was asked first.
-  void answer(const control::Reply& reply, std::uint64_t now = 0) {
-    ASSERT_FALSE(open_.empty());
-    const std::uint64_t number = open_.front();
-    open_.erase(open_.begin());
-    subscriptions_.answered(number, reply, now);
-  }
-  std::vector<Sent> take_sent() { return std::exchange(sent_, {}); }
-  void say_onward(Value latency) {
-    said_.onward.clear();
-    control::OnwardSubscription one;
-    one.subject = kDistance;
-    one.channel = "distance";
-    one.network = "lan";
-    one.required.push_back({.name = "Latency", .value = latency, .unit = {}, .dynamic = false});
-    said_.onward.push_back(one);
-  }
-
-  control::Subscriptions said_;
-  std::vector<control::SubscribeRequest> asked_;
-  std::vector<std::uint64_t> open_;
-  std::vector<Sent> sent_;
-  std::vector<control::RefusalRequest> reports_;
-  std::vector<std::string> log_;
-  bool connected_ = true;
-  Subscriptions subscriptions_{
-      {.send =
-           [this](const std::string& network, Octets event) {
-             const auto message = parse_subscription(event);
-             ASSERT_TRUE(message);
-             sent_.push_back({network, *message});
-           },
-       .ask = [this](control::SubscribeRequest request) -> std::uint64_t {
-         if (!connected_) return 0;
-         asked_.push_back(std::move(request));
-         open_.push_back(asked_.size());
-         return asked_.size();
-       },
-       .report =
-           [this](control::RefusalRequest request) { reports_.push_back(std::move(request)); },
-       .log = [this](const std::string& line) { log_.push_back(line); },
-       .random = [] { return 77U; }}};
-};
 
 TEST_F(SubscriptionsTest, TheDaemonDecidesAndThePeerIsAnswered) {
   come("0x12", wanted(5));
@@ -227,45 +139,32 @@ TEST_F(SubscriptionsTest, WhatIsRequiredFurtherOnIsPassedOnAndRenewedAndEnded) {
   EXPECT_EQ(subscriptions_.own(), 0U);
 }
 
-TEST_F(SubscriptionsTest, WhoHasComeOverAsManyGatewaysAsMayBeIsNotPassedOn) {
-  Subscription last = wanted(5);
-  last.hops = 0;
-  come("0x12", last);
-  answer(granted());
-  take_sent();
-  say_onward(7'000'000);
-  subscriptions_.set(said_, 0);
+/// It changes its requirement while the daemon decides the former one.
+TEST_F(SubscriptionsTest, TheDaemonsAnswerToAFormerRequirementIsNone) {
+  come("0x12", wanted(5, 3'000'000));
+  come("0x12", wanted(6, 20'000'000));
+  ASSERT_EQ(asked_.size(), 2U);
+  answer(refused("Latency 3 ms required"));
   EXPECT_TRUE(take_sent().empty());
+  answer(granted());
+  EXPECT_EQ(told("bus"), std::vector<std::string>{"6 granted"});
 }
 
-TEST_F(SubscriptionsTest, ARefusalFurtherOnTravelsBackToWhoSubscribed) {
+/// The daemon reports a question in vain before it answers it, and is asked once more because of
+/// that.
+TEST_F(SubscriptionsTest, AnAnswerCountsThoughTheSameIsAskedAgainMeanwhile) {
   come("0x12", wanted(5));
   answer(granted());
-  say_onward(7'000'000);
-  subscriptions_.set(said_, 0);
   take_sent();
-  Subscription no{.kind = Kind::refused, .subject = kDistance, .number = 77};
-  no.reason = "far to lan: Latency 9 ms";
-  come("192.0.2.9", no, 0, "lan");
-  ASSERT_EQ(reports_.size(), 1U);
-  EXPECT_EQ(reports_[0].network, "lan");
-  EXPECT_EQ(reports_[0].source, "192.0.2.9");
-  EXPECT_EQ(reports_[0].reason, "far to lan: Latency 9 ms");
-  auto sent = take_sent();
-  ASSERT_EQ(sent.size(), 1U);
-  EXPECT_EQ(sent[0].network, "bus");
-  EXPECT_EQ(sent[0].message.kind, Kind::refused);
-  EXPECT_EQ(sent[0].message.reason, "192.0.2.9 on lan: far to lan: Latency 9 ms");
-  come("192.0.2.9", no, 0, "lan");  // once
-  EXPECT_EQ(reports_.size(), 1U);
-  EXPECT_TRUE(take_sent().empty());
-  come("192.0.2.9", {.kind = Kind::granted, .subject = kDistance, .number = 77}, 0, "lan");
-  sent = take_sent();
-  ASSERT_EQ(sent.size(), 1U);
-  EXPECT_EQ(sent[0].message.kind, Kind::granted);
-  // Of another subscription: not ours.
-  come("192.0.2.9", {.kind = Kind::refused, .subject = kDistance, .number = 78}, 0, "lan");
-  EXPECT_TRUE(take_sent().empty());
+  come("0x12", wanted(6, 3'000'000), kSecond);
+  subscriptions_.decided(kDistance);
+  subscriptions_.turn(kSecond);
+  ASSERT_EQ(open_.size(), 2U);
+  answer(refused("Latency 3 ms required"), kSecond);
+  EXPECT_EQ(told("bus"), std::vector<std::string>{"6 refused: lan to bus: Latency 3 ms required"});
+  subscriptions_.decided(kDistance);
+  subscriptions_.turn(kSecond);
+  EXPECT_EQ(asked_.size(), 3U);
 }
 
 TEST_F(SubscriptionsTest, WhatTheDaemonDecidesLaterIsReportedToThePeer) {
