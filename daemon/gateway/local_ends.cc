@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 
 namespace mlcca {
 namespace {
@@ -17,7 +18,7 @@ bool is_given_by_kernel(std::string_view address) {
 
 }  // namespace
 
-Result<void> LocalEnds::add(const core::EventChannel& channel, std::uint64_t session,
+Result<void> LocalEnds::add(const core::EventChannel& channel, uid_t user, std::uint64_t session,
                             const std::string& address) {
   if (!is_given_by_kernel(address))
     return fail("'" + address +
@@ -25,14 +26,27 @@ Result<void> LocalEnds::add(const core::EventChannel& channel, std::uint64_t ses
                 "digits, see unix(7)");
   Ends& ends = ends_[channel.subject];
   const auto known = ends.by_session.find(session);
-  if (known != ends.by_session.end() && known->second == address) return {};
-  if (known == ends.by_session.end() && ends.by_session.size() >= kMostOfChannel)
-    return fail(channel.name + " has " + std::to_string(kMostOfChannel) +
-                " subscribers on this gateway, which is the most");
+  if (known != ends.by_session.end() && known->second.address == address) return {};
+  if (known == ends.by_session.end())
+    if (auto why = refusal(channel.name, ends, user)) return fail(std::move(*why));
   ends.channel = channel.name;
-  ends.by_session[session] = address;
+  ends.by_session[session] = {user, address};
   report(channel.subject, channel.name);
   return {};
+}
+
+std::optional<std::string> LocalEnds::refusal(const std::string& channel, const Ends& ends,
+                                              uid_t user) {
+  if (ends.by_session.size() >= kMostOfChannel)
+    return channel + " has " + std::to_string(kMostOfChannel) +
+           " subscribers on this gateway, which is the most";
+  const auto of_user = std::ranges::count_if(
+      ends.by_session, [user](const auto& one) { return one.second.user == user; });
+  if (user != 0 && static_cast<std::size_t>(of_user) >= kMostOfUser)
+    return "user " + std::to_string(user) + " has " + std::to_string(of_user) + " of the " +
+           std::to_string(kMostOfChannel) + " places of " + channel +
+           " for subscribers on this gateway, which is the most of one user";
+  return std::nullopt;
 }
 
 void LocalEnds::session_closed(std::uint64_t session) {
@@ -46,8 +60,8 @@ std::vector<std::string> LocalEnds::addresses(core::Subject subject) const {
   std::vector<std::string> out;
   const auto known = ends_.find(subject);
   if (known == ends_.end()) return out;
-  for (const auto& [session, address] : known->second.by_session)
-    if (std::ranges::find(out, address) == out.end()) out.push_back(address);
+  for (const auto& [session, end] : known->second.by_session)
+    if (std::ranges::find(out, end.address) == out.end()) out.push_back(end.address);
   return out;
 }
 

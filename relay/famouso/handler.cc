@@ -8,6 +8,7 @@
 #include <sys/epoll.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -118,7 +119,17 @@ std::optional<std::string> EventChannelHandler::refusal(const Connection& connec
     return connection.name + ": it is not for programs of that user (--user)";
   if (connections_.size() >= kMostConnections)
     return connection.name + ": there are " + std::to_string(kMostConnections) + " connections";
+  if (has_share(user))
+    return fmt::format("{}: user {} has {} connections, the most of one user", connection.name,
+                       user, kMostOfUser);
   return std::nullopt;
+}
+
+bool EventChannelHandler::has_share(uid_t user) const {
+  if (user == 0) return false;
+  const auto of_user = std::ranges::count_if(
+      connections_, [user](const auto& one) { return one.second.user == user; });
+  return static_cast<std::size_t>(of_user) >= kMostOfUser;
 }
 
 /// At most one line a second, whoever connects.
@@ -129,10 +140,12 @@ void EventChannelHandler::refuse(const std::string& whom_and_why, std::uint64_t 
   outside_.log(fmt::format("refused: {} ({} so far)", whom_and_why, refused_));
 }
 
-void EventChannelHandler::make_room(std::uint64_t now) {
-  if (connections_.size() < kMostConnections) return;
+void EventChannelHandler::make_room(uid_t user, std::uint64_t now) {
+  const bool of_all = connections_.size() >= kMostConnections;
+  if (!of_all && !has_share(user)) return;
   for (const auto& [fd, connection] : connections_)
-    if (!connection.opened && now - connection.since >= kPatience)
+    if (!connection.opened && now - connection.since >= kPatience &&
+        (of_all || connection.user == user))
       ended_.emplace(fd, "it has not said what it wants, and there is no room for others");
   close_ended();
 }
@@ -151,6 +164,7 @@ void EventChannelHandler::accept(std::uint64_t now) {
       continue;
     }
     Connection connection{.socket = std::move(socket),
+                          .user = *user,
                           .name = text_of(from) + " of uid " + std::to_string(*user),
                           .session = {},
                           .since = now,

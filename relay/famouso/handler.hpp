@@ -27,6 +27,8 @@ namespace mlcca::relay {
 class EventChannelHandler {
  public:
   static constexpr std::size_t kMostConnections = 256;
+  /// Of one user other than root.
+  static constexpr std::size_t kMostOfUser = 64;
   /// A connection that has not said for so long what it wants is closed when there is no room for
   /// another one, ns. FAMOUSO's handler waits without end, and its programs may connect long before
   /// they announce.
@@ -62,6 +64,7 @@ class EventChannelHandler {
  private:
   struct Connection {
     Fd socket;
+    uid_t user = 0;
     std::string name;  ///< "127.0.0.1:40000 of uid 1000"
     LocalSession session;
     std::uint64_t since = 0;
@@ -87,7 +90,10 @@ class EventChannelHandler {
   void accept(std::uint64_t now);
   [[nodiscard]] std::optional<std::string> refusal(const Connection& connection, uid_t user) const;
   void refuse(const std::string& whom_and_why, std::uint64_t now);
-  void make_room(std::uint64_t now);
+  /// So that a program of the user has a place.
+  void make_room(uid_t user, std::uint64_t now);
+  /// No more of this user, however many others there are.
+  [[nodiscard]] bool has_share(uid_t user) const;
   void read(int fd, std::uint64_t now);
   void open_channel(int fd, Connection& connection);
   void hold(int fd, Connection& connection, std::uint64_t now);

@@ -187,7 +187,8 @@ Response announce(Context& context, const Asker& asker, const control::AnnounceR
     if (request.role != Role::subscriber)
       return invalid("local is for subscribers: a publisher sends, and receives nothing");
     const core::EventChannel& followed = state.system().channels[*channel];
-    if (const auto done = context.local_ends.add(followed, asker.peer.session, request.local);
+    if (const auto done =
+            context.local_ends.add(followed, asker.peer.uid, asker.peer.session, request.local);
         !done)
       return invalid(done.error().text);
   }

@@ -256,6 +256,47 @@ TEST_F(Announce, TheAttributeSetThatIsInUseCounts) {
       "use for this end: state what the program needs in the description");
 }
 
+TEST_F(Announce, AWithdrawalNamesTheNetworkThatIsDown) {
+  bench_.published.clear();
+  const std::string second = bench_.state().system().networks[1].name;
+  bench_.kernel.interfaces[second].up = false;
+  bench_.daemon().links_changed();
+  const auto withdrawn = std::ranges::find(bench_.published, "withdrawn", &control::Event::kind);
+  ASSERT_NE(withdrawn, bench_.published.end());
+  EXPECT_EQ(withdrawn->network_down, second);
+  EXPECT_EQ(withdrawn->publisher, "lever");
+  EXPECT_NE(withdrawn->message.find("is down"), std::string::npos) << withdrawn->message;
+  bench_.kernel.interfaces[second].up = true;
+  bench_.daemon().links_changed();
+  bench_.published.clear();
+  bench_.ask(control::WithdrawRequest{.channel = "c0"});
+  const auto by_hand = std::ranges::find(bench_.published, "withdrawn", &control::Event::kind);
+  ASSERT_NE(by_hand, bench_.published.end());
+  EXPECT_EQ(by_hand->network_down, "");
+}
+
+TEST_F(Announce, OneUserHasAShareOfThePlacesOnTheGateway) {
+  const auto subscribe = [&](uid_t user, std::uint64_t session) {
+    AnnounceRequest request{"c0", Role::subscriber, "lamp", {}};
+    request.local = fmt::format("{:05x}", session);
+    return refusal(request, {.pid = 7, .uid = user, .session = session});
+  };
+  std::uint64_t session = 0;
+  for (std::size_t i = 0; i < LocalEnds::kMostOfUser; ++i)
+    EXPECT_EQ(subscribe(1000, ++session), "");
+  EXPECT_EQ(subscribe(1000, ++session),
+            "user 1000 has 32 of the 64 places of c0 for subscribers on this gateway, which is the "
+            "most of one user");
+  EXPECT_EQ(subscribe(1000, 1), "") << "it has its place";
+  EXPECT_EQ(subscribe(1001, ++session), "");
+  // Root may have all that is left, and there are no more than that.
+  for (std::size_t i = LocalEnds::kMostOfUser + 1; i < LocalEnds::kMostOfChannel; ++i)
+    EXPECT_EQ(subscribe(0, ++session), "");
+  EXPECT_EQ(subscribe(1001, ++session), "c0 has 64 subscribers on this gateway, which is the most");
+  bench_.daemon().session_closed(1);
+  EXPECT_EQ(subscribe(1000, ++session), "");
+}
+
 /// The Jitter of a publisher is its own: more of it is worse.
 TEST_F(Announce, APublisherWithMoreJitterThanIsStatedIsRefused) {
   bench_.system.publishers[0].attributes.set(Attribute::jitter, kMs);

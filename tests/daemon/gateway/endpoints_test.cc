@@ -47,8 +47,8 @@ class Endpoints : public ::testing::Test {
     return channels == nullptr ? std::vector<Endpoint>{} : channels->endpoints;
   }
   std::vector<Endpoint> of_publisher() { return endpoints({"c0", Role::publisher, "", {}}, 1); }
-  std::string refusal(const AnnounceRequest& request, std::uint64_t session) {
-    const serve::Answer answer = bench_->ask(request, {.pid = 7, .uid = kUser, .session = session});
+  std::string refusal(const AnnounceRequest& request, std::uint64_t session, uid_t user = kUser) {
+    const serve::Answer answer = bench_->ask(request, {.pid = 7, .uid = user, .session = session});
     const auto* error = std::get_if<control::Error>(&answer.reply.body);
     return error == nullptr ? "" : error->message;
   }
@@ -128,7 +128,7 @@ TEST_F(Endpoints, AnAddressIsOneThatTheKernelGaveToASubscriber) {
 TEST_F(Endpoints, OneChannelHasSoManySubscribersAndNoMore) {
   start(with_programs());
   for (std::size_t n = 0; n < LocalEnds::kMostOfChannel; ++n)
-    ASSERT_EQ(refusal({"c0", Role::subscriber, "", {}, "0a1b2"}, 2 + n), "");
+    ASSERT_EQ(refusal({"c0", Role::subscriber, "", {}, "0a1b2"}, 2 + n, n == 0 ? kUser : 0), "");
   EXPECT_EQ(refusal({"c0", Role::subscriber, "", {}, "0a1b2"}, 1000),
             "c0 has 64 subscribers on this gateway, which is the most");
   EXPECT_EQ(refusal({"c0", Role::subscriber, "", {}, "0a1b3"}, 2), "") << "it has another one";

@@ -237,6 +237,7 @@ TEST_F(HandlerTest, WhoSaysNothingMayStayWhereThereIsRoom) {
 }
 
 TEST_F(HandlerTest, WhoSaysNothingIsClosedAfterAWhileWhereThereIsNone) {
+  user_of_ = [](int) -> Result<uid_t> { return 0; };
   const auto handler = open();
   Tcp silent(handler->port());
   until(*handler, [&] { return handler->connections() == 1; });
@@ -346,7 +347,48 @@ TEST_F(HandlerTest, OnlyProgramsOfTheseUsersMayConnect) {
   until(*unsure, [&] { return fourth.is_closed(); });
 }
 
+TEST_F(HandlerTest, OneUserHasAShareOfTheConnectionsAndLeavesTheOthers) {
+  uid_t user = 1000;
+  user_of_ = [&user](int) -> Result<uid_t> { return user; };
+  const auto handler = open();
+  std::vector<std::unique_ptr<Tcp>> all;
+  const auto connect = [&](std::size_t more) {
+    const std::size_t wanted = handler->connections() + more;
+    for (std::size_t i = 0; i < more; ++i) {
+      all.push_back(std::make_unique<Tcp>(handler->port()));
+      handler->turn(now_);
+    }
+    until(*handler, [&] { return handler->connections() == wanted; });
+  };
+  connect(EventChannelHandler::kMostOfUser);
+  Tcp next(handler->port());
+  until(*handler, [&] { return next.is_closed(); });
+  EXPECT_TRUE(has_said("user 1000 has 64 connections, the most of one user")) << all_said();
+  user = 1001;
+  connect(EventChannelHandler::kMostOfUser);
+  user = 0;  // root may have what is left
+  connect(EventChannelHandler::kMostConnections - 2 * EventChannelHandler::kMostOfUser);
+  EXPECT_EQ(handler->connections(), EventChannelHandler::kMostConnections);
+}
+
+TEST_F(HandlerTest, WhoSaysNothingMakesRoomForOthersOfItsUser) {
+  user_of_ = [](int) -> Result<uid_t> { return 1000; };
+  const auto handler = open();
+  std::vector<std::unique_ptr<Tcp>> all;
+  for (std::size_t i = 0; i < EventChannelHandler::kMostOfUser; ++i) {
+    all.push_back(std::make_unique<Tcp>(handler->port()));
+    handler->turn(now_);
+  }
+  until(*handler, [&] { return handler->connections() == EventChannelHandler::kMostOfUser; });
+  now_ += EventChannelHandler::kPatience;
+  Tcp next(handler->port());
+  next.say(kSubscribe);
+  until(*handler, [&] { return handler->channels() == 1; });
+  EXPECT_TRUE(all[0]->is_closed());
+}
+
 TEST_F(HandlerTest, ThereAreSoManyConnectionsAndNoMore) {
+  user_of_ = [](int) -> Result<uid_t> { return 0; };
   const auto handler = open();
   std::vector<std::unique_ptr<Tcp>> all;
   for (std::size_t i = 0; i < EventChannelHandler::kMostConnections; ++i) {
