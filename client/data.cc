@@ -2,6 +2,8 @@
 #include "client/data.hpp"
 
 #include <sys/epoll.h>
+#include <sys/timerfd.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -11,6 +13,7 @@
 #include <variant>
 
 #include "base/clock.hpp"
+#include "base/timer.hpp"
 
 namespace mlcca::client {
 namespace {
@@ -19,6 +22,7 @@ using relay::Sent;
 
 /// Of each socket in one call of process(): what is left keeps the descriptor readable.
 constexpr std::size_t kMostEvents = 64;
+constexpr std::chrono::seconds kExpiry(1);
 
 std::chrono::system_clock::time_point time_of(std::uint64_t unix_ns) {
   using Time = std::chrono::system_clock::time_point;
@@ -31,6 +35,11 @@ bool is_same(const auto& a, const auto& b) { return !a.owner_before(b) && !b.own
 }  // namespace
 
 // --- sockets -------------------------------------------------------------------------------------
+
+Client::Data::Data(const Fd& epoll)
+    : epoll_(epoll), timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)) {
+  if (timer_) static_cast<void>(watch(timer_.get()));
+}
 
 bool Client::Data::watch(int fd) const {
   epoll_event event{.events = EPOLLIN, .data = {.fd = fd}};
@@ -185,12 +194,37 @@ bool Client::Data::receive(int fd) {
     });
     return true;
   }
+  if (timer_.get() == fd) {
+    expire();
+    return true;
+  }
   const auto found =
       std::ranges::find_if(layers_, [fd](const auto& one) { return one.second->fd() == fd; });
   if (found == layers_.end()) return false;
   if (!found->second->receive(kMostEvents, [this](const auto& arrival) { take(arrival); }))
     renew(found->first);
+  else if (!is_timed_ && found->second->holds_parts())
+    time_expiry();
   return true;
+}
+
+bool Client::Data::holds_parts() const {
+  return std::ranges::any_of(layers_, [](const auto& one) { return one.second->holds_parts(); });
+}
+
+void Client::Data::time_expiry() {
+  start_timer(timer_, kExpiry);
+  is_timed_ = true;
+}
+
+/// Once a second, as long as there is something.
+void Client::Data::expire() {
+  std::uint64_t expired = 0;
+  if (::read(timer_.get(), &expired, sizeof expired) != sizeof expired) return;
+  is_timed_ = false;
+  for (const auto& [ifindex, layer] : layers_)
+    if (layer->holds_parts()) layer->expire();
+  if (holds_parts()) time_expiry();
 }
 
 /// Where a handler throws, those behind it are for the next call.

@@ -28,7 +28,7 @@ class Client::Data {
   using Octets = std::span<const std::uint8_t>;
 
   /// The sockets are added to `epoll`, which must outlive this.
-  explicit Data(const Fd& epoll) : epoll_(epoll) {}
+  explicit Data(const Fd& epoll);
 
   /// Where programs on the gateway send events that this one subscribes; empty: there are no
   /// descriptors left.
@@ -64,6 +64,9 @@ class Client::Data {
   };
 
   [[nodiscard]] bool watch(int fd) const;
+  [[nodiscard]] bool holds_parts() const;
+  void time_expiry();
+  void expire();
   Result<relay::Layer*> layer_of(const control::Endpoint& endpoint);
   Result<void> use_endpoints(const PartOf& part, std::vector<control::Endpoint> endpoints);
   void leave(const std::weak_ptr<Channel::Part>& part);
@@ -73,6 +76,8 @@ class Client::Data {
   void take(const relay::Layer::Arrival& arrival);
 
   const Fd& epoll_;
+  Fd timer_;  ///< for what is begun and not completed
+  bool is_timed_ = false;
   std::optional<LocalSocket> local_;
   std::map<std::uint32_t, std::unique_ptr<relay::Layer>> layers_;  ///< by interface
   std::uint64_t closed_losses_ = 0;  ///< of interfaces that were closed

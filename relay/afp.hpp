@@ -100,6 +100,8 @@ class Reassembly {
 
   /// The event that this fragment completes, if it does. `now` never falls.
   std::optional<Event> take(Source source, Octets fragment, std::uint64_t now);
+  /// Gives up what is older than Limits::lifetime_ns; take() does, too.
+  void expire(std::uint64_t now);
 
   [[nodiscard]] const Losses& losses() const { return losses_; }
   /// What is kept now, for tests of its bounds.
@@ -137,7 +139,6 @@ class Reassembly {
   All::iterator begin(const Key& key, std::uint64_t now);
   void give_up(All::iterator event, std::uint64_t& why);
   void forget(All::iterator event);
-  void expire(std::uint64_t now);
   void make_room(std::size_t octets, const Key& beside);
   /// The oldest event, but not `beside`, of the source for which `weight` of its events is most.
   template <class Weight>

@@ -126,6 +126,11 @@ void Carrier::receive(std::uint32_t ifindex) {
   if (!there) close(ifindex);
 }
 
+void Carrier::expire() {
+  for (const auto& [ifindex, layer] : layers_)
+    if (layer->holds_parts()) layer->expire();
+}
+
 void Carrier::carry(const Layer::Arrival& arrival) {
   Slot& slot = *slots_[arrival.follower];
   const Sent sent = slot.to->send(slot.transfer.to, slot.transfer.subject, arrival.event);

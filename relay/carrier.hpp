@@ -54,6 +54,9 @@ class Carrier {
   /// Tries once more what could not be carried until now: a port may be free again.
   void retry();
 
+  /// Once a second: see Layer::expire().
+  void expire();
+
   /// The descriptor of the interface can be read.
   void receive(std::uint32_t ifindex);
 

@@ -193,4 +193,10 @@ std::optional<Event> Reassembly::take_rest(Session& session, Octets content, boo
   return event;
 }
 
+void Reassembly::expire(std::uint64_t now) {
+  for (auto& [source, session] : sessions_)
+    if (session.is_begun && now - session.latest_at > limits_.lifetime_ns)
+      give_up(session, losses_.incomplete);
+}
+
 }  // namespace mlcca::relay::cyphal

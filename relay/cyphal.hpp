@@ -65,6 +65,8 @@ class Reassembly {
   /// The event that this frame completes, if it does; on CAN FD zeros may follow it. `now` never
   /// falls.
   std::optional<Event> take(Source source, Octets frame, std::uint64_t now);
+  /// Gives up transfers that are older than Limits::lifetime_ns.
+  void expire(std::uint64_t now);
 
   [[nodiscard]] const Losses& losses() const { return losses_; }
   /// What is kept now, for tests of its bounds.

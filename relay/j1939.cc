@@ -109,6 +109,11 @@ std::optional<Reassembly::Message> Reassembly::take(std::uint32_t id, Octets dat
   return whole;
 }
 
+void Reassembly::expire(std::uint64_t now) {
+  losses_.incomplete += std::erase_if(
+      sessions_, [now](const auto& one) { return now - one.second.latest_at > kTimeout; });
+}
+
 // --- what goes -----------------------------------------------------------------------------------
 
 bool Sending::add(Message message) {

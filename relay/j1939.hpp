@@ -66,6 +66,8 @@ class Reassembly {
   void announce(std::uint32_t id, Octets data, bool wanted, std::uint64_t now);
   /// The message that this packet completes, if it does.
   std::optional<Message> take(std::uint32_t id, Octets data, std::uint64_t now);
+  /// Gives up messages whose next packet takes longer than kTimeout.
+  void expire(std::uint64_t now);
 
   [[nodiscard]] const Losses& losses() const { return losses_; }
   /// What is kept now, for tests of its bounds.

@@ -190,6 +190,8 @@ void SubscriberProgram::turn() {
   if (link_.is_connected() && asked_ == 0 && now - asked_at_ >= kAskAgain) ask_what_there_is();
   subscriptions_.turn(now);
   announcer_.turn(now);
+  for (const auto& [name, network] : networks_)
+    if (network.layer->holds_parts()) network.layer->expire();
   if (link_.is_connected()) link_.flush();
 }
 

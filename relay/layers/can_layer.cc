@@ -191,6 +191,13 @@ bool CanLayer::receive(std::size_t most, const OnEvent& on_event) {
   return true;
 }
 
+void CanLayer::expire() {
+  const std::uint64_t now = now_();
+  fragments_.expire(now);
+  transfers_.expire(now);
+  messages_.expire(now);
+}
+
 void CanLayer::take(const FrameSocket::Frame& frame, const OnEvent& on_event) {
   const std::uint32_t id = frame.frame.can_id;
   if ((id & (CAN_ERR_FLAG | CAN_RTR_FLAG)) != 0 || frame.frame.len > CANFD_MAX_DLEN) return;

@@ -71,6 +71,10 @@ class CanLayer : public Layer {
                                     std::uint64_t subject, std::size_t longest) override;
   void leave(Follower follower, const control::Endpoint& endpoint, std::uint64_t subject) override;
   bool receive(std::size_t most, const OnEvent& on_event) override;
+  void expire() override;
+  [[nodiscard]] bool holds_parts() const override {
+    return fragments_.begun() + transfers_.octets() + messages_.sessions() != 0;
+  }
   Sent send(const control::Endpoint& endpoint, std::uint64_t subject, Octets event) override;
   [[nodiscard]] Losses losses() const override;
 

@@ -70,6 +70,11 @@ class Layer {
   /// Sends what has waited for its time, takes at most `most` frames or datagrams, without waiting,
   /// and hands over the events that they complete. False: the interface is gone.
   virtual bool receive(std::size_t most, const OnEvent& on_event) = 0;
+  /// Gives up what was begun and not completed in time, as receive() does where something comes.
+  /// Call it once a second while holds_parts(): else what nothing follows would keep its memory.
+  virtual void expire() {}
+  /// Of events that are not complete.
+  [[nodiscard]] virtual bool holds_parts() const { return false; }
   /// Never waits. Frames that have to be apart go later, from receive().
   virtual Sent send(const control::Endpoint& endpoint, std::uint64_t subject, Octets event) = 0;
   [[nodiscard]] virtual Losses losses() const = 0;

@@ -188,6 +188,7 @@ int Program::run() {
       report(now);
       report_delays(now);
       carrier_.retry();
+      carrier_.expire();
     }
   }
 }

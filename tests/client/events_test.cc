@@ -3,7 +3,10 @@
 #include "mlcca/client/events.h"
 
 #include <gtest/gtest.h>
+#include <net/if.h>
+#include <netinet/in.h>
 #include <poll.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <array>
@@ -120,6 +123,33 @@ TEST_F(EventsInC, AnEndThatHasLeftIsGone) {
   mlcca_events_leave(publisher_.get(), 7);
   mlcca_events_leave(publisher_.get(), 7);
   EXPECT_EQ(publish("go"), MLCCA_NOT_GRANTED);
+}
+
+/// By a timer of its own: nothing comes any more that would find it.
+TEST_F(EventsInC, APartOfAnEventIsGivenUpOnTime) {
+  control::Endpoint field;
+  field.network = "field";
+  field.interface = "lo";
+  field.ifindex = ::if_nametoindex("lo");
+  ASSERT_EQ(use(subscriber_, 1, MLCCA_SUBSCRIBER, reply_with({field})), "");
+  const int sender = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(9999);
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  std::string first("stop\0\0\0\0\1\x61\0\0\0\0\7", 15);  // of two fragments, the number 7
+  first.resize(9 + 8183, 'a');
+  ASSERT_EQ(
+      ::sendto(sender, first.data(), first.size(), 0, reinterpret_cast<sockaddr*>(&to), sizeof to),
+      static_cast<ssize_t>(first.size()));
+  ::close(sender);
+  while (mlcca_events_lost(subscriber_.get()) == 0) {
+    pollfd waits{.fd = mlcca_events_fd(subscriber_.get()), .events = POLLIN, .revents = 0};
+    ASSERT_EQ(::poll(&waits, 1, 20'000), 1) << "the memory would stay";
+    EXPECT_TRUE(came().empty());
+  }
+  EXPECT_EQ(mlcca_events_lost(subscriber_.get()), 1U);
+  EXPECT_FALSE(is_readable());
 }
 
 TEST_F(EventsInC, AnEventMayHaveSoManyBytesAndNoMore) {

@@ -153,6 +153,31 @@ TEST_F(CanLayerTest, FragmentsBecomeAnEventAndTwoSendersAreDistinguished) {
   EXPECT_EQ(got[2].second, (std::vector<std::uint8_t>{1, 2}));
 }
 
+TEST(CanLayerParts, WhatNothingFollowsIsGivenUpOnTime) {
+  static std::uint64_t now;
+  now = 1'000'000'000;
+  auto socket = std::make_unique<FakeSocket>();
+  FakeSocket& bus = *socket;
+  CanLayer layer(std::move(socket), nullptr, [] { return now; });
+  control::Endpoint cyphal = endpoint("cyphal", 0x90006400 | 7, 0x9fffffff);
+  cyphal.fragmented = true;
+  ASSERT_TRUE(layer.follow(1, endpoint("famouso", kId, kMask & ~kFragment), 1, 100));
+  ASSERT_TRUE(layer.follow(2, cyphal, 2, 100));
+  EXPECT_FALSE(layer.holds_parts());
+  bus.in_.push_back(frame(kId | kFragment, {0x21, 0, 1, 2, 3, 4, 5, 6}));
+  bus.in_.push_back(frame(cyphal.id, {0, 1, 2, 3, 4, 5, 6, 0xa1}));
+  layer.receive(100, [](const Layer::Arrival&) {});
+  EXPECT_TRUE(layer.holds_parts());
+  now += 2'500'000'000;
+  layer.expire();
+  EXPECT_TRUE(layer.holds_parts()) << "fragments have 3 s, transfers 2 s";
+  EXPECT_EQ(layer.losses().incomplete, 1U);
+  now += 500'000'000;
+  layer.expire();
+  EXPECT_FALSE(layer.holds_parts());
+  EXPECT_EQ(layer.losses().incomplete, 2U);
+}
+
 TEST_F(CanLayerTest, WhoeverFollowsGetsAnEventOnce) {
   const auto from = endpoint("famouso", kId, kMask & ~kFragment);
   ASSERT_TRUE(layer_->follow(1, from, 1, 100));

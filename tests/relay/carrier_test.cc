@@ -26,6 +26,7 @@ struct World {
     bool usable = true;
     Sent outcome = Sent::sent;
     bool takes_followers = true;
+    unsigned expired = 0;
   };
   std::map<std::uint32_t, Interface> interfaces;
   std::map<std::uint32_t, int> watched;
@@ -68,6 +69,8 @@ class FakeLayer : public Layer {
     return interface_.outcome;
   }
   [[nodiscard]] Losses losses() const override { return {}; }
+  void expire() override { ++interface_.expired; }
+  [[nodiscard]] bool holds_parts() const override { return true; }
 
  private:
   World::Interface& interface_;
@@ -181,6 +184,13 @@ TEST_F(CarrierTest, WhatWasLateIsTakenOnceInAPause) {
   come(10, 2, "late");
   EXPECT_EQ(take(1299), std::vector<std::string>{"c2: 1, 600"});
   EXPECT_EQ(take(1300), std::vector<std::string>{"c1: 1, 600"});
+}
+
+TEST_F(CarrierTest, WhatIsBegunIsGivenUpOnAllInterfaces) {
+  carrier_.set_all({transfer(1, 1, 2)});
+  carrier_.expire();
+  EXPECT_EQ(world_.interfaces[1].expired, 1U);
+  EXPECT_EQ(world_.interfaces[2].expired, 1U);
 }
 
 TEST_F(CarrierTest, NothingGoesBackToWhereItCameFrom) {

@@ -140,6 +140,16 @@ TEST_F(CyphalTest, ATransferThatStopsIsGivenUpAfterTwoSeconds) {
   EXPECT_EQ(transfers_.octets(), 0U);
 }
 
+TEST_F(CyphalTest, ATransferThatNothingFollowsIsGivenUpOnTime) {
+  const auto two = frames(10, 1);
+  take({two[0]});
+  transfers_.expire(now_ + 2 * kSecond);
+  EXPECT_NE(transfers_.octets(), 0U);
+  transfers_.expire(now_ + 2 * kSecond + 1);
+  EXPECT_EQ(transfers_.octets(), 0U);
+  EXPECT_EQ(transfers_.losses().incomplete, 1U);
+}
+
 TEST_F(CyphalTest, PublishersAreApart) {
   const auto a = frames(20, 1);
   const auto b = frames(20, 1);

@@ -138,6 +138,15 @@ TEST_F(Messages, ThatPauseTooLongAreGivenUp) {
   EXPECT_EQ(messages_.losses().incomplete, 1U);
 }
 
+TEST_F(Messages, ThatNothingFollowsAreGivenUpOnTime) {
+  messages_.announce(kBam, frames_of(counting(9), kId)[0], true, now_);
+  messages_.expire(now_ + kTimeout);
+  EXPECT_EQ(messages_.sessions(), 1U);
+  messages_.expire(now_ + kTimeout + 1);
+  EXPECT_EQ(messages_.sessions(), 0U);
+  EXPECT_EQ(messages_.losses().incomplete, 1U);
+}
+
 TEST_F(Messages, ThatContradictThemselvesAreNone) {
   for (const Data& bad :
        {Data{0x20, 8, 0, 2, 0xff, 0xca, 0xfe, 0}, Data{0x20, 20, 0, 4, 0xff, 0xca, 0xfe, 0},
