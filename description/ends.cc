@@ -367,8 +367,8 @@ class Ends {
         !to_.system.networks[place.index].carries_subjects()) {
       say(FindingId::wrong_place, end.origin, "Publisher",
           fmt::format(
-              "attribute address is for publishers on a network of kind udp-multicast, mesh or "
-              "ieee802154 with {}: remove it",
+              "attribute address is for publishers on a network of kind udp-multicast, "
+              "udp-broadcast, mesh or ieee802154 with {}: remove it",
               core::for_profiles_with([](const auto& p) { return p.datagrams != nullptr; })));
       return {};
     }

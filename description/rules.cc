@@ -351,10 +351,11 @@ void check_networks(const core::System& system, Problems& problems) {
                                core::profiles_with(
                                    [](const auto& p) { return p.datagrams != nullptr; }, " or ")));
     if (n.kind == NetworkKind::other && datagrams)
-      problems.add(n.origin, "Network",
-                   fmt::format("Profile {} is for the kinds can, udp-multicast, mesh and "
-                               "ieee802154: remove it",
-                               profile));
+      problems.add(
+          n.origin, "Network",
+          fmt::format("Profile {} is for the kinds can, udp-multicast, udp-broadcast, mesh "
+                      "and ieee802154: remove it",
+                      profile));
     check_provided_payload(n, problems);
     check_bindings(system, n, problems);
     check_subscribe_tag(system, n, problems);

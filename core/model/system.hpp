@@ -59,7 +59,14 @@ enum class SafeSide : std::uint8_t {
 /// Largest number of hops (networks and gateways) of a route. Longer ones are not found.
 inline constexpr std::size_t kMaxHops = 16;
 
-enum class NetworkKind : std::uint8_t { can, udp_multicast, mesh, ieee802154, other };
+enum class NetworkKind : std::uint8_t {
+  can,
+  udp_multicast,
+  udp_broadcast,
+  mesh,
+  ieee802154,
+  other,
+};
 
 /// How frames on the network's interfaces name their subject.
 enum class Profile : std::uint8_t {

@@ -31,8 +31,8 @@ struct Words : std::array<std::string_view, N> {
 
 namespace words {
 
-inline constexpr Words<NetworkKind, 5> kNetworkKinds{
-    {"can", "udp-multicast", "mesh", "ieee802154", "other"}};
+inline constexpr Words<NetworkKind, 6> kNetworkKinds{
+    {"can", "udp-multicast", "udp-broadcast", "mesh", "ieee802154", "other"}};
 inline constexpr Words<Profile, kProfileCount> kProfiles{{
 #define PROFILE(word, NAME) #word,
 #include "core/profiles/list.inc"

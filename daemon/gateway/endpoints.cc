@@ -65,6 +65,7 @@ std::optional<control::Endpoint> Endpoints::at_port(std::size_t port) const {
   out.interface = gates_.interface_name(port);
   out.ifindex = static_cast<std::uint32_t>(ifindex);
   out.can = !network.carries_subjects();
+  out.broadcast = !out.can && network.kind == core::NetworkKind::udp_broadcast;
   out.wpan = !out.can && network.kind == core::NetworkKind::ieee802154;
   out.profile = core::words::kProfiles.of(network.profile);
   return out;

@@ -3,11 +3,14 @@
 
 #include <arpa/inet.h>
 #include <net/if.h>
+#include <sys/ioctl.h>
 #include <sys/random.h>
 
 #include <array>
 #include <bit>
 #include <cerrno>
+#include <cstring>
+#include <iterator>
 #include <string>
 #include <utility>
 
@@ -59,10 +62,11 @@ Result<Fd> event_socket(const control::Endpoint& endpoint) {
   widen(socket);
   sockaddr_in address{};
   address.sin_family = AF_INET;
-  address.sin_port = htons(kEventPort);
+  const std::uint16_t port = endpoint.broadcast ? kBroadcastPort : kEventPort;
+  address.sin_port = htons(port);
   // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
   if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-    return system_error("bind to port " + std::to_string(kEventPort));
+    return system_error("bind to port " + std::to_string(port));
   return socket;
 }
 
@@ -71,12 +75,14 @@ Result<Fd> event_socket(const control::Endpoint& endpoint) {
 Result<std::unique_ptr<Layer>> UdpLayer::open(const control::Endpoint& endpoint) {
   auto socket = event_socket(endpoint);
   if (!socket) return std::unexpected(socket.error());
-  return std::unique_ptr<Layer>(new UdpLayer(std::move(*socket), endpoint.ifindex));
+  return std::unique_ptr<Layer>(new UdpLayer(std::move(*socket), endpoint));
 }
 
-UdpLayer::UdpLayer(Fd socket, std::uint32_t ifindex)
+UdpLayer::UdpLayer(Fd socket, const control::Endpoint& endpoint)
     : socket_(std::move(socket)),
-      ifindex_(ifindex),
+      ifindex_(endpoint.ifindex),
+      interface_(endpoint.interface),
+      broadcasts_(endpoint.broadcast),
       salt_(random_number() | 1),
       number_(static_cast<std::uint32_t>(random_number())),
       buffer_(kMostDatagram + 1) {}
@@ -102,7 +108,8 @@ Result<void> UdpLayer::join(std::uint32_t group) {
 
 Result<void> UdpLayer::follow(Follower follower, const control::Endpoint& endpoint,
                               std::uint64_t subject, std::size_t longest) {
-  if (const auto joined = join(group_of(subject)); !joined) return joined;
+  if (const auto joined = broadcasts_ ? Result<void>() : join(group_of(subject)); !joined)
+    return joined;
   followers_.add(follower, subject, address_in(endpoint.address), longest);
   return {};
 }
@@ -144,6 +151,24 @@ void UdpLayer::read_errors() {
       return;
 }
 
+void UdpLayer::expire() { fragments_.expire(monotonic_ns()); }
+
+/// What was broadcast on the interface comes back to it. An address that has just changed is known
+/// a second later at the latest.
+bool UdpLayer::is_own(std::uint32_t from, std::uint64_t now) {
+  constexpr std::uint64_t second = 1'000'000'000;
+  if (own_at_ == 0 || now - own_at_ >= second) {
+    ifreq asked{};
+    interface_.copy(std::begin(asked.ifr_name), IFNAMSIZ - 1);
+    sockaddr_in own{};
+    if (::ioctl(socket_.get(), SIOCGIFADDR, &asked) == 0)
+      std::memcpy(&own, &asked.ifr_addr, sizeof own);
+    own_ = ntohl(own.sin_addr.s_addr);
+    own_at_ = now;
+  }
+  return own_ != 0 && from == own_;
+}
+
 void UdpLayer::take(Octets octets, std::uint32_t from, std::uint64_t unix_ns,
                     const OnEvent& on_event) {
   const auto datagram = parse_datagram(octets);
@@ -152,6 +177,7 @@ void UdpLayer::take(Octets octets, std::uint32_t from, std::uint64_t unix_ns,
     return;
   }
   if (!followers_.any(datagram->subject)) return;
+  if (broadcasts_ && is_own(from, monotonic_ns())) return;
   if (!datagram->is_fragment) {
     followers_.hand_over(datagram->subject, from, datagram->data, unix_ns, on_event, losses_);
     return;
@@ -183,8 +209,8 @@ Sent UdpLayer::send_one(const sockaddr_in& to, std::uint64_t subject, bool is_fr
 Sent UdpLayer::send(const control::Endpoint& /*endpoint*/, std::uint64_t subject, Octets event) {
   sockaddr_in to{};
   to.sin_family = AF_INET;
-  to.sin_port = htons(kEventPort);
-  to.sin_addr.s_addr = htonl(group_of(subject));
+  to.sin_port = htons(broadcasts_ ? kBroadcastPort : kEventPort);
+  to.sin_addr.s_addr = htonl(broadcasts_ ? INADDR_BROADCAST : group_of(subject));
   if (event.size() <= afp::kUdp.payload) return send_one(to, subject, false, event);
   auto fragments = afp::Fragments::of(afp::kUdp, event, number_++);
   if (!fragments) return Sent::too_long;

@@ -291,10 +291,12 @@ TEST(Problems, ShowNoMoreOfALongValueThanAPersonReads) {
     return problem_of(
         system_of("<Network name=\"n\"><Kind>" + std::string(length, 'x') + "</Kind></Network>"));
   };
-  EXPECT_EQ(with(80), "t.xml:2: <Kind>: '" + std::string(80, 'x') +
-                          "' is not one of can, udp-multicast, mesh, ieee802154, other");
-  EXPECT_EQ(with(81), "t.xml:2: <Kind>: '" + std::string(80, 'x') +
-                          "…' is not one of can, udp-multicast, mesh, ieee802154, other");
+  EXPECT_EQ(with(80),
+            "t.xml:2: <Kind>: '" + std::string(80, 'x') +
+                "' is not one of can, udp-multicast, udp-broadcast, mesh, ieee802154, other");
+  EXPECT_EQ(with(81),
+            "t.xml:2: <Kind>: '" + std::string(80, 'x') +
+                "…' is not one of can, udp-multicast, udp-broadcast, mesh, ieee802154, other");
 }
 
 TEST(Problems, AreCutAtWholeCharactersAndCleaned) {

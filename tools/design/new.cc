@@ -159,7 +159,7 @@ class New {
     Fields f{"", "can", "asked-for-later"};
     if (!ask_name("Network", !plan_.networks.empty(), f, add_network, more)) return false;
     if (!more) return true;
-    if (!ask_field(fmt::format("kind of {}: can, udp-multicast or mesh", f[0]), "can", f, 1,
+    if (!ask_field(fmt::format("kind of {}: can, udp-multicast, udp-broadcast or mesh", f[0]), "can", f, 1,
                    add_network) ||
         !ask_field(fmt::format("interface of {} at {}", f[0], plan_.gateway), usual_interface(f[1]),
                    f, 2, add_network))
@@ -249,8 +249,8 @@ void add_new(CLI::App& app, Context& context) {
   verb->add_option("--name", a->name, "of the system")->type_name("NAME")->capture_default_str();
   verb->add_option("--gateway", a->gateway, "with a port on each network")->type_name("NAME");
   verb->add_option("--network", a->networks,
-                   "NAME:KIND:INTERFACE, KIND is can, udp-multicast or mesh; of can perhaps "
-                   ":BITRATE; may be repeated")
+                   "NAME:KIND:INTERFACE, KIND is can, udp-multicast, udp-broadcast or mesh; of "
+                   "can perhaps :BITRATE; may be repeated")
       ->allow_extra_args(false)
       ->type_name("NETWORK");
   verb->add_option("--channel", a->channels,

@@ -96,8 +96,8 @@ Result<core::Station> station_named(const core::State& state, core::Place place,
   if (place.kind != core::Place::Kind::network ||
       !state.system().networks[place.index].carries_subjects())
     return fail(
-        "an address is said only for a publisher on a network of kind udp-multicast, mesh or "
-        "ieee802154 with " +
+        "an address is said only for a publisher on a network of kind udp-multicast, "
+        "udp-broadcast, mesh or ieee802154 with " +
         core::for_profiles_with([](const auto& p) { return p.datagrams != nullptr; }));
   const core::NetworkKind kind = state.system().networks[place.index].kind;
   const auto station = core::station_on(kind, address);

@@ -177,6 +177,21 @@ TEST_F(Endpoints, OnWpanAnEndpointSaysSoAndHoldsOneFrame) {
   EXPECT_FALSE(all[0].to.wpan);
 }
 
+TEST_F(Endpoints, OfABroadcastNetworkAnEndpointSaysSo) {
+  core::System system = small_system();
+  system.publishers[0].place = kEthernet;
+  for (const bool broadcast : {true, false}) {
+    if (broadcast) system.networks[kEthernet.index].kind = core::NetworkKind::udp_broadcast;
+    start(core::System(system));
+    const auto all = transfers({"c0", {}});
+    ASSERT_EQ(all.size(), 1U);
+    EXPECT_FALSE(all[0].from.can);
+    EXPECT_EQ(all[0].from.broadcast, broadcast);
+    EXPECT_FALSE(all[0].to.broadcast);
+    system.networks[kEthernet.index].kind = core::NetworkKind::udp_multicast;
+  }
+}
+
 TEST_F(Endpoints, ADeliveryThatTheRelayDoesNotCarryIsInTrouble) {
   core::System system = small_system();
   system.publishers[0].place = kEthernet;

@@ -191,7 +191,7 @@ Result<void> add_network(Plan& plan, std::string_view text) {
     return fail(fmt::format("'{}': the name is taken", next.name));
   const auto kind = core::words::kNetworkKinds.find(parts[1]);
   if (!kind || *kind == core::NetworkKind::ieee802154 || *kind == core::NetworkKind::other)
-    return fail(fmt::format("'{}': must be can, udp-multicast or mesh", parts[1]));
+    return fail(fmt::format("'{}': must be can, udp-multicast, udp-broadcast or mesh", parts[1]));
   next.kind = *kind;
   if (!is_interface_name(next.interface))
     return fail(

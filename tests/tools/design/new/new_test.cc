@@ -81,7 +81,9 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         NewRow{"Nothing", {}, "say what there is"},
         NewRow{"NoNetwork", {"--gateway", "g"}, "a system has at least one"},
-        NewRow{"Kind", {"--network", "a:bus:can0"}, "'bus': must be can, udp-multicast or mesh"},
+        NewRow{"Kind",
+               {"--network", "a:bus:can0"},
+               "'bus': must be can, udp-multicast, udp-broadcast or mesh"},
         NewRow{"Parts", {"--network", "a"}, "must be NAME:KIND:INTERFACE"},
         NewRow{"Name", {"--network", "0:can:can0"}, "a letter, then up to 62 letters"},
         NewRow{"Interface", {"--network", "a:can:<x>"}, "as the kernel names interfaces"},
@@ -103,8 +105,8 @@ TEST_F(NewTest, QuestionsMakeTheSame) {
   answer("Gateway", "laptop");
   answer("Network, its name", "0");
   answer("a letter, then up to 62 letters", "bus");
-  answer("kind of bus: can, udp-multicast or mesh [can]", "kan");
-  answer("must be can, udp-multicast or mesh", "");
+  answer("kind of bus: can, udp-multicast, udp-broadcast or mesh [can]", "kan");
+  answer("must be can, udp-multicast, udp-broadcast or mesh", "");
   answer("interface of bus at laptop [can0]", "can1");
   answer("bit rate of bus [500k]", "2M");
   answer("a CAN bus has at most 1M", "250k");
