@@ -159,8 +159,8 @@ class New {
     Fields f{"", "can", "asked-for-later"};
     if (!ask_name("Network", !plan_.networks.empty(), f, add_network, more)) return false;
     if (!more) return true;
-    if (!ask_field(fmt::format("kind of {}: can, udp-multicast, udp-broadcast or mesh", f[0]), "can", f, 1,
-                   add_network) ||
+    if (!ask_field(fmt::format("kind of {}: can, udp-multicast, udp-broadcast or mesh", f[0]),
+                   "can", f, 1, add_network) ||
         !ask_field(fmt::format("interface of {} at {}", f[0], plan_.gateway), usual_interface(f[1]),
                    f, 2, add_network))
       return false;
@@ -173,7 +173,7 @@ class New {
 
   /// can0, and can1 where that is taken.
   [[nodiscard]] std::string usual_interface(const std::string& kind) const {
-    const std::string stem = kind == "udp-multicast" ? "eth" : kind;
+    const std::string stem = kind.starts_with("udp-") ? "eth" : kind;
     for (std::size_t n = 0;; ++n) {
       std::string name = stem + std::to_string(n);
       if (std::ranges::find(plan_.networks, name, &PlannedNetwork::interface) ==
