@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # Tests on Debian's kernel in QEMU, each in a guest of its own.
 # GUEST_TESTS run from init, GUEST_SYSTEMD_TESTS as a service of systemd. What they need built is a
-# prerequisite of check-guest.
+# prerequisite of check-guest. Those that take longest are first: at the end no processor waits for one.
 GUEST_TESTS :=
 GUEST_SYSTEMD_TESTS :=
 GUEST_JOBS ?= 2
@@ -17,7 +17,7 @@ check-guest: all $(GUEST_READY) $O/tests/nth_call.so $O/tests/speak ## the produ
 	$(Q)for case in $(filter-out $(GUEST_TESTS) $(GUEST_SYSTEMD_TESTS),$(wildcard tests/guest/cases/*)); do \
 		echo "$$case is in no list of guest tests"; exit 1; done
 	$(Q)BUILD=$(abspath $O) GUEST_IMAGE=$(abspath $O)/guest tests/guest/run-tests -j $(GUEST_JOBS) \
-		$O/guest/log $(GUEST_TESTS) --systemd $(GUEST_SYSTEMD_TESTS)
+		$O/guest/log --systemd $(GUEST_SYSTEMD_TESTS) --init $(GUEST_TESTS)
 
 # Of what is built: no file is compiled for them. The pages that they carry may be older than those of the tree.
 PACKAGES_READY := $O/packages/ready
@@ -32,11 +32,11 @@ check-harness: $(GUEST_READY) ## the guest harness itself
 
 .PHONY: guest-image packages check-guest check-harness
 
+GUEST_TESTS += $(addprefix tests/guest/cases/,nth-call ethernet-gate ethernet-publishers doctor attach-drift)
 GUEST_TESTS += $(addprefix tests/guest/cases/,emergency-stop frame-forms daemon-dies interfaces-change logger-case managed-interface same-identifier same-subject profile-change learn learn-recording audit-report)
 GUEST_TESTS += $(addprefix tests/guest/cases/,mesh-nl80211 mesh-batman mesh-case-study mesh-relay-gate rover)
 GUEST_TESTS += $(addprefix tests/guest/cases/,bus-queue gateways-in-namespaces reservations unlisted-channels)
 GUEST_TESTS += $(addprefix tests/guest/cases/,babbling-node missing-events can-profiles forwarding j1939-messages)
 GUEST_TESTS += $(addprefix tests/guest/cases/,altered-slots famouso-tags famouso-claims famouso-broker relay relay-parallel relay-ring gateway-fails gateways-on-a-bus relay-wpan subscriptions-travel)
-GUEST_TESTS += $(addprefix tests/guest/cases/,attach-drift ethernet-gate ethernet-publishers doctor nth-call)
-GUEST_SYSTEMD_TESTS += $(addprefix tests/guest/cases/,service-life plugged-in awds-unit documents package-test package-life newcomer)
+GUEST_SYSTEMD_TESTS += $(addprefix tests/guest/cases/,newcomer package-life service-life documents package-test plugged-in awds-unit)
 check-guest: stage $(PACKAGES_READY)
