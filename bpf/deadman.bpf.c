@@ -13,6 +13,7 @@
 #include <bpf/bpf_helpers.h>
 
 #include "bpf/gate.h"
+#include "bpf/until.h"
 #include "bpf/once.bpf.h"
 #include "bpf/closed.bpf.h"
 
@@ -89,8 +90,8 @@ int gate_arm(struct __sk_buff *skb)
 }
 
 /*
- * The deadline `next`, or the one before that gate_until allows. Jiffies are rounded down, and one is
- * taken off for that which has begun; where nothing is left the deadline is over already.
+ * The deadline `next`, or the one before that gate_until allows. Jiffies are rounded down, and one
+ * is taken off for that which has begun; where nothing is left the deadline is over already.
  */
 static __always_inline __u64 allowed(__u64 jiffies, __u64 next)
 {

@@ -373,15 +373,6 @@ struct gate_program {
 	char name[16];
 };
 
-/*
- * Until when the gates may be open, whatever heart-beats come: what they let pass is promised to
- * this gateway no longer. In a map of its own, which gate_beat alone reads.
- */
-struct gate_until {
-	__u64 until; /* CLOCK_MONOTONIC ns; 0: as long as heart-beats come */
-	__u64 tick;  /* ns between two jiffies */
-};
-
 /* What gate_beat is run for. */
 enum gate_beat {
 	GATE_BEAT = 0,	   /* the daemon lives */

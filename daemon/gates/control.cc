@@ -20,6 +20,7 @@
 
 #include "base/handle.hpp"
 #include "bpf/gate.h"
+#include "bpf/until.h"
 #include "daemon/gates/complaints.hpp"
 #include "daemon/gates/events.hpp"
 #include "daemon/gates/failure.hpp"
