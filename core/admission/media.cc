@@ -168,10 +168,12 @@ Value Media::promised_delay(std::size_t hop) const {
 }
 
 /// How long a bus may delay events is jitter on the next one, so before another bus it is one
-/// Period at most: otherwise who allows more time would fill the queue there.
+/// Period at most: otherwise who allows more time would fill the queue there. And it is no more
+/// than lets the jitter of a longest way be analysed: 17 s for each bus.
 Value Media::most_handed_on(std::size_t hop, const can::Message& message) const {
   for (std::size_t i = hop + 1; i < hops_.size(); ++i)
-    if (kind_of(i) == Kind::bus) return add_saturating(message.period, message.pauses);
+    if (kind_of(i) == Kind::bus)
+      return std::min(add_saturating(message.period, message.pauses), can::kLongestTime / 64);
   return kUnbounded;
 }
 

@@ -57,6 +57,11 @@ class RouteCheck {
              row.against == Against::medium_time;
     });
     v_.rows.clear();
+    at_run_time_ = std::ranges::any_of(hops(), [this](Place hop) {
+      if (hop.kind != Place::Kind::network) return false;
+      const Binding* const binding = s_.system.networks[hop.index].binding_of(v_.channel);
+      return binding != nullptr && is_left_to_run_time(hop.index, *binding);
+    });
     check_provisions();
     v_.rows.insert(v_.rows.end(), others.begin(), others.end());
     sum_up();
@@ -159,13 +164,10 @@ class RouteCheck {
     // Says more than that a tag is waited for.
     if (s_.world.conditions[hop.index].contradiction_of(v_.channel) != nullptr)
       obstruct(Obstacle::contradicted, hop);
-    if (binding->waits_for_tag()) {
-      at_run_time_ = true;
-      if (!s_.best_cases_pass) obstruct(Obstacle::untagged, hop);
-    }
+    if (binding->waits_for_tag() && !s_.best_cases_pass) obstruct(Obstacle::untagged, hop);
     if (!can_send(publisher(), network)) obstruct(Obstacle::no_node, hop);
     if (lacks_data_rate(hop.index, *binding)) obstruct(Obstacle::no_data_rate, hop);
-    if (waits_for_data_rate(hop.index, *binding)) at_run_time_ = true;
+    if (is_left_to_run_time(hop.index, *binding)) at_run_time_ = true;
     if (offered().has(Attribute::max_payload) &&
         offered()[Attribute::max_payload] > event_bytes(network, *binding))
       obstruct(Obstacle::too_long, hop);
@@ -187,6 +189,10 @@ class RouteCheck {
   [[nodiscard]] bool waits_for_data_rate(std::size_t network, const Binding& binding) const {
     return s_.best_cases_pass && binding.format != FrameFormat::classic &&
            ledger_.schedule(network) == nullptr;
+  }
+
+  [[nodiscard]] bool is_left_to_run_time(std::size_t network, const Binding& binding) const {
+    return binding.waits_for_tag() || waits_for_data_rate(network, binding);
   }
 
   void collect_hops() {
@@ -417,7 +423,7 @@ class RouteCheck {
   std::array<bool, kMaxHops> fresh_{};      ///< not carried for another place already
   bool known_ = false;                      ///< the publisher says what it sends
   std::size_t count_ = 0;
-  bool at_run_time_ = false;  ///< a tag on the way is not known yet
+  bool at_run_time_ = false;  ///< a tag or a data bit rate of the way is not known yet
 };
 
 }  // namespace

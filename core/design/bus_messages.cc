@@ -95,6 +95,7 @@ void BusMessages::add(const Situation& situation, const Ledger& ledger, const Ve
                          .message = std::nullopt,
                          .set = v.set,
                          .granted = true,
+                         .at_run_time = v.outcome == Outcome::run_time,
                          .granted_response = std::nullopt,
                          .granted_jitter = 0,
                          .refused_response = std::nullopt,
@@ -113,6 +114,7 @@ void BusMessages::put(BusMessage next) {
   }
   BusMessage& there = messages_[at->second];
   there.granted = there.granted && next.granted;
+  there.at_run_time = there.at_run_time || next.at_run_time;
   there.in_vain = there.in_vain || next.in_vain;
   if (next.refused_response) there.refused_response = next.refused_response;
   for (const Place place : next.unknown)
@@ -155,6 +157,7 @@ void BusMessages::add_refused(const Situation& situation, Ledger& ledger, Verdic
          .message = t.message,
          .set = v.set,
          .granted = false,
+         .at_run_time = false,
          .granted_response = std::nullopt,
          .granted_jitter = 0,
          .refused_response =

@@ -24,8 +24,9 @@ struct BusMessage {
   /// With the jitter of the way so far and the deadline that is left for this bus; nothing where
   /// the description does not say enough.
   std::optional<can::Message> message;
-  std::size_t set = 0;   ///< attribute set
-  bool granted = false;  ///< to everybody behind the bus
+  std::size_t set = 0;       ///< attribute set
+  bool granted = false;      ///< to everybody behind the bus
+  bool at_run_time = false;  ///< granted as far as is known: the gateway decides to somebody
   /// With nothing on the buses but what is granted, if this is: as of Schedule, kNever if not
   /// bounded, and the jitter with it.
   std::optional<Value> granted_response;

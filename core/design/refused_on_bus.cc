@@ -12,14 +12,6 @@
 namespace mlcca::core {
 namespace {
 
-/// It is refused because something would be late on its own bus: the reason says so already.
-bool is_for_bus(const Verdict& v) {
-  return std::ranges::any_of(v.rows, [&](const Row& row) {
-    return row.against == Against::schedule && is_unfit(row) && !v.route.empty() &&
-           row.place == v.route.front();
-  });
-}
-
 /// " could take 810 us of the 600 us"
 std::string harm_to(const can::Message& message, const can::Response& response) {
   if (!response.bounded) return " could wait without a bound";
@@ -33,7 +25,7 @@ std::string harm_to(const can::Message& message, const can::Response& response) 
 void RefusedOnBus::add(const Verdict& verdict) {
   if (verdict.outcome != Outcome::unfit)
     granted_.insert(verdict.publisher);
-  else if (!is_for_bus(verdict))
+  else
     refused_.try_emplace(verdict.publisher, verdict.set);
 }
 
@@ -50,15 +42,29 @@ void RefusedOnBus::report(const System& system, const Members& members, const ca
   std::vector<can::Message> messages(bus.messages().begin(), bus.messages().end());
   const std::size_t held = messages.size();
   std::vector<std::size_t> senders;
+  std::vector<std::size_t> unknown;
   for (const auto& [number, set] : refused_) {
     const Publisher& p = members.publisher(number);
     if (p.place != Place{Place::Kind::network, network} || granted_.contains(number)) continue;
     auto message = can::message_of(system, p, set, network, bus.assumptions().timing);
-    if (!message) continue;
+    if (!message) {
+      unknown.push_back(number);
+      continue;
+    }
     message->deadline = can::kNever;
     messages.push_back(*message);
     senders.push_back(number);
   }
+  if (held == 0) return;
+  const std::string& name = system.networks[network].name;
+  if (!unknown.empty())
+    add(members, unknown, network,
+        name + (unknown.size() == 1
+                    ? ": how much it sends is not known, so whether what is granted there is in "
+                      "time is known only while it is silent"
+                    : ": how much they send is not known, so whether what is granted there is in "
+                      "time is known only while they are silent"),
+        to);
   if (senders.empty()) return;
   const auto responses = can::analyse(bus.assumptions(), messages);
   std::size_t late = held;
@@ -71,21 +77,27 @@ void RefusedOnBus::report(const System& system, const Members& members, const ca
       ++others;
   }
   if (late == held) return;
+  std::string harm = name + ": while they are sent, " +
+                     members.publisher(Ledger::publisher_of(messages[late].key)).name +
+                     harm_to(messages[late], responses[late]);
+  if (others != 0)
+    harm += ", and " + std::to_string(others) +
+            (others == 1 ? " message more may fail so" : " messages more may fail so");
+  add(members, senders, network, harm, to);
+}
+
+/// `harm`: what the frames of the publishers do, from the name of the bus on.
+void RefusedOnBus::add(const Members& members, const std::vector<std::size_t>& senders,
+                       std::size_t network, const std::string& harm, std::vector<Finding>& to) {
   const Publisher& sender = members.publisher(senders.front());
   std::string text = sender.name;
   if (senders.size() > 1) text += " and " + std::to_string(senders.size() - 1) + " more";
   text += senders.size() == 1 ? " is refused, and no gate keeps its frames off "
                               : " are refused, and no gate keeps their frames off ";
-  text += system.networks[network].name + ": while they are sent, " +
-          members.publisher(Ledger::publisher_of(messages[late].key)).name +
-          harm_to(messages[late], responses[late]);
-  if (others != 0)
-    text += ", and " + std::to_string(others) +
-            (others == 1 ? " message more may fail so" : " messages more may fail so");
   Finding& f = to.emplace_back();
   f.id = FindingId::refused_on_bus;
   f.origin = sender.origin;
-  f.text = std::move(text);
+  f.text = text + harm;
   f.hint =
       "change what " + sender.name +
       " is refused for, or take it off the bus: what is granted there is in time for sure only "

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <map>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "core/design/findings.hpp"
@@ -18,13 +19,16 @@ class RefusedOnBus {
   /// A verdict as it was decided in the end.
   void add(const Verdict& verdict);
   /// MLCCA044 of each analysed bus where something that is granted would be late if what is refused
-  /// there is sent all the same, when everything is decided.
+  /// there is sent all the same, or may be because nobody knows how much that is. When everything
+  /// is decided.
   void report(const System& system, const Members& members, const Ledger& ledger,
               std::vector<Finding>& to) const;
 
  private:
   void report(const System& system, const Members& members, const can::Schedule& bus,
               std::size_t network, std::vector<Finding>& to) const;
+  static void add(const Members& members, const std::vector<std::size_t>& senders,
+                  std::size_t network, const std::string& harm, std::vector<Finding>& to);
 
   std::set<std::size_t> granted_;  ///< publishers to somebody: the bus has their frames
   std::map<std::size_t, std::size_t> refused_{};  ///< publishers, with their attribute sets

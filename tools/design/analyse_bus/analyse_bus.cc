@@ -104,6 +104,14 @@ std::string unbounded_words(const AnalysedBus& analysed,
               : "");
   const auto first = std::ranges::find(analysed.responses, false, &core::can::Response::bounded);
   if (first == analysed.responses.end()) return {};
+  for (std::size_t i = 0; i < sorted.size(); ++i)
+    if (const auto taken = sorted[i].transmission + sorted[i].pauses;
+        sorted[i].pauses != 0 && taken > sorted[i].period)
+      return fmt::format(
+          "{} is not bounded: its {} frames take up to {:.3f} ms with the pauses between them, and "
+          "the next event comes after {:.3f} ms.",
+          name(i), sorted[i].frames, static_cast<double>(taken) / 1e6,
+          static_cast<double>(sorted[i].period) / 1e6);
   constexpr std::uint64_t whole = 1'000'000;
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     const auto load = utilisation_ppm(bus.assumptions, std::span(sorted).first(i + 1));

@@ -20,6 +20,7 @@ struct BusMessage {
   std::string where;            ///< "file:line" of a table or a description
   std::string node;             ///< of a table: whose FIFO its frames wait in, or empty
   std::optional<bool> granted;  ///< of a description: whether check grants it
+  bool at_run_time = false;  ///< what check grants as far as is known, and leaves to the run time
   /// Of what is granted: the response with what else is, and what of it is this bus's; ns.
   std::optional<std::uint64_t> granted_response;
   std::uint64_t granted_on_bus = 0;
@@ -45,7 +46,8 @@ struct Bus {
   /// Of what is left out: what it sends here if it does; nothing where the description does not say
   /// enough.
   std::vector<std::optional<core::can::Message>> uncounted;
-  std::vector<std::string> findings;  ///< what check says of this bus
+  std::vector<std::string> findings;  ///< what check says of this bus, or with its options would
+  bool has_options = false;  ///< the command line states what the description does otherwise
 };
 
 /// What the command line states of a bus. It goes before what a description states.

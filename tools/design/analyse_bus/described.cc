@@ -33,6 +33,11 @@ void state(core::CanBus& bus, const BusOptions& options) {
   if (options.faults) bus.faults = *options.faults;
 }
 
+bool states_anything(const BusOptions& options) {
+  return options.bitrate != 0 || options.data_bitrate != 0 || options.unknown_senders ||
+         options.background || options.faults;
+}
+
 class DescribedBuses {
  public:
   DescribedBuses(System system, const BusOptions& options)
@@ -80,6 +85,7 @@ class DescribedBuses {
     const core::Network& network = system_.networks[n];
     Bus bus;
     bus.network = network.name;
+    bus.has_options = states_anything(options_);
     if (network.bus.bitrate == 0) {
       bus.why_not.push_back(
           at(network.origin,
@@ -166,6 +172,7 @@ class DescribedBuses {
     m.bytes = offered.has(Attribute::max_payload) ? offered[Attribute::max_payload]
                                                   : core::frame_bytes(*binding);
     m.granted = from.granted;
+    m.at_run_time = from.at_run_time;
     if (from.granted_response && *from.granted_response != core::can::kNever) {
       m.granted_response = from.granted_response;
       m.granted_on_bus = *from.granted_response - from.granted_jitter;

@@ -258,10 +258,14 @@ std::string bus_text(const AnalysedBus& analysed, Color color) {
   text += fmt::format(": {}\n", summary_of(analysed));
   text += assumed_text(analysed);
   if (!analysed.why_unbounded.empty()) text += analysed.why_unbounded + "\n";
-  text += sentences("Not known:", bus.unknown) + sentences("Not counted:", bus.left_out) +
-          sentences(
-              "'mlccactl check' refuses these; their times are beside the messages that it grants:",
-              bus.findings);
+  text +=
+      sentences("Not known:", bus.unknown) + sentences("Not counted:", bus.left_out) +
+      sentences(bus.has_options
+                    ? "With these options in the description 'mlccactl check' would refuse "
+                      "these; their times are beside the messages that it would grant:"
+                    : "'mlccactl check' refuses these; their times are beside the messages that "
+                      "it grants:",
+                bus.findings);
   if (analysed.assigned) text += order_text(analysed);
   return text;
 }
@@ -282,7 +286,10 @@ Json message_json(const AnalysedBus& analysed, std::size_t i) {
            {"jitter_us", us_or_null(m.message.jitter)},
            {"schedulable", static_cast<bool>(analysed.fit[i])},
            {"verdict", word_of(fate_of(analysed, i))}};
-  if (m.granted) out["granted"] = *m.granted;
+  if (m.granted) {
+    out["granted"] = *m.granted;
+    out["at_run_time"] = m.at_run_time;
+  }
   if (m.granted_response) {
     out["granted_response_us"] = as_us(*m.granted_response);
     out["granted_on_bus_us"] = as_us(m.granted_on_bus);
