@@ -131,7 +131,7 @@ endef
 
 include deps.mk
 include core/module.mk description/module.mk proto/module.mk control/module.mk client/module.mk relay/module.mk bpf/module.mk
-include daemon/module.mk tools/module.mk include/module.mk systemd/module.mk tests/module.mk
+include daemon/module.mk cluster/module.mk tools/module.mk include/module.mk systemd/module.mk tests/module.mk
 include examples/module.mk docs/module.mk cockpit/module.mk
 
 all: $(PROGRAMS) ## build mlccad, mlccactl and the gate
@@ -176,15 +176,15 @@ format: ## format every file in place
 
 # False alarms are listed with their reasons; what is wrong is corrected.
 cppcheck: ## defects that cppcheck finds without the headers of libraries
-	$(call say,CPPCHK,base client relay control core daemon description tools)
+	$(call say,CPPCHK,base client cluster relay control core daemon description tools)
 	$(Q)cppcheck -q -j2 --std=c++20 --language=c++ --enable=warning,performance,portability --max-configs=1 \
 		--suppress=missingInclude --suppressions-list=tests/support/cppcheck.supp --error-exitcode=1 \
-		-D__x86_64__ -D'LIBBPF_OPTS(TYPE,NAME,...)=struct TYPE NAME{}' -Iinclude -I. base client relay control core daemon description tools
+		-D__x86_64__ -D'LIBBPF_OPTS(TYPE,NAME,...)=struct TYPE NAME{}' -Iinclude -I. base client cluster relay control core daemon description tools
 
 # clang-tidy matches every check against the headers of a file, too, and for most files they are nine
 # tenths of its time. So it takes a part of the tree as one file, which includes the files of the part; of
 # ALONE it takes one file of each folder. One stamp a bundle: what did not change is not checked again.
-TIDY_PARTS := core control client relay/famouso relay description daemon/gateway daemon/net/sources daemon tools/awds \
+TIDY_PARTS := core cluster control client relay/famouso relay description daemon/gateway daemon/net/sources daemon tools/awds \
 	tools/design/generate tools/design/import tools/design/export tools/design tools/doctor tools/readback tools/sources \
 	tools/learn tools/exporter tools/report tools
 ifneq ($(filter tidy lint analyse,$(MAKECMDGOALS)),)

@@ -2,10 +2,6 @@
 #include "tools/sources/sandbox.hpp"
 
 #include <fcntl.h>
-#include <linux/audit.h>
-#include <linux/capability.h>
-#include <linux/filter.h>
-#include <linux/seccomp.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -16,63 +12,25 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <cstddef>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
-#include "daemon/net/sources/timer.hpp"
+#include "base/sandbox.hpp"
+#include "base/system_error.hpp"
 
 namespace mlcca::sources {
 namespace {
 
-using net::error_words;
-
-// A sanitizer maps terabytes and makes system calls of its own.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;
-#else
-constexpr bool kSanitized = false;
-#endif
-
 constexpr rlim_t kMemory = rlim_t{256} << 20U;  // bytes of address space
 constexpr rlim_t kDescriptors = 16;
-
-Result<void> limit(__rlimit_resource what, rlim_t most) {
-  const rlimit both{.rlim_cur = most, .rlim_max = most};
-  if (::setrlimit(what, &both) < 0) return fail(error_words("setrlimit", errno));
-  return {};
-}
 
 Result<void> limit_resources() {
   for (const auto& [what, most] :
        {std::pair{RLIMIT_NOFILE, kDescriptors}, std::pair{RLIMIT_CORE, rlim_t{0}},
         std::pair{RLIMIT_MEMLOCK, rlim_t{0}}})
-    if (auto limited = limit(what, most); !limited) return limited;
-  return kSanitized ? Result<void>{} : limit(RLIMIT_AS, kMemory);
+    if (auto limited = limit_resource(what, most); !limited) return limited;
+  return kSanitized ? Result<void>{} : limit_resource(RLIMIT_AS, kMemory);
 }
-
-/// All of them. Those that may never be had again go first, as far as they are there to be given
-/// up.
-Result<void> drop_capabilities() {
-  for (unsigned long c = 0; ::prctl(PR_CAPBSET_READ, c) >= 0; ++c) ::prctl(PR_CAPBSET_DROP, c);
-  ::prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0);
-  __user_cap_header_struct header{.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
-  const std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> none{};
-  if (::syscall(SYS_capset, &header, none.data()) < 0)
-    return fail(error_words("giving up capabilities", errno));
-  return {};
-}
-
-#if defined(__x86_64__)
-constexpr std::uint32_t kArchitecture = AUDIT_ARCH_X86_64;
-#elif defined(__aarch64__)
-constexpr std::uint32_t kArchitecture = AUDIT_ARCH_AARCH64;
-#elif defined(__riscv)
-constexpr std::uint32_t kArchitecture = AUDIT_ARCH_RISCV64;
-#else
-#error "state the architecture and look through the system calls below"
-#endif
 
 /// Whatever their arguments.
 constexpr std::array kAllowed{
@@ -133,61 +91,8 @@ constexpr std::array kAllowed{
 #endif
 };
 
-class Filter {
- public:
-  Filter() {
-    load(offsetof(seccomp_data, arch));
-    add(BPF_JMP | BPF_JEQ | BPF_K, kArchitecture, 1, 0);
-    add(BPF_RET | BPF_K, SECCOMP_RET_KILL_PROCESS);
-    load(offsetof(seccomp_data, nr));
-  }
-  void allow(long call) {
-    add(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 1);
-    add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
-  }
-  /// If no bit of `mask` is set in this argument.
-  void allow_without(long call, unsigned argument, std::uint32_t mask) {
-    add(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 4);
-    load_argument(argument);
-    add(BPF_JMP | BPF_JSET | BPF_K, mask, 1, 0);
-    add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
-    refuse();
-  }
-  /// If its first argument is this.
-  void allow_with(long call, std::uint32_t value) {
-    add(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 4);
-    load_argument(0);
-    add(BPF_JMP | BPF_JEQ | BPF_K, value, 0, 1);
-    add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
-    load(offsetof(seccomp_data, nr));
-  }
-  Result<void> install() {
-    refuse();
-    const sock_fprog program{.len = static_cast<unsigned short>(steps_.size()),
-                             .filter = steps_.data()};
-    if (::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) < 0)
-      return fail(error_words("seccomp", errno));
-    return {};
-  }
-
- private:
-  void add(std::uint16_t code, std::uint32_t k, std::uint8_t yes = 0, std::uint8_t no = 0) {
-    steps_.push_back({.code = code, .jt = yes, .jf = no, .k = k});
-  }
-  void load(std::size_t offset) {
-    add(BPF_LD | BPF_W | BPF_ABS, static_cast<std::uint32_t>(offset));
-  }
-  /// Its lower half: all arguments that are compared are ints.
-  void load_argument(unsigned number) {
-    load(offsetof(seccomp_data, args) + std::size_t{number} * sizeof(std::uint64_t));
-  }
-  void refuse() { add(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EPERM); }
-
-  std::vector<sock_filter> steps_;
-};
-
 Result<void> filter_system_calls() {
-  Filter filter;
+  SystemCallFilter filter;
   for (const long call : kAllowed) filter.allow(call);
   for (const int family : {AF_UNIX, AF_INET, AF_INET6})
     filter.allow_with(SYS_socket, static_cast<std::uint32_t>(family));
@@ -200,13 +105,12 @@ Result<void> filter_system_calls() {
 }  // namespace
 
 Result<void> enter_sandbox() {
-  if (::close_range(3, ~0U, 0) < 0) return fail(error_words("closing descriptors", errno));
+  if (::close_range(3, ~0U, 0) < 0) return system_error("closing descriptors");
   if (::prctl(PR_SET_PDEATHSIG, SIGKILL) < 0 || ::prctl(PR_SET_DUMPABLE, 0) < 0)
-    return fail(error_words("prctl", errno));
+    return system_error("prctl");
   if (auto limited = limit_resources(); !limited) return limited;
   if (auto dropped = drop_capabilities(); !dropped) return dropped;
-  if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) < 0)
-    return fail(error_words("no new privileges", errno));
+  if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) < 0) return system_error("no new privileges");
   return kSanitized ? Result<void>{} : filter_system_calls();
 }
 

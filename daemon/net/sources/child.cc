@@ -73,7 +73,7 @@ void Child::collect() {
   std::erase_if(ended(), [](pid_t pid) { return ::waitpid(pid, nullptr, WNOHANG) != 0; });
 }
 
-Result<Peer> connect_to_helper(const std::string& path) {
+Result<Peer> connect_to_helper(const std::string& path, const std::string& unit) {
   const auto address = unix_address(path);
   if (!address) return std::unexpected(address.error());
   Fd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
@@ -84,8 +84,8 @@ Result<Peer> connect_to_helper(const std::string& path) {
   if (::getsockopt(socket.get(), SOL_SOCKET, SO_PEERCRED, &owner, &size) < 0)
     return fail(error_words(path, errno));
   if (owner.uid != 0 && owner.uid != ::geteuid())
-    return fail(path + ": uid " + std::to_string(owner.uid) +
-                " listens there; it must be root (mlcca-sources.socket)");
+    return fail(path + ": uid " + std::to_string(owner.uid) + " listens there; it must be root (" +
+                unit + ")");
   return Peer{.socket = std::move(socket), .child = {}};
 }
 

@@ -42,8 +42,8 @@ struct Peer {
   Child child;  ///< none where systemd started it
 };
 
-/// Connects to a socket at which systemd listens.
-[[nodiscard]] Result<Peer> connect_to_helper(const std::string& path);
+/// Connects to a socket of that unit, at which systemd listens.
+[[nodiscard]] Result<Peer> connect_to_helper(const std::string& path, const std::string& unit);
 /// Starts the program with the other end of a socket as its standard input.
 [[nodiscard]] Result<Peer> start_helper(const std::string& program);
 /// Where mlcca-sources is, if it is named so.

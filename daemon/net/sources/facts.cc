@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/octets.hpp"
 #include "daemon/net/sources/bounds.hpp"
 
 namespace mlcca::net::facts {
@@ -21,72 +22,23 @@ enum class Kind : std::uint8_t { nodes = 1, watch = 2, links = 3, hops = 4, end 
 constexpr std::size_t kMaxText = 1024;                     // of any text: paths are longest
 constexpr std::size_t kRoom = kMaxMessage - 4 * kMaxText;  // a fact more still fits
 
-class Writer {
+class Writer : public OctetWriter {
  public:
-  void number(std::uint64_t value, std::size_t octets) {
-    for (std::size_t i = 0; i < octets; ++i) out_ += static_cast<char>((value >> (8 * i)) & 0xffU);
-  }
-  void text(std::string_view value) {
-    value = value.substr(0, kMaxText);
-    number(value.size(), 2);
-    out_ += value;
-  }
+  void text(std::string_view value) { OctetWriter::text(value.substr(0, kMaxText)); }
   template <class T>
   void maybe(const std::optional<T>& value, std::size_t octets) {
     number(value.has_value() ? 1 : 0, 1);
     if (value) number(*value, octets);
   }
-  [[nodiscard]] std::size_t size() const { return out_.size(); }
-  [[nodiscard]] Message take() { return std::exchange(out_, {}); }
-
- private:
-  Message out_;
 };
 
-/// Once something is wrong, everything it gives is 0 or empty.
-class Reader {
+class Reader : public OctetReader {
  public:
-  explicit Reader(Octets message) : rest_(message) {}
-
-  std::uint64_t number(std::size_t octets) {
-    std::uint64_t value = 0;
-    const auto from = take(octets);
-    for (std::size_t i = 0; i < from.size(); ++i)
-      value |= std::uint64_t{static_cast<unsigned char>(from[i])} << (8 * i);
-    return value;
-  }
-  std::string text() {
-    const auto size = static_cast<std::size_t>(number(2));
-    if (size > kMaxText) right_ = false;
-    const auto from = take(size);
-    return {from.begin(), from.end()};
-  }
+  using OctetReader::OctetReader;
+  std::string text() { return OctetReader::text(kMaxText); }
   std::optional<std::uint64_t> maybe(std::size_t octets) {
-    const auto there = number(1);
-    if (there > 1) right_ = false;
-    return there == 1 ? std::optional(number(octets)) : std::nullopt;
+    return flag() ? std::optional(number(octets)) : std::nullopt;
   }
-  /// A word of an enumeration whose last one is `last`.
-  template <class Word>
-  Word word(Word last) {
-    const auto value = number(1);
-    if (value > static_cast<std::uint64_t>(last)) right_ = false;
-    return right_ ? static_cast<Word>(value) : Word{};
-  }
-  [[nodiscard]] bool right() const { return right_; }
-  [[nodiscard]] bool ended_well() const { return right_ && rest_.empty(); }
-
- private:
-  Octets take(std::size_t octets) {
-    if (octets > rest_.size()) right_ = false;
-    if (!right_) return {};
-    const auto front = rest_.first(octets);
-    rest_ = rest_.subspan(octets);
-    return front;
-  }
-
-  Octets rest_;
-  bool right_ = true;
 };
 
 /// Messages of one kind, each with as many facts as fit.

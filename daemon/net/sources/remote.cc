@@ -78,7 +78,8 @@ class Remote final : public LinkSource {
   }
 
   [[nodiscard]] Result<Peer> find_peer() const {
-    if (::access(helper_.socket.c_str(), F_OK) == 0) return connect_to_helper(helper_.socket);
+    if (::access(helper_.socket.c_str(), F_OK) == 0)
+      return connect_to_helper(helper_.socket, "mlcca-sources.socket");
     return start_helper(helper_.program.empty() ? find_helper() : helper_.program);
   }
 

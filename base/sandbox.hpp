@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What a process gives up for good before it reads what it does not trust.
+#pragma once
+#include <linux/audit.h>
+#include <linux/capability.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "base/result.hpp"
+#include "base/system_error.hpp"
+
+namespace mlcca {
+
+/// A sanitizer maps terabytes and makes system calls of its own.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool kSanitized = true;
+#else
+inline constexpr bool kSanitized = false;
+#endif
+
+namespace detail {
+
+#if defined(__x86_64__)
+inline constexpr std::uint32_t kArchitecture = AUDIT_ARCH_X86_64;
+#elif defined(__aarch64__)
+inline constexpr std::uint32_t kArchitecture = AUDIT_ARCH_AARCH64;
+#elif defined(__riscv)
+inline constexpr std::uint32_t kArchitecture = AUDIT_ARCH_RISCV64;
+#else
+#error "state the architecture and look through the system calls below"
+#endif
+
+}  // namespace detail
+
+inline Result<void> limit_resource(__rlimit_resource what, rlim_t most) {
+  const rlimit both{.rlim_cur = most, .rlim_max = most};
+  if (::setrlimit(what, &both) < 0) return system_error("setrlimit");
+  return {};
+}
+
+/// All of them. Those that may never be had again go first, as far as they are there to be given
+/// up.
+inline Result<void> drop_capabilities() {
+  for (unsigned long c = 0; ::prctl(PR_CAPBSET_READ, c) >= 0; ++c) ::prctl(PR_CAPBSET_DROP, c);
+  ::prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0);
+  __user_cap_header_struct header{.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
+  const std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> none{};
+  if (::syscall(SYS_capset, &header, none.data()) < 0)
+    return system_error("giving up capabilities");
+  return {};
+}
+
+/// System calls that are allowed; all others fail with EPERM.
+class SystemCallFilter {
+ public:
+  SystemCallFilter() {
+    load(offsetof(seccomp_data, arch));
+    add(BPF_JMP | BPF_JEQ | BPF_K, detail::kArchitecture, 1, 0);
+    add(BPF_RET | BPF_K, SECCOMP_RET_KILL_PROCESS);
+    load(offsetof(seccomp_data, nr));
+  }
+  void allow(long call) {
+    add(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 1);
+    add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
+  }
+  /// If no bit of `mask` is set in this argument.
+  void allow_without(long call, unsigned argument, std::uint32_t mask) {
+    add(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 4);
+    load_argument(argument);
+    add(BPF_JMP | BPF_JSET | BPF_K, mask, 1, 0);
+    add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
+    refuse();
+  }
+  /// If one bit of `mask` is set in this argument.
+  void allow_having(long call, unsigned argument, std::uint32_t mask) {
+    add(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 4);
+    load_argument(argument);
+    add(BPF_JMP | BPF_JSET | BPF_K, mask, 0, 1);
+    add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
+    refuse();
+  }
+  /// As if the kernel did not have it: a library then takes an older one.
+  void hide(long call) {
+    add(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 1);
+    add(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | ENOSYS);
+  }
+  /// If this argument, the first one by default, is that.
+  void allow_with(long call, std::uint32_t value, unsigned argument = 0) {
+    add(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 4);
+    load_argument(argument);
+    add(BPF_JMP | BPF_JEQ | BPF_K, value, 0, 1);
+    add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
+    load(offsetof(seccomp_data, nr));
+  }
+  Result<void> install() {
+    refuse();
+    const sock_fprog program{.len = static_cast<unsigned short>(steps_.size()),
+                             .filter = steps_.data()};
+    if (::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) < 0) return system_error("seccomp");
+    return {};
+  }
+
+ private:
+  void add(std::uint16_t code, std::uint32_t k, std::uint8_t yes = 0, std::uint8_t no = 0) {
+    steps_.push_back({.code = code, .jt = yes, .jf = no, .k = k});
+  }
+  void load(std::size_t offset) {
+    add(BPF_LD | BPF_W | BPF_ABS, static_cast<std::uint32_t>(offset));
+  }
+  /// Its lower half: all arguments that are compared are ints.
+  void load_argument(unsigned number) {
+    load(offsetof(seccomp_data, args) + std::size_t{number} * sizeof(std::uint64_t));
+  }
+  void refuse() { add(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EPERM); }
+
+  std::vector<sock_filter> steps_;
+};
+
+}  // namespace mlcca

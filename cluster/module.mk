@@ -1,0 +1,15 @@
+# The way to the store that gateways share: a program of its own, which alone has libcurl and the key.
+CURL_LIBS := $(shell $(PKG_CONFIG) --libs libcurl 2>/dev/null)
+# mlccad's end of the socket, and the words that both ends use.
+$(eval $(call library,clusterlink,daemon/cluster/wire.cc daemon/cluster/link.cc))
+$(eval $(call library,cluster,$(filter-out cluster/main.cc,$(wildcard cluster/*.cc))))
+CLUSTER_ARCHIVES := $O/libcluster.a $O/libclusterlink.a $O/libsources.a
+CLUSTER_LIBS := $(CURL_LIBS) -lsystemd
+$(eval $(call program,mlcca-cluster,cluster/main.cc daemon/listen.cc daemon/manager.cc,$(CLUSTER_ARCHIVES),$(CLUSTER_LIBS)))
+PROGRAMS += $O/mlcca-cluster
+install-cluster: $O/mlcca-cluster
+	$(call say,INSTALL,the way to the store)
+	$(Q)install -d $(DESTDIR)$(PREFIX)/sbin
+	$(Q)install -m 755 $O/mlcca-cluster $(DESTDIR)$(PREFIX)/sbin/mlcca-cluster
+PARTS += install-cluster
+.PHONY: install-cluster

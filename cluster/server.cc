@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "cluster/server.hpp"
+
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <utility>
+
+#include "base/system_error.hpp"
+
+namespace mlcca::cluster {
+namespace {
+
+constexpr int kTurn = 64;  // messages that are taken or sent before others
+
+/// Of the file that is the socket.
+std::set<uid_t> owners_of(int socket) {
+  std::set<uid_t> owners{0, ::geteuid()};
+  sockaddr_un address{};
+  socklen_t size = sizeof address;
+  struct stat file{};
+  // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
+  if (::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0 &&
+      address.sun_path[0] == '/' && ::lstat(&address.sun_path[0], &file) == 0)
+    owners.insert(file.st_uid);
+  return owners;
+}
+
+}  // namespace
+
+Server::Server(sd_event* loop, Fd listening, Bridge& bridge, Log log)
+    : loop_(loop),
+      listening_(std::move(listening)),
+      bridge_(bridge),
+      log_(std::move(log)),
+      trusted_(owners_of(listening_.get())) {
+  bridge_.on_output([this] { send(); });
+}
+
+Result<void> Server::start() {
+  sd_event_source* raw = nullptr;
+  if (const int e = sd_event_add_io(loop_, &raw, listening_.get(), EPOLLIN, on_connection, this);
+      e < 0)
+    return system_error("watching the socket", -e);
+  connections_.reset(raw);
+  return {};
+}
+
+int Server::on_connection(sd_event_source*, int, std::uint32_t, void* self) noexcept {
+  static_cast<Server*>(self)->accept();
+  return 0;
+}
+
+void Server::accept() {
+  Fd socket(::accept4(listening_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+  if (!socket) return;
+  ucred peer{};
+  socklen_t size = sizeof peer;
+  if (::getsockopt(socket.get(), SOL_SOCKET, SO_PEERCRED, &peer, &size) < 0 ||
+      !trusted_.contains(peer.uid)) {
+    log_("a connection of uid " + std::to_string(peer.uid) + " is refused");
+    return;
+  }
+  if (io_) end("another connection takes its place");
+  sd_event_source* raw = nullptr;
+  if (sd_event_add_io(loop_, &raw, socket.get(), EPOLLIN, on_io, this) < 0) return;
+  io_.reset(raw);
+  socket_ = std::move(socket);
+  reader_ = {};
+  full_ = false;
+}
+
+int Server::on_io(sd_event_source*, int, std::uint32_t events, void* self) noexcept {
+  auto& server = *static_cast<Server*>(self);
+  if ((events & EPOLLOUT) != 0) {
+    server.full_ = false;
+    server.send();
+  }
+  if ((events & ~EPOLLOUT) != 0) server.receive();
+  return 0;
+}
+
+void Server::receive() {
+  for (int i = 0; i < kTurn && io_; ++i) {
+    if (bridge_.is_busy()) {
+      listen_for(full_);
+      return;
+    }
+    const auto size = ::recv(socket_.get(), buffer_.data(), buffer_.size(), MSG_TRUNC);
+    if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
+    if (size <= 0) {
+      end({});
+      return;
+    }
+    if (!take(static_cast<std::size_t>(size))) return;
+  }
+}
+
+bool Server::take(std::size_t size) {
+  auto read = size > buffer_.size() ? fail("it sent a message that is too long")
+                                    : reader_.take({buffer_.data(), size});
+  if (!read) {
+    end("mlccad is not understood: " + read.error().text);
+    return false;
+  }
+  if (*read) bridge_.take(std::move(**read));
+  return true;
+}
+
+/// An error is seen by the loop, too, which ends the connection.
+void Server::send() {
+  if (!io_ || full_) return;
+  for (const wire::Message* next = bridge_.outbox().next(); next != nullptr;
+       next = bridge_.outbox().next()) {
+    if (::send(socket_.get(), next->data(), next->size(), MSG_DONTWAIT | MSG_NOSIGNAL) < 0) {
+      full_ = true;
+      break;
+    }
+    bridge_.outbox().take();
+  }
+  listen_for(full_);
+  bridge_.sent();
+}
+
+void Server::listen_for(bool output) {
+  std::uint32_t events = bridge_.is_busy() ? 0U : std::uint32_t{EPOLLIN};
+  if (output) events |= EPOLLOUT;
+  sd_event_source_set_io_events(io_.get(), events);
+}
+
+void Server::end(const std::string& why) {
+  if (!why.empty()) log_(why);
+  io_.reset();
+  socket_.reset();
+  bridge_.end_session();
+}
+
+}  // namespace mlcca::cluster

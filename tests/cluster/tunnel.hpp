@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What is between mlcca-cluster and a member of the store, and a reader that is slow.
+#pragma once
+#include <systemd/sd-event.h>
+
+#include <array>
+#include <cstdint>
+#include <list>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "base/handle.hpp"
+#include "daemon/cluster/wire.hpp"
+#include "daemon/net/sources/timer.hpp"
+
+namespace mlcca::test {
+
+/// A port whose connections go on to another one of the loopback.
+class Tunnel {
+ public:
+  Tunnel(sd_event* loop, int to);
+  [[nodiscard]] int port() const { return port_; }
+  /// The server takes what comes, and its next octets end the connection instead of arriving.
+  void cut_at_next_answer() { cuts_ = true; }
+  /// Nothing goes on in either direction, of new connections neither.
+  void hold(bool holds);
+
+ private:
+  struct Pair {
+    Fd client, server;
+    net::EventSource from_client, from_server;
+  };
+  static int on_connection(sd_event_source*, int, std::uint32_t, void* self) noexcept;
+  static int on_octets(sd_event_source*, int fd, std::uint32_t, void* self) noexcept;
+  void accept();
+  void pass(int fd);
+
+  sd_event* loop_;
+  int to_;
+  int port_ = 0;
+  bool cuts_ = false;
+  bool holds_ = false;
+  Fd listening_;
+  net::EventSource connections_;
+  std::list<Pair> pairs_;
+};
+
+/// Reads messages one by one, with as much credit as it is told to give.
+class SlowReader {
+ public:
+  SlowReader(const std::string& socket, std::vector<std::string> prefixes);
+  void give_credit(std::uint32_t entries);
+  /// Reads up to the next one of its kind; false: it does not come.
+  template <class Kind>
+  bool read_until() {
+    constexpr int most = 1000;  // messages
+    for (int i = 0; i < most; ++i) {
+      const auto message = next();
+      if (!message) return false;
+      if (std::holds_alternative<Kind>(*message)) return true;
+    }
+    return false;
+  }
+  [[nodiscard]] std::int64_t revision() const { return revision_; }
+  [[nodiscard]] std::size_t entries() const { return entries_; }
+
+ private:
+  std::optional<ClusterMessage> next();
+
+  Fd socket_;
+  cluster::wire::ReaderOfStore reader_;
+  std::array<char, cluster::wire::kMaxMessage> buffer_{};
+  std::int64_t revision_ = 0;
+  std::size_t entries_ = 0;  ///< since the latest snapshot began
+};
+
+}  // namespace mlcca::test
