@@ -154,10 +154,10 @@ void Bridge::run(const Txn& txn) {
   if (under_way_.contains(txn.id)) {
     refused.outcome = Outcome::invalid;
     refused.why = "a transaction of this number is under way";
-    answer(std::move(refused));
+    answer(refused);
   } else if (!channel_) {
     refused.why = problem_.empty() ? "there is no connection to the store" : problem_;
-    answer(std::move(refused));
+    answer(refused);
   } else {
     const std::uint64_t id = txn.id;
     UnderWay& one = under_way_[id];
@@ -186,7 +186,7 @@ void Bridge::end_txn(std::uint64_t id, const End& end) {
     for (auto& entry : read.read) result.read.push_back(wire::bounded(std::move(entry)));
   }
   const bool failed = end.status == End::kNoStatus || end.status == grpc::kUnavailable;
-  answer(std::move(result));
+  answer(result);
   if (failed)
     note_failure(end.text);
   else
@@ -201,7 +201,7 @@ void Bridge::note_failure(const std::string& why) {
     ask_status();
 }
 
-void Bridge::answer(TxnResult result) {
+void Bridge::answer(const TxnResult& result) {
   outbox_.put(result);
   if (wrote_) wrote_();
 }

@@ -65,7 +65,7 @@ class Bridge {
   void run(const core::cluster::Txn& txn);
   void end_txn(std::uint64_t id, const End& end);
   void note_failure(const std::string& why);
-  void answer(core::cluster::TxnResult result);
+  void answer(const core::cluster::TxnResult& result);
   void drop(const std::string& why);
   void put_state();
 

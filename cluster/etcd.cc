@@ -147,6 +147,21 @@ Page range_in(protozero::data_view octets) {
   return out;
 }
 
+/// One for each key.
+std::vector<Entry> entries_of(std::vector<Page>& pages, const std::vector<std::string>& keys) {
+  if (pages.size() != keys.size()) throw NotUnderstood{};
+  std::vector<Entry> out;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    auto& there = pages[i].entries;
+    if (there.size() > 1 || (!there.empty() && there[0].key != keys[i])) throw NotUnderstood{};
+    if (there.empty())
+      out.push_back({.key = keys[i], .value = {}, .create = 0, .mod = 0, .gone = true});
+    else
+      out.push_back(std::move(there[0]));
+  }
+  return out;
+}
+
 template <class Read>
 auto read(std::string_view answer, Read of) -> std::optional<decltype(of(protozero::data_view()))> {
   try {
@@ -188,7 +203,8 @@ void put_operation(std::string& to, std::uint8_t branch, std::uint8_t kind, Fill
 std::string end_of(std::string_view prefix) {
   std::string end(prefix);
   while (!end.empty() && end.back() == '\xff') end.pop_back();
-  if (end.empty()) return std::string(1, '\0');  // of etcd: all that follow
+  using namespace std::string_literals;
+  if (end.empty()) return "\0"s;  // of etcd: all that follow
   end.back() = static_cast<char>(static_cast<unsigned char>(end.back()) + 1);
   return end;
 }
@@ -238,16 +254,7 @@ std::optional<TxnAnswer> read_txn(std::string_view answer, const std::vector<std
       if (pages.size() > kMostEntries) throw NotUnderstood{};
       return true;
     });
-    if (out.succeeded) return out;
-    if (pages.size() != gets.size()) throw NotUnderstood{};
-    for (std::size_t i = 0; i < gets.size(); ++i) {
-      auto& there = pages[i].entries;
-      if (there.size() > 1 || (!there.empty() && there[0].key != gets[i])) throw NotUnderstood{};
-      if (there.empty())
-        out.read.push_back({.key = gets[i], .value = {}, .create = 0, .mod = 0, .gone = true});
-      else
-        out.read.push_back(std::move(there[0]));
-    }
+    if (!out.succeeded) out.read = entries_of(pages, gets);
     return out;
   });
 }

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <map>
 #include <utility>
 #include <vector>
@@ -80,7 +79,7 @@ std::size_t on_header(char* line, std::size_t size, std::size_t count, void* tra
 std::size_t on_send(char* to, std::size_t size, std::size_t count, void* of) noexcept {
   auto& transfer = *static_cast<Transfer*>(of);
   const std::size_t n = std::min(size * count, transfer.body.size() - transfer.sent);
-  std::memcpy(to, transfer.body.data() + transfer.sent, n);
+  transfer.body.copy(to, n, transfer.sent);
   transfer.sent += n;
   if (n == 0 && transfer.request.stays_open) return CURL_READFUNC_PAUSE;
   return n;
@@ -94,8 +93,8 @@ bool set(CURL* easy, CURLoption option, Value value) {
 /// Sockets and the timer of libcurl in the loop. Calls share it with the channel.
 class Engine : public std::enable_shared_from_this<Engine> {
  public:
-  Engine(sd_event* loop, const Settings& settings, std::string endpoint)
-      : loop_(loop), settings_(settings), endpoint_(std::move(endpoint)) {}
+  Engine(sd_event* loop, Settings settings, std::string endpoint)
+      : loop_(loop), settings_(std::move(settings)), endpoint_(std::move(endpoint)) {}
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
   Engine(Engine&&) = delete;

@@ -79,9 +79,9 @@ std::optional<wire::Message> Outbox::make_fed() {
   if (feed_.empty()) return std::nullopt;
   auto* const part = std::get_if<Part>(&feed_.front());
   if (part == nullptr) {
-    const auto message = std::holds_alternative<ClusterSnapshot>(feed_.front())
-                             ? wire::message_of(std::get<ClusterSnapshot>(feed_.front()))
-                             : wire::message_of(std::get<ClusterSynced>(feed_.front()));
+    auto message = std::holds_alternative<ClusterSnapshot>(feed_.front())
+                       ? wire::message_of(std::get<ClusterSnapshot>(feed_.front()))
+                       : wire::message_of(std::get<ClusterSynced>(feed_.front()));
     feed_.pop_front();
     return message;
   }

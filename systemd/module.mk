@@ -11,11 +11,13 @@ install-systemd:
 	$(Q)install -d $(DESTDIR)$(UNITDIR) $(DESTDIR)$(UDEVDIR) $(DESTDIR)$(SYSUSERSDIR) \
 		$(DESTDIR)$(TMPFILESDIR) $(DESTDIR)/etc/mlcca/conf.d
 	$(Q)install -m 644 systemd/mlccad.socket systemd/run-mlcca-bpf.mount \
-		systemd/mlcca-awds@.socket systemd/mlcca-exporter.socket systemd/mlcca-sources.socket $(DESTDIR)$(UNITDIR)
+		systemd/mlcca-awds@.socket systemd/mlcca-exporter.socket systemd/mlcca-sources.socket \
+		systemd/mlcca-cluster.socket $(DESTDIR)$(UNITDIR)
 	$(Q)$(MAKE_UNIT) systemd/mlccad.service.in > $(DESTDIR)$(UNITDIR)/mlccad.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-relay.service.in > $(DESTDIR)$(UNITDIR)/mlcca-relay.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-famouso.service.in > $(DESTDIR)$(UNITDIR)/mlcca-famouso.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-exporter.service.in > $(DESTDIR)$(UNITDIR)/mlcca-exporter.service
+	$(Q)$(MAKE_UNIT) systemd/mlcca-cluster.service.in > $(DESTDIR)$(UNITDIR)/mlcca-cluster.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-gate.service.in > $(DESTDIR)$(UNITDIR)/mlcca-gate.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-awds@.service.in > $(DESTDIR)$(UNITDIR)/mlcca-awds@.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-sources@.service.in > $(DESTDIR)$(UNITDIR)/mlcca-sources@.service

@@ -17,7 +17,7 @@ S = "${WORKDIR}/git"
 
 # Of the target. libbpf 1.1 or later; protozero, fmt, cli11 and nlohmann-json are headers but for fmt.
 DEPENDS = "libbpf elfutils zlib libnl sqlite3 systemd protobuf protozero libxml2 libyaml fmt cli11 nlohmann-json \
-           libmicrohttpd"
+           libmicrohttpd curl"
 # Of the build machine: clang makes the BPF programs, bpftool their skeletons, protoc and xsltproc what is generated.
 DEPENDS += "clang-native llvm-native bpftool-native protobuf-native python3-protobuf-native libxslt-native"
 
@@ -49,12 +49,13 @@ USERADD_PARAM:${PN} = "--system --no-create-home --gid mlcca --shell /sbin/nolog
     --system --no-create-home --gid mlcca-sources --shell /sbin/nologin mlcca-sources; \
     --system --no-create-home --gid mlcca-famouso --shell /sbin/nologin mlcca-famouso"
 
-PACKAGES =+ "libmlcca libmlcca-dev python3-mlcca cockpit-mlcca ${PN}-exporter"
+PACKAGES =+ "libmlcca libmlcca-dev python3-mlcca cockpit-mlcca ${PN}-exporter ${PN}-cluster"
 FILES:libmlcca = "${libdir}/libmlcca.so.*"
 FILES:libmlcca-dev = "${includedir}/mlcca ${libdir}/libmlcca.so ${libdir}/pkgconfig/mlcca.pc ${libdir}/cmake/mlcca"
 FILES:python3-mlcca = "${PYTHON_SITEPACKAGES_DIR}/mlcca"
 FILES:cockpit-mlcca = "${datadir}/cockpit/mlcca"
 FILES:${PN}-exporter = "${sbindir}/mlcca-exporter ${systemd_system_unitdir}/mlcca-exporter.* ${datadir}/mlcca-exporter"
+FILES:${PN}-cluster = "${sbindir}/mlcca-cluster ${systemd_system_unitdir}/mlcca-cluster.*"
 FILES:${PN} += "${datadir} ${libexecdir}/mlcca ${nonarch_libdir}/sysusers.d ${nonarch_libdir}/tmpfiles.d \
     ${nonarch_base_libdir}/udev/rules.d ${systemd_system_unitdir}"
 CONFFILES:${PN} = "${sysconfdir}/mlcca"
