@@ -79,3 +79,8 @@ run-bench-learn: run-bench-learn-log all $(GUEST_READY)
 run-bench-learn-log: $O/mlccactl $O/mlcca-design
 	$(Q)tests/bench/learn/log $O
 .PHONY: run-bench-learn run-bench-learn-log
+
+# The way to the store of gateways, beside libcurl alone.
+$(eval $(call program,bench/cluster_bench,tests/bench/cluster_bench.cc $(addprefix tests/cluster/,gateway.cc processes.cc store.cc),$(CLUSTER_ARCHIVES),$(CLUSTER_LIBS) -lfmt))
+$O/bench/cluster_bench: | $O/mlcca-cluster
+BENCHES += $O/bench/cluster_bench
