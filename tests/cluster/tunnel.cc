@@ -78,7 +78,13 @@ void Tunnel::pass(int fd) {
   const bool of_server = pair->server.get() == fd;
   std::array<char, 16384> octets{};
   const ssize_t n = ::recv(fd, octets.data(), octets.size(), 0);
-  if (n <= 0 || (of_server && std::exchange(cuts_, false))) {
+  if (of_server && std::exchange(cuts_, false)) {
+    const linger at_once{.l_onoff = 1, .l_linger = 0};
+    if (resets_) ::setsockopt(pair->client.get(), SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
+    pairs_.erase(pair);
+    return;
+  }
+  if (n <= 0) {
     pairs_.erase(pair);
     return;
   }

@@ -24,8 +24,12 @@ class Tunnel {
  public:
   Tunnel(sd_event* loop, int to);
   [[nodiscard]] int port() const { return port_; }
-  /// The server takes what comes, and its next octets end the connection instead of arriving.
-  void cut_at_next_answer() { cuts_ = true; }
+  /// The server takes what comes, and its next octets end the connection instead of arriving: as
+  /// if the server had closed it, or by a reset.
+  void cut_at_next_answer(bool resets) {
+    cuts_ = true;
+    resets_ = resets;
+  }
   /// Nothing goes on in either direction, of new connections neither.
   void hold(bool holds);
 
@@ -43,6 +47,7 @@ class Tunnel {
   int to_;
   int port_ = 0;
   bool cuts_ = false;
+  bool resets_ = false;
   bool holds_ = false;
   Fd listening_;
   net::EventSource connections_;
