@@ -80,7 +80,11 @@ int Server::on_io(sd_event_source*, int, std::uint32_t events, void* self) noexc
     server.full_ = false;
     server.send();
   }
-  if ((events & ~EPOLLOUT) != 0) server.receive();
+  // While nothing more is taken, its end is reported all the same.
+  if ((events & (EPOLLHUP | EPOLLERR)) != 0 && server.bridge_.is_busy())
+    server.end({});
+  else if ((events & ~EPOLLOUT) != 0)
+    server.receive();
   return 0;
 }
 
