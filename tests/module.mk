@@ -29,7 +29,7 @@ SANITIZED := requests_test leases_test bus_load_test bypass_test drops_test turn
 # Too long for CI, but sound: attach_test and store_test take minutes (journal_fuzz and control_fuzz go through the
 # same code), bus_sim_test has fewer sets there, those of the core, of descriptions and of tools compile for minutes (description_fuzz, replies_fuzz).
 SANITIZED_ALL := $(SANITIZED) attach_test store_test wire_live_test ether_table_test bus_sim_test can_test core_test \
-	description_test mesh_test doctor_test
+	description_test mesh_test doctor_test cluster_test
 # Never: they run programs that are not instrumented (analyse_bus, bandwidth, check, describe, generate, proto,
 # sources_live, start, tools, twin), code that a generator made (der), literals that must be constants to be linked
 # (include), or frames through the kernel, where nothing is to be instrumented (gate_frames, ether_frames, ether_sockets).

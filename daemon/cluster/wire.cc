@@ -24,6 +24,7 @@ using core::cluster::Txn;
 using core::cluster::TxnResult;
 
 enum class Kind : std::uint8_t {
+  none = 0,
   hello = 1,
   follow = 2,
   txn = 3,

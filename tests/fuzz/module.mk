@@ -3,8 +3,8 @@
 #
 #   $(eval $(call fuzz_target,NAME,ARCHIVES,CORPUS,MAX_LEN,LIBS))
 #
-# ARCHIVES: of ours (relay client core control description enforce sources untrusted daemon tools design learn), built once with
-# instruments for all targets; a name with a slash is one more source (tests/tools/sources/proto_emulated).
+# ARCHIVES: of ours (relay client core control description enforce sources untrusted daemon cluster clusterlink tools
+# design learn), built once with instruments for all targets; a name with a slash is one more source (tests/tools/sources/proto_emulated).
 # CORPUS: folders below tests/corpus; what they hold is replayed whole, whatever MAX_LEN says.
 #
 # `make check-fuzz` replays every corpus and goes on for FUZZ_SECONDS=10 a target; `make fuzz` goes on
@@ -47,7 +47,7 @@ $O/fuzz/lib$1.a: $(patsubst $O/%.o,$O/fuzz/obj/%.o,$($1_objects) $2)
 	$$(Q)rm -f $$@ && ar rcs $$@ $$^
 FUZZ_OBJECTS += $(patsubst $O/%.o,$O/fuzz/obj/%.o,$($1_objects) $2)
 endef
-$(foreach library,relay client core control description enforce sources untrusted daemon tools design learn doctor,$(eval $(call fuzz_library,$(library))))
+$(foreach library,relay client core control description enforce sources untrusted daemon cluster clusterlink tools design learn doctor,$(eval $(call fuzz_library,$(library))))
 
 define fuzz_target
 FUZZERS += $1

@@ -17,7 +17,7 @@ using core::mesh::RateKind;
 using core::mesh::Sample;
 using core::mesh::Snapshot;
 
-enum class Kind : std::uint8_t { nodes = 1, watch = 2, links = 3, hops = 4, end = 5 };
+enum class Kind : std::uint8_t { none = 0, nodes = 1, watch = 2, links = 3, hops = 4, end = 5 };
 
 constexpr std::size_t kMaxText = 1024;                     // of any text: paths are longest
 constexpr std::size_t kRoom = kMaxMessage - 4 * kMaxText;  // a fact more still fits
