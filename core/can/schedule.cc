@@ -96,6 +96,7 @@ std::optional<Schedule::Late> Schedule::check_alone(std::size_t added) {
     walk.move_to(i);
     const Level level = walk.level(i);
     const Message& m = messages_[i];
+    if (is_spared(m)) continue;
     // What is above the new one is only blocked by it, if by anything.
     const bool above = level.end <= added;
     if (above && (added_message.longest_frame < level.blocking)) continue;
@@ -116,7 +117,8 @@ std::optional<Schedule::Late> Schedule::check_alone(std::size_t added) {
 std::optional<Schedule::Late> Schedule::check_coupled() {
   const auto responses = all_responses();
   for (std::size_t i = 0; i < messages_.size(); ++i)
-    if (!fits(assumptions_, messages_[i], responses[i])) return late_of(i, responses[i]);
+    if (!is_spared(messages_[i]) && !fits(assumptions_, messages_[i], responses[i]))
+      return late_of(i, responses[i]);
   std::ranges::transform(responses, at_least_.begin(), &Response::response);
   return std::nullopt;
 }
@@ -125,6 +127,7 @@ void Schedule::remove(std::uint64_t key) {
   const std::size_t at = position_of(key);
   if (at == messages_.size()) return;
   erase(at);
+  if (!spared_.empty()) std::erase(spared_, key);
   std::ranges::fill(at_least_, 0);  // bounds that may fall now are no start any more
   if (!settled_) {
     rebuild();
@@ -164,8 +167,42 @@ std::vector<Schedule::Late> Schedule::late() const {
   const auto responses = all_responses();
   std::vector<Late> found;
   for (std::size_t i = 0; i < messages_.size(); ++i)
-    if (!fits(assumptions_, messages_[i], responses[i])) found.push_back(late_of(i, responses[i]));
+    if (!is_spared(messages_[i]) && !fits(assumptions_, messages_[i], responses[i]))
+      found.push_back(late_of(i, responses[i]));
   return found;
+}
+
+void Schedule::put(std::span<const Message> messages) {
+  if (messages.empty()) return;
+  std::vector<std::uint64_t> fresh;
+  fresh.reserve(messages.size());
+  for (const Message& m : messages) fresh.push_back(m.key);
+  std::ranges::sort(fresh);
+  messages_.insert(messages_.end(), messages.begin(), messages.end());
+  std::ranges::sort(messages_, {}, rank);
+  rebuild();
+  // One that cannot be analysed is not spared: nothing is known of the bus then.
+  for (const Late& late : late())
+    if (std::ranges::binary_search(fresh, late.key) && usable(assumptions_, *find(late.key)))
+      spared_.push_back(late.key);
+  std::ranges::sort(spared_);
+  settled_ = late().empty();
+}
+
+std::vector<Schedule::Late> Schedule::spared() const {
+  if (spared_.empty()) return {};
+  const auto responses = all_responses();
+  std::vector<Late> found;
+  for (std::size_t i = 0; i < messages_.size(); ++i)
+    if (is_spared(messages_[i])) found.push_back(late_of(i, responses[i]));
+  return found;
+}
+
+void Schedule::review() {
+  if (spared_.empty()) return;
+  const auto responses = all_responses();
+  for (std::size_t i = 0; i < messages_.size(); ++i)
+    if (fits(assumptions_, messages_[i], responses[i])) std::erase(spared_, messages_[i].key);
 }
 
 std::uint64_t Schedule::utilisation_ppm() const {

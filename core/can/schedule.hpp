@@ -2,6 +2,7 @@
 // The messages that are admitted to one CAN bus. A value: copies are independent, so a decision is
 // tried on a copy or taken back by remove().
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -37,6 +38,16 @@ class Schedule {
   /// Afterwards the schedule is as if the message had never been added. An unknown key is ignored.
   void remove(std::uint64_t key);
 
+  /// Messages that others send, whether or not they are in time and whoever becomes late by them.
+  /// Their keys must be new. Those of them that are late with all that is there now disturb like
+  /// the others, and add() and late() do not look at whether they are in time: they are spared.
+  void put(std::span<const Message> messages);
+  /// Spared messages that are in time now are spared no more.
+  void review();
+  [[nodiscard]] bool spares_any() const { return !spared_.empty(); }
+  /// As they would be late; in the order of messages().
+  [[nodiscard]] std::vector<Late> spared() const;
+
   [[nodiscard]] bool contains(std::uint64_t key) const { return find(key) != nullptr; }
   /// Null if there is none. Valid until the schedule changes.
   [[nodiscard]] const Message* find(std::uint64_t key) const;
@@ -46,7 +57,8 @@ class Schedule {
   /// Other assumptions from now on. Returns all that is late under them; nothing is removed. The
   /// messages stay as they are: with another bit rate their times are the caller's to replace.
   std::vector<Late> set_assumptions(Assumptions assumptions);
-  /// All that is late now, in the order of messages(). Empty unless assumptions changed.
+  /// All that is late now and not spared, in the order of messages(). Empty unless assumptions
+  /// changed, or put() has made something late.
   [[nodiscard]] std::vector<Late> late() const;
 
   /// Sorted by priority, then key.
@@ -62,6 +74,9 @@ class Schedule {
 
  private:
   [[nodiscard]] std::size_t position_of(std::uint64_t key) const;
+  [[nodiscard]] bool is_spared(const Message& message) const {
+    return !spared_.empty() && std::ranges::binary_search(spared_, message.key);
+  }
   [[nodiscard]] Late late_of(std::size_t at, const Response& response) const;
   [[nodiscard]] std::vector<Response> all_responses() const;
   std::optional<Late> check_alone(std::size_t added);
@@ -75,8 +90,9 @@ class Schedule {
   Interference interference_;  ///< of messages_, in their order
   /// A response that each message is known not to be below, to start from. 0: nothing is known.
   std::vector<Time> at_least_;
-  std::size_t coupled_ = 0;  ///< messages whose bounds depend on the bounds of others
-  bool settled_ = true;      ///< nothing is late
+  std::size_t coupled_ = 0;            ///< messages whose bounds depend on the bounds of others
+  bool settled_ = true;                ///< nothing is late but what is spared
+  std::vector<std::uint64_t> spared_;  ///< keys, sorted
 };
 
 }  // namespace mlcca::core::can
