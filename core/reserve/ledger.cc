@@ -5,13 +5,13 @@
 #include <cassert>
 #include <utility>
 
+#include "core/can/cover.hpp"
 #include "core/model/progress.hpp"
 
 namespace mlcca::core {
 namespace {
 
 constexpr std::size_t kNever = ~std::size_t{0};
-constexpr std::size_t kNotFound = ~std::size_t{0};
 
 void add_shares(std::vector<mesh::Share>& to, std::span<const mesh::Share> shares) {
   for (const mesh::Share& share : shares) {
@@ -55,12 +55,12 @@ std::size_t Ledger::index_of(const Flow& flow) const {
   const auto held = holdings_of(flow.publisher);
   for (std::size_t i = 0; i < held.size(); ++i)
     if (held[i].resource == flow.resource && held[i].from == flow.from) return i;
-  return kNotFound;
+  return kNowhere;
 }
 
 const Holding* Ledger::find(const Flow& flow) const {
   const std::size_t i = index_of(flow);
-  return i == kNotFound ? nullptr : &holdings_[flow.publisher][i];
+  return i == kNowhere ? nullptr : &holdings_[flow.publisher][i];
 }
 
 // --- marks --------------------------------------------------------------------------------------
@@ -104,12 +104,16 @@ void Ledger::keep_schedule(std::size_t network) {
   if (kept_[network] != kNever && kept_[network] >= last_mark_) return;
   kept_[network] = steps_.size();
   kept_networks_.push_back(network);
-  steps_.emplace_back(Kept{network, std::make_unique<can::Schedule>(*schedules_[network])});
+  auto bus = std::make_unique<Bus>(Bus{.schedule = *schedules_[network], .asked = {}});
+  if (!others_.empty()) bus->asked = others_[network].asked;
+  steps_.emplace_back(Kept{network, std::move(bus)});
 }
 
 void Ledger::undo(Added& step) {
   auto& held = holdings_[step.publisher];
-  reserved_[held.back().resource] -= held.back().bytes_per_second;
+  const Holding& last = held.back();
+  reserved_[last.resource] -= last.bytes_per_second;
+  if (step.lifted) count(*placeholder({step.publisher, last.resource, last.from}), true);
   held.pop_back();
 }
 
@@ -133,16 +137,34 @@ void Ledger::undo(Occupied& step) {
 void Ledger::undo(Scheduled& step) { holdings_[step.publisher][step.index].scheduled = false; }
 
 void Ledger::undo(Removed& step) {
+  if (step.placed)
+    for (const Flow& flow : *step.placed) count(*placeholder(flow), false);
   for (const Holding& holding : step.holdings) count(holding, true);
   holdings_[step.publisher] = std::move(step.holdings);
 }
 
-void Ledger::undo(Kept& step) { *schedules_[step.network] = std::move(*step.schedule); }
+void Ledger::undo(std::unique_ptr<Raised>& step) {
+  for (const Flow& flow : step->placed) count(*placeholder(flow), false);
+  reserved_[step->network] -= step->bytes_per_second;
+  count_shares(step->network, step->shares, false);
+}
+
+void Ledger::undo(Kept& step) {
+  *schedules_[step.network] = std::move(step.bus->schedule);
+  if (!others_.empty()) others_[step.network].asked = std::move(step.bus->asked);
+}
 
 // --- changes ------------------------------------------------------------------------------------
 
 bool Ledger::add(const Flow& flow, Value bytes_per_second) {
   if (carries(flow)) return false;
+  Placed* const known = placeholder(flow);
+  const bool lifted = known != nullptr && known->counts;
+  if (known != nullptr) known->in_full = lifted || raised_ || known->what.by_others;
+  if (lifted) lift(*known);
+  if (known != nullptr && known->in_full)
+    bytes_per_second = std::min(std::max(bytes_per_second, known->what.bytes_per_second),
+                                kUnbounded - reserved_[flow.resource]);
   if (flow.publisher >= holdings_.size()) holdings_.resize(flow.publisher + 1);
   Holding& holding = holdings_[flow.publisher].emplace_back();
   holding.resource = static_cast<std::uint32_t>(flow.resource);
@@ -150,14 +172,14 @@ bool Ledger::add(const Flow& flow, Value bytes_per_second) {
   holding.bytes_per_second = bytes_per_second;
   assert(bytes_per_second <= kUnbounded - reserved_[flow.resource]);
   reserved_[flow.resource] += bytes_per_second;
-  if (marked_) steps_.emplace_back(Added{flow.publisher});
+  if (marked_) steps_.emplace_back(Added{flow.publisher, lifted});
   return true;
 }
 
 void Ledger::occupy(const Flow& flow, std::span<const std::uint32_t> links,
                     std::vector<mesh::Share> shares) {
   const std::size_t index = index_of(flow);
-  assert(index != kNotFound);
+  assert(index != kNowhere);
   Holding& holding = holdings_[flow.publisher][index];
   if (!holding.mesh) holding.mesh = std::make_unique<MeshHolding>();
   const bool first = holding.mesh->links.empty();
@@ -174,11 +196,15 @@ void Ledger::occupy(const Flow& flow, std::span<const std::uint32_t> links,
 
 std::optional<can::Schedule::Late> Ledger::schedule(const Flow& flow, can::Message message) {
   const std::size_t index = index_of(flow);
-  assert(index != kNotFound && schedules_[flow.resource]);
+  assert(index != kNowhere && schedules_[flow.resource]);
   Holding& holding = holdings_[flow.publisher][index];
   keep_schedule(flow.resource);
   can::Schedule& bus = *schedules_[flow.resource];
   message.key = key_of(flow);
+  const can::Message asked = message;
+  const Placed* const known = placeholder(flow);
+  if (known != nullptr && known->in_full && known->what.message)
+    message = can::strictest(message, *known->what.message);
   std::optional<can::Message> replaced;
   if (holding.scheduled) {
     replaced = *bus.find(message.key);
@@ -189,6 +215,7 @@ std::optional<can::Schedule::Late> Ledger::schedule(const Flow& flow, can::Messa
     if (replaced) static_cast<void>(bus.add(*replaced));
     return late;
   }
+  if (known != nullptr) note_asked(flow.resource, asked, message);
   if (!holding.scheduled && marked_) steps_.emplace_back(Scheduled{flow.publisher, index});
   holding.scheduled = true;
   return std::nullopt;
@@ -214,16 +241,25 @@ void Ledger::remove(std::size_t publisher) {
     count(holding, false);
     if (!holding.scheduled) continue;
     keep_schedule(holding.resource);
-    schedules_[holding.resource]->remove(key_of({publisher, holding.resource, holding.from}));
+    const std::uint64_t key = key_of({publisher, holding.resource, holding.from});
+    schedules_[holding.resource]->remove(key);
+    if (!others_.empty()) others_[holding.resource].asked.erase(key);
   }
   std::vector<Holding> gone = std::exchange(holdings_[publisher], {});
-  if (marked_) steps_.emplace_back(Removed{publisher, std::move(gone)});
+  auto placed = others_.empty() ? nullptr : place_after(publisher, gone);
+  if (marked_) steps_.emplace_back(Removed{publisher, std::move(gone), std::move(placed)});
 }
 
 void Ledger::set_bus(std::size_t network, std::optional<can::Assumptions> bus) {
   assert(!marked_);
   schedules_[network].reset();
+  forget_others(network);
   if (bus) schedules_[network].emplace(std::move(*bus));
+}
+
+void Ledger::set_domains(std::size_t network, std::size_t count) {
+  forget_others(network);
+  domains_[network].assign(count, 0);
 }
 
 bool Ledger::same_promises(const Ledger& other) const {

@@ -5,6 +5,7 @@
 #pragma once
 #include <compare>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -14,19 +15,9 @@
 #include "core/can/schedule.hpp"
 #include "core/mesh/evaluation.hpp"
 #include "core/model/system.hpp"
+#include "core/reserve/parts.hpp"
 
 namespace mlcca::core {
-
-/// The traffic of one publisher on one resource (a network or gateway, see System::resource_of). It
-/// is carried once, however many subscribers are behind it, but once more for each way in.
-struct Flow {
-  std::size_t publisher = 0;
-  std::size_t resource = 0;
-  std::size_t from = kOwn;  ///< the resource that it comes from; kOwn: the publisher itself
-
-  static constexpr std::size_t kOwn = 0xffffffff;
-  auto operator<=>(const Flow&) const = default;
-};
 
 /// What a flow takes of a mesh.
 struct MeshHolding {
@@ -41,6 +32,31 @@ struct Holding {
   Value bytes_per_second = 0;
   bool scheduled = false;  ///< it has a message in the schedule of its bus
   std::unique_ptr<MeshHolding> mesh;
+};
+
+/// What a flow is promised whether or not it is held here.
+struct Placeholder {
+  Flow flow;
+  Value bytes_per_second = 0;
+  std::optional<can::Message> message;  ///< on an analysed bus
+  std::vector<mesh::Share> shares;      ///< on a mesh, each domain once
+  /// Another gateway has reserved it too: it counts even if it was given up here.
+  bool by_others = false;
+  bool operator==(const Placeholder&) const = default;
+};
+
+/// What is promised of a network beside what is held here.
+struct Others {
+  std::vector<can::Message> messages;  ///< keys: of Ledger::key_of_other()
+  Value bytes_per_second = 0;
+  std::vector<mesh::Share> shares;    ///< each domain once
+  std::vector<Placeholder> standing;  ///< flows rising
+  Value most_bytes = kUnbounded;      ///< payload bytes/s that the network has
+  Value most_time = kUnbounded;       ///< ps/s that each domain has
+  bool complete = true;               ///< there is nothing else that is not known
+  [[nodiscard]] bool empty() const {
+    return messages.empty() && bytes_per_second == 0 && shares.empty() && standing.empty();
+  }
 };
 
 class Ledger {
@@ -81,6 +97,8 @@ class Ledger {
   /// A message for a flow that was added, on an analysed bus; in place of the one that it has. What
   /// would be late if it did not fit: nothing was changed then.
   std::optional<can::Schedule::Late> schedule(const Flow& flow, can::Message message);
+  /// The message that a flow has, as it was asked for: without what others have reserved of it.
+  [[nodiscard]] const can::Message* message_of(const Flow& flow) const;
   /// The bus is analysed with less background, or the same, from now on.
   void assume(std::size_t network, can::Assumptions bus);
   /// Everything that a publisher holds.
@@ -90,7 +108,45 @@ class Ledger {
   /// is open.
   void set_bus(std::size_t network, std::optional<can::Assumptions> bus);
   /// The same for the domains of a mesh.
-  void set_domains(std::size_t network, std::size_t count) { domains_[network].assign(count, 0); }
+  void set_domains(std::size_t network, std::size_t count);
+
+  // What is promised to others, and what is promised here and not held (core/reserve/others.cc). A
+  // placeholder counts in full, whether or not its flow is carried and whatever is held of it: all
+  // others count it so, too. Only one that did not fit does not, or that was given up (relax()).
+  // Without any, none of this costs anything.
+
+  struct Change {
+    bool fits = true;       ///< false: what is held would suffer; rebuild_others() is due
+    bool relieved = false;  ///< something takes less now
+  };
+  /// In place of what there was, while channels hold something of the network. No mark is open.
+  Change set_others(std::size_t network, Others others);
+  /// The same while none does. What is late with all of that counts and is spared.
+  void rebuild_others(std::size_t network, Others others);
+  [[nodiscard]] bool has_others(std::size_t network) const {
+    return !others_.empty() && !others_[network].is_empty();
+  }
+  /// What is promised on the flow's resource without the flow itself.
+  [[nodiscard]] Value reserved_without(const Flow& flow) const;
+  /// Placeholders of a publisher do not count until place_rest(). No mark is open.
+  void relax(std::size_t publisher);
+  /// Placeholders that do not count although their flows are not carried, as far as they fit.
+  void place_rest();
+  /// The publisher has no placeholders any more.
+  void forget_placeholders(std::size_t publisher);
+  /// From here until the mark is rolled back a flow takes what it is promised at least, as every
+  /// other gateway counts it. False: not all of that fits on the network as it is now.
+  [[nodiscard]] bool raise(std::size_t network);
+  void set_raised(bool raised) { raised_ = raised; }
+
+  /// Key of another gateway's message, and which gateway that is.
+  [[nodiscard]] static std::uint64_t key_of_other(std::size_t gateway) {
+    return kOther | static_cast<std::uint64_t>(gateway) << kGatewayShift;
+  }
+  [[nodiscard]] static bool is_of_other(std::uint64_t key) { return (key & kOther) != 0; }
+  [[nodiscard]] static std::size_t gateway_of(std::uint64_t key) {
+    return (key & ~kOther) >> kGatewayShift;
+  }
 
   /// The key of a flow's message in the schedule of its bus.
   [[nodiscard]] static std::uint64_t key_of(const Flow& flow);
@@ -101,9 +157,14 @@ class Ledger {
 
  private:
   static constexpr unsigned kFromBits = 12;
+  static constexpr std::size_t kNowhere = ~std::size_t{0};
+
+  static constexpr std::uint64_t kOther = std::uint64_t{1} << 63U;
+  static constexpr unsigned kGatewayShift = 32;
 
   struct Added {
     std::size_t publisher;
+    bool lifted;  ///< its placeholder counted before
   };
   struct Occupied {
     std::size_t publisher;
@@ -118,13 +179,45 @@ class Ledger {
   struct Removed {
     std::size_t publisher;
     std::vector<Holding> holdings;
+    std::unique_ptr<std::vector<Flow>> placed;  ///< whose placeholders count since; null: none
+  };
+  /// What a network carries more than it did.
+  struct Raised {
+    std::size_t network;
+    Value bytes_per_second;
+    std::vector<mesh::Share> shares;
+    std::vector<Flow> placed;
   };
   /// A schedule as it was at a mark.
+  struct Bus {
+    can::Schedule schedule;
+    std::map<std::uint64_t, can::Message> asked;  ///< see OfOthers
+  };
   struct Kept {
     std::size_t network;
-    std::unique_ptr<can::Schedule> schedule;
+    std::unique_ptr<Bus> bus;
   };
-  using Step = std::variant<Added, Occupied, Scheduled, Removed, Kept>;
+  using Step = std::variant<Added, Occupied, Scheduled, Removed, std::unique_ptr<Raised>, Kept>;
+
+  struct Placed {
+    Placeholder what;
+    bool counts = false;
+    bool in_full = false;  ///< also while less of the flow is held
+  };
+  struct OfOthers {
+    std::vector<can::Message> messages;
+    Value bytes_per_second = 0;
+    std::vector<mesh::Share> shares;
+    std::vector<Placed> standing;
+    Value most_bytes = kUnbounded;
+    Value most_time = kUnbounded;
+    std::uint32_t numbered = 0;  ///< messages that had a number so far
+    /// By their keys: messages as they were asked for, where more of the flow counts.
+    std::map<std::uint64_t, can::Message> asked;
+    [[nodiscard]] bool is_empty() const {
+      return messages.empty() && bytes_per_second == 0 && shares.empty() && standing.empty();
+    }
+  };
 
   [[nodiscard]] std::size_t index_of(const Flow& flow) const;
   void keep_schedule(std::size_t network);
@@ -134,7 +227,29 @@ class Ledger {
   void undo(Occupied& step);
   void undo(Scheduled& step);
   void undo(Removed& step);
+  void undo(std::unique_ptr<Raised>& step);
   void undo(Kept& step);
+
+  [[nodiscard]] Placed* placeholder(const Flow& flow);
+  [[nodiscard]] const Placed* placeholder(const Flow& flow) const {
+    return others_.empty() ? nullptr : const_cast<Ledger*>(this)->placeholder(flow);
+  }
+  void note_asked(std::size_t network, const can::Message& asked, const can::Message& counted);
+  void count_shares(std::size_t network, std::span<const mesh::Share> shares, bool in);
+  void count(Placed& placed, bool in);
+  void lift(Placed& placed);
+  [[nodiscard]] bool place(Placed& placed);
+  std::unique_ptr<std::vector<Flow>> place_after(std::size_t publisher,
+                                                 std::span<const Holding> gone);
+  [[nodiscard]] bool has_room(std::size_t network, Value bytes_per_second,
+                              std::span<const mesh::Share> shares) const;
+  void forget_others(std::size_t network);
+  [[nodiscard]] bool change_messages(std::size_t network, std::vector<can::Message> messages,
+                                     bool& relieved);
+  [[nodiscard]] bool change_sums(std::size_t network, const Others& others, bool& relieved);
+  [[nodiscard]] bool change_standing(std::size_t network, std::vector<Placeholder> standing,
+                                     bool& relieved);
+  [[nodiscard]] bool raise(Placed& placed, Raised& step);
 
   std::size_t networks_ = 0;
   std::vector<Value> reserved_;
@@ -146,6 +261,9 @@ class Ledger {
   std::vector<Step> steps_;
   std::size_t last_mark_ = 0;
   bool marked_ = false;
+  std::vector<OfOthers> others_;  // per network; empty: there are none
+  bool unplaced_ = false;         // a placeholder may be left that place_rest() is due to
+  bool raised_ = false;
 };
 
 }  // namespace mlcca::core

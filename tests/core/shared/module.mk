@@ -1,0 +1,1 @@
+$(eval $(call unit_test,shared_test,$(wildcard tests/core/shared/*.cc),$O/libcore.a,))
