@@ -28,7 +28,8 @@ class Ways {
   Ways(const Situation& s, const std::vector<Route>& routes) : s_(s), routes_(routes) {
     if (routes.size() == 1) return;
     const auto announces = [&s](std::size_t g) { return s.system.gateways[g].presence != 0; };
-    elected_ = std::ranges::any_of(routes, [&](const Route& r) { return passes(r, announces); });
+    elected_ = s.world.elects ||
+               std::ranges::any_of(routes, [&](const Route& r) { return passes(r, announces); });
     // Nobody takes the place of a gateway on the only way.
     avoids_failed_ =
         elected_ && !std::ranges::all_of(routes, [&](const auto& r) { return fails(r); });

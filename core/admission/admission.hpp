@@ -3,7 +3,9 @@
 // what is promised already and what the networks can do now. Pure: same input, same answer.
 #pragma once
 #include <cstddef>
+#include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "core/admission/world.hpp"
@@ -22,6 +24,14 @@ struct TriedMessage {
   std::optional<can::Message> message;
 };
 
+class Permits;
+
+/// What is decided as if everything were reserved that is needed.
+struct Wish {
+  /// Shared networks of which nothing can be reserved now, and why.
+  std::map<std::size_t, Obstacle> barred;
+};
+
 /// Everything that a decision depends on, by reference.
 struct Situation {
   const System& system;
@@ -35,6 +45,11 @@ struct Situation {
   bool keeps_hops = false;
   /// Gets what is tried on buses, also where an obstacle stands in the way.
   std::vector<TriedMessage>* tried = nullptr;
+  /// What may be held of networks that gateways share; null: whatever fits.
+  const Permits* permits = nullptr;
+  const Wish* wish = nullptr;
+  /// Gets the channels of which something is refused for want of a permit alone.
+  std::set<std::size_t>* wished = nullptr;
 };
 
 /// Decides a channel in an attribute set and reserves what is granted. The ledger holds nothing of

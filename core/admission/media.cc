@@ -48,6 +48,11 @@ Value mesh_event(const AttributeSet& offered) {
   return is_empty(offered) ? 1 : offered[Attribute::max_payload];
 }
 
+Value mesh_demand(const AttributeSet& offered, Value demand) {
+  if (!is_empty(offered) || offered[Attribute::period] == 0) return demand;
+  return std::max(demand, mul_div_up(1, kNanosecondsPerSecond, offered[Attribute::period]));
+}
+
 Media::Media(const Situation& situation, Ledger& ledger, std::span<Hop> hops,
              std::vector<Limit> limits, Verdict& verdict)
     : s_(situation),
@@ -179,7 +184,9 @@ Value Media::most_handed_on(std::size_t hop, const can::Message& message) const 
 
 void Media::late_row(Place hop, const can::Schedule::Late& late) {
   Row row{.place = hop, .against = Against::schedule};
-  row.end = static_cast<std::uint32_t>(Ledger::publisher_of(late.key));
+  row.end = Ledger::is_of_other(late.key)
+                ? Row::kOfGateway | static_cast<std::uint32_t>(Ledger::gateway_of(late.key))
+                : static_cast<std::uint32_t>(Ledger::publisher_of(late.key));
   Comparison& c = row.comparison;
   c.attribute = late.overflow ? Attribute::omission : Attribute::deadline;
   c.outcome = Outcome::unfit;
@@ -228,7 +235,7 @@ void Media::take_bus(std::size_t hop) {
   const Value promised = promised_delay(hop);
   Value delay = promised;
   if (promised == kUnbounded) delay = std::min(delay_allowed(hop), most_handed_on(hop, *message));
-  if (const can::Message* held = ledger_.schedule(network)->find(key)) {
+  if (const can::Message* held = ledger_.message_of(flow)) {
     // For another place behind this bus: whoever is stricter counts.
     message->jitter = std::max(message->jitter, held->jitter);
     delay = std::min(delay, less(held->deadline, held->jitter));
@@ -443,15 +450,12 @@ void Media::take_mesh(std::size_t hop) {
   const std::size_t network = places_[hop].index;
   const mesh::Mesh& mesh = *s_.system.networks[network].mesh;
   const AttributeSet& offered = attributes_in(s_.members.publisher(v_.publisher), v_.set);
-  Value demand = v_.demand;
-  if (is_empty(offered) && offered[Attribute::period] != 0)
-    demand = std::max(demand, mul_div_up(1, kNanosecondsPerSecond, offered[Attribute::period]));
   Crossing c{.network = network,
              .mesh = mesh,
              .view = *s_.world.meshes[network],
              .flow = flow_on(s_.system, v_.publisher, v_.route, hop),
              .event = mesh_event(offered),
-             .demand = demand,
+             .demand = mesh_demand(offered, v_.demand),
              .best_case = s_.best_cases_pass && !is_fixed(mesh)};
   c.use.network = network;
   if (!take_paths(c, hop)) {

@@ -24,6 +24,8 @@ struct Limit {
 /// Payload bytes of an event as a mesh carries it: one without payload is a packet all the same,
 /// and of one whose size is not stated nothing is known: 0.
 [[nodiscard]] Value mesh_event(const AttributeSet& offered);
+/// Payload bytes/s that a mesh carries for `demand`: of events without payload, a byte each.
+[[nodiscard]] Value mesh_demand(const AttributeSet& offered, Value demand);
 
 class Media {
  public:

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/admission/media.hpp"
+#include "core/admission/permit_check.hpp"
 #include "core/model/carrier.hpp"
 #include "core/model/medium.hpp"
 #include "core/model/user_values.hpp"
@@ -42,6 +43,7 @@ class RouteCheck {
     check_capacities();
     v_.rows.insert(v_.rows.end(), medium_rows.begin(), medium_rows.end());
     sum_up();
+    if (v_.granted) check_permits();
     if ((s_.best_cases_pass || s_.keeps_hops) && goes_on())
       v_.hops.assign(hops_.begin(), hops_.begin() + static_cast<std::ptrdiff_t>(count_));
     if (!v_.granted) ledger_.roll_back(before);
@@ -104,6 +106,8 @@ class RouteCheck {
   void find_obstacle() {
     for (const Place hop : hops())
       if (hop.kind == Place::Kind::network) find_obstacle_on(hop);
+    if (s_.wish != nullptr)
+      if (const auto bar = bar_on(*s_.wish, hops())) obstruct(bar->first, bar->second);
     for (std::size_t i = 1; i + 1 < v_.route.size(); ++i)
       if (v_.route[i].kind == Place::Kind::gateway) {
         if (!is_carried(i)) obstruct(Obstacle::no_sender, v_.route[i]);
@@ -353,7 +357,7 @@ class RouteCheck {
       // A gateway without a stated rate has nothing to be shared.
       if (hops_[i].gateway && !hops_[i].provision.has(Attribute::bandwidth)) continue;
       const Flow flow = flow_on(s_.system, v_.publisher, v_.route, i);
-      reserved_[i] = ledger_.reserved(flow.resource);
+      reserved_[i] = ledger_.reserved_without(flow);
       // What does not fit is refused below; it must not overflow the sum before that.
       fresh_[i] = ledger_.add(flow, std::min(v_.demand, kUnbounded - reserved_[i]));
     }
@@ -374,6 +378,15 @@ class RouteCheck {
     Media media(s_, ledger_, std::span(hops_).first(count_), limits(), v_);
     media.take();
     return media.take_medium_rows();
+  }
+
+  /// Everything fits; on networks that gateways share it has to be promised or reserved, too.
+  void check_permits() {
+    const auto hop = unpermitted(s_, ledger_, v_);
+    if (!hop) return;
+    obstruct(Obstacle::cluster, *hop);
+    sum_up();
+    if (s_.wished != nullptr) s_.wished->insert(v_.channel);
   }
 
   /// By when every subscriber that receives the events must have them.

@@ -55,11 +55,13 @@ class State::Settlement {
     }
     for (std::vector<std::size_t>& channels : short_of) {
       for (const std::size_t c : channels) allocation.take_out(c);
+      relax(channels);
       allocation.sort(channels);
       allocation.degrade(channels);
     }
     s_.ledger_.commit();
     hand_out(allocation);
+    s_.ledger_.place_rest();
     s_.touched_.clear();
     s_.relieved_.clear();
     Progress::made();
@@ -197,7 +199,57 @@ class State::Settlement {
     }
     for (auto& [network, links] : s_.new_graphs_) collect_mesh(network, std::move(links));
     s_.new_graphs_.clear();
-    for (const auto& [gateway, failed] : s_.new_failed_) collect_ways_over(gateway);
+    for (const auto& [gateway, failed] : s_.new_failed_) {
+      s_.world_.failed[gateway] = failed;
+      collect_ways_over(gateway);
+    }
+    if (!s_.new_failed_.empty() && s_.permits_ != nullptr)
+      for (std::size_t n = 0; n < s_.system_.networks.size(); ++n)
+        if (s_.world_.shared[n]) s_.others_stale_.insert(n);
+    s_.new_failed_.clear();
+    collect_others();
+  }
+
+  /// What others hold of a network is taken in beside what is held here, if that can be kept. Else
+  /// all that the network carries is decided again.
+  void collect_others() {
+    s_.note_permits();
+    for (const NewView& now : views_)
+      if (s_.has_others(now.network)) s_.others_stale_.insert(now.network);
+    for (const auto& [network, condition] : s_.new_conditions_)
+      if (s_.has_others(network)) rebuilt_.insert(network);
+    for (const std::size_t n : std::exchange(s_.others_stale_, {})) {
+      const auto view = std::ranges::find(views_, n, &NewView::network);
+      const bool same = view == views_.end() || view->same_domains;
+      if (rebuilt_.contains(n) || !same) {
+        rebuilt_.insert(n);
+        continue;
+      }
+      const MeshView* const links =
+          view == views_.end() ? s_.world_.meshes[n].get() : view->view.get();
+      const Ledger::Change change = s_.ledger_.set_others(n, others_on(n, links));
+      if (!change.fits) {
+        rebuilt_.insert(n);
+        touch(s_.usage_.carried_by(n));
+      }
+      if (change.relieved || !change.fits) s_.relieved_.insert(n);
+    }
+  }
+
+  [[nodiscard]] Others others_on(std::size_t network, const MeshView* view) {
+    Others others = s_.others_on(network, view);
+    s_.others_complete_.resize(s_.system_.networks.size(), true);
+    s_.others_complete_[network] = others.complete;
+    return others;
+  }
+
+  /// What the description promises them, or what they have reserved, gives way while it is shared
+  /// out.
+  void relax(const std::vector<std::size_t>& channels) {
+    if (s_.permits_ == nullptr) return;
+    s_.ledger_.commit();
+    for (const std::size_t c : channels)
+      for (const std::size_t p : s_.members_.publishers_of(c)) s_.ledger_.relax(p);
   }
 
   /// Channels that have a way over the gateway and another one.
@@ -294,12 +346,12 @@ class State::Settlement {
       Progress::made();
     }
     s_.new_conditions_.clear();
-    for (const auto& [gateway, failed] : s_.new_failed_) s_.world_.failed[gateway] = failed;
-    s_.new_failed_.clear();
     for (auto& [network, view, same_domains] : views_) {
       if (!same_domains) s_.ledger_.set_domains(network, view ? view->domains().count() : 0);
       s_.world_.meshes[network] = std::move(view);
     }
+    for (const std::size_t n : rebuilt_)
+      s_.ledger_.rebuild_others(n, others_on(n, s_.world_.meshes[n].get()));
   }
 
   /// Networks that carry less of a channel than before, or something else.
@@ -347,13 +399,14 @@ class State::Settlement {
   State& s_;
   Allocation::Former before_;
   std::vector<NewView> views_;
+  std::set<std::size_t> rebuilt_;  ///< networks of which others hold something else now
   /// Of each mesh that was asked for: the channels over each of its domains.
   std::map<std::size_t, std::map<std::size_t, std::vector<std::size_t>>> domain_users_;
 };
 
 std::vector<Change> State::settle() {
   if (new_conditions_.empty() && new_graphs_.empty() && new_failed_.empty() && touched_.empty() &&
-      relieved_.empty())
+      relieved_.empty() && others_stale_.empty() && are_permits_seen())
     return {};
   return Settlement(*this).run();
 }

@@ -14,6 +14,7 @@
 
 #include "core/admission/admission.hpp"
 #include "core/admission/onward.hpp"
+#include "core/admission/permits.hpp"
 #include "core/admission/unlisted.hpp"
 #include "core/admission/usage.hpp"
 #include "core/admission/world.hpp"
@@ -55,6 +56,8 @@ class Proposal {
   [[nodiscard]] GateChanges changes(std::size_t gateway) const;
   /// All of the channel, as it would be decided with the newcomer.
   [[nodiscard]] const Decision& decision() const { return next_; }
+  /// With the newcomer, and with what it would reserve.
+  [[nodiscard]] const State& state() const { return *state_; }
   /// See core::exceeds_capacity(), with the newcomer.
   [[nodiscard]] std::optional<std::string> exceeds_capacity(std::size_t gateway) const;
 
@@ -62,8 +65,10 @@ class Proposal {
 
  private:
   friend class State;
-  Proposal(State& state, Admission admission);
-  void decide();
+  enum class Kind : std::uint8_t { admission, wish };
+  Proposal(State& state, Admission admission, Kind kind);
+  void decide(const Wish* wish);
+  [[nodiscard]] bool is_better() const;
 
   State* state_;
   AdmissionId id_;
@@ -72,6 +77,7 @@ class Proposal {
   Decision next_;
   std::vector<std::size_t> own_;  // indices into the verdicts
   bool fit_ = false;
+  Kind kind_ = Kind::admission;
 };
 
 /// A delivery in words that outlive the state: numbers of ends change with a description.
@@ -136,6 +142,17 @@ class State {
     new_failed_.erase(gateway);
     if (failed != world_.failed[gateway]) new_failed_.emplace(gateway, failed);
   }
+
+  // Where many gateways share networks and reserve in one store.
+
+  /// What others hold of a network. What this gateway has given up and the store still has counts
+  /// there too: it is nobody's to give away.
+  void set_foreign(std::size_t network, cluster::Foreign foreign);
+  /// What may be held of shared networks from now on, which is looked at in each settle(); it must
+  /// outlive this. It counts there whether or not it is held. Null: all that fits, as if this were
+  /// the only gateway.
+  void set_permits(const Permits* permits);
+
   /// The tag that the broker has dealt to a channel of which nothing is granted on the network now;
   /// 0: none that is known. Its binding there is dynamic.
   void set_tag(std::size_t network, std::size_t channel, std::uint32_t tag);
@@ -160,7 +177,22 @@ class State {
   [[nodiscard]] Grants grants(std::size_t channel) const;
   [[nodiscard]] Delivery delivery_of(const Verdict& verdict) const;
 
-  [[nodiscard]] Proposal propose(Admission admission) { return {*this, std::move(admission)}; }
+  [[nodiscard]] Proposal propose(Admission admission) {
+    return {*this, std::move(admission), Proposal::Kind::admission};
+  }
+  /// An admission as it could be if the gateway reserved what it needs (cluster::footprint_of()):
+  /// everything may be asked that fits beside all that is promised to anyone. It is not to be
+  /// accepted. Nothing may be waiting for settle().
+  [[nodiscard]] Proposal wish(Admission admission) {
+    return {*this, std::move(admission), Proposal::Kind::wish};
+  }
+  /// The same of a channel with the ends that it has: fit, if it could be given more than it has.
+  [[nodiscard]] Proposal wish(std::size_t channel) {
+    return {*this, Admission{0, channel, {}, {}}, Proposal::Kind::wish};
+  }
+  /// Channels that this gateway has to do with, and that are given less than what would fit,
+  /// because it is not reserved.
+  [[nodiscard]] std::vector<std::size_t> wishes() const;
   /// The channel of a subject that the description does not have, so that an admission can name it:
   /// the one that is there, or one that is not used any more. Without an admission it is nothing.
   /// Errors: the subject is described; a network does not allow it, or has as many as it allows; an
@@ -202,8 +234,19 @@ class State {
   friend class Proposal;
   class Settlement;
   [[nodiscard]] Situation situation() const {
-    return {system_, topology_, members_, world_, withdrawn_};
+    Situation s{system_, topology_, members_, world_, withdrawn_};
+    s.permits = permits_;
+    s.wished = &wished_;
+    return s;
   }
+  [[nodiscard]] Others others_on(std::size_t network, const MeshView* view) const;
+  [[nodiscard]] bool has_others(std::size_t network) const {
+    return permits_ != nullptr || !world_.foreign[network].empty() || ledger_.has_others(network);
+  }
+  [[nodiscard]] std::map<std::size_t, Obstacle> barred_to_wishes(std::size_t channel);
+  void note_reservations(AdmissionId id);
+  void note_permits();
+  [[nodiscard]] bool are_permits_seen() const;
   /// What each hop of a granted delivery gives now. Leaves the ledger as it was.
   [[nodiscard]] std::vector<Hop> hops_of_granted(const Verdict& verdict);
   [[nodiscard]] Decision known(std::size_t channel, const Grants& grants) const;
@@ -241,6 +284,14 @@ class State {
   std::unordered_map<std::string, std::size_t> channel_of_name_;
   std::unordered_map<Subject, std::size_t> channel_of_subject_;
   std::unordered_map<std::string, Place> place_of_name_;
+
+  const Permits* permits_ = nullptr;
+  std::vector<std::uint64_t> seen_grown_;  // of the permits, by network
+  std::vector<std::uint64_t> seen_shrunk_;
+  std::set<std::size_t> others_stale_;  // networks of which others hold something else now
+  std::vector<bool> others_complete_;   // by network: all is known that others hold
+  mutable std::set<std::size_t>
+      wished_;  // channels that something was refused for want of a permit
 
   std::set<std::size_t> touched_;   // channels that must be decided again
   std::set<std::size_t> relieved_;  // resources that carry less now

@@ -78,6 +78,28 @@ Result<void> check_unlisted(const System& system, std::size_t channel,
   return {};
 }
 
+Result<void> check_foreign(const System& system, const std::vector<cluster::Foreign>& foreign,
+                           const UnlistedChannel& wanted) {
+  for (const UnlistedBinding& b : wanted.bindings) {
+    const Network& network = system.networks[b.network];
+    const Binding own = as_binding(network, 0, b);
+    for (const cluster::BusPart& part : foreign[b.network].bus) {
+      const std::string by = part.gateway < system.gateways.size()
+                                 ? "gateway " + system.gateways[part.gateway].name
+                                 : "another gateway";
+      const bool same =
+          part.extended == own.extended && part.first_id <= own.id && own.id <= part.last_id;
+      if (part.subject == wanted.subject && !same)
+        return fail("channel " + format_subject(wanted.subject) + " is admitted on " +
+                    network.name + " with another identifier, by " + by);
+      if (part.subject != wanted.subject && same)
+        return fail("identifier " + hexadecimal(own.id) + " on " + network.name + " is taken by " +
+                    by + ": choose another");
+    }
+  }
+  return {};
+}
+
 void bind(Network& network, std::size_t channel, const UnlistedBinding& wanted) {
   const auto at = std::ranges::upper_bound(network.bindings, channel, {}, &Binding::channel);
   network.bindings.insert(at, as_binding(network, channel, wanted));

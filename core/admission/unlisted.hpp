@@ -8,6 +8,7 @@
 
 #include "base/result.hpp"
 #include "core/model/system.hpp"
+#include "core/reserve/parts.hpp"
 
 namespace mlcca::core {
 
@@ -37,6 +38,11 @@ struct UnlistedChannel {
 /// right or is taken. `system` has sorted bindings; those of `channel` itself do not count.
 [[nodiscard]] Result<void> check_unlisted(const System& system, std::size_t channel,
                                           const UnlistedChannel& wanted);
+
+/// The same for identifiers that other gateways have reserved, by network.
+[[nodiscard]] Result<void> check_foreign(const System& system,
+                                         const std::vector<cluster::Foreign>& foreign,
+                                         const UnlistedChannel& wanted);
 
 /// Puts it among the bindings of the network, which stay sorted.
 void bind(Network& network, std::size_t channel, const UnlistedBinding& wanted);

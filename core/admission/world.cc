@@ -2,9 +2,13 @@
 #include "core/admission/world.hpp"
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
+#include "core/can/cover.hpp"
+#include "core/can/level.hpp"
 #include "core/can/of_system.hpp"
+#include "mlcca/arithmetic.hpp"
 
 namespace mlcca::core {
 namespace {
@@ -83,8 +87,107 @@ Ledger empty_ledger(const System& system, const World& world) {
   for (std::size_t n = 0; n < system.networks.size(); ++n) {
     ledger.set_bus(n, bus_of(system, world.conditions[n], n));
     if (world.meshes[n]) ledger.set_domains(n, world.meshes[n]->domains().count());
+    if (world.foreign[n].empty()) continue;
+    ledger.rebuild_others(n, others_on(system, world, n, world.meshes[n].get()));
   }
   return ledger;
+}
+
+namespace {
+
+/// More than any network has, and little enough that sums of many do not overflow.
+constexpr Value kTooMuch = Value{1} << 44U;
+
+/// An admission of a gateway, with the way in.
+using Theirs = std::pair<std::size_t, cluster::Source>;
+
+bool take_messages(const cluster::Foreign& foreign, const can::Assumptions& bus, Others& others) {
+  bool all = true;
+  std::map<Theirs, can::Message> messages;
+  for (const cluster::BusPart& part : foreign.bus) {
+    if (!can::usable(bus, part.message)) {
+      all = false;
+      continue;
+    }
+    if (part.source.admission == 0) continue;
+    const auto [it, fresh] = messages.try_emplace({part.gateway, part.source}, part.message);
+    if (!fresh) it->second = can::strictest(it->second, part.message);
+  }
+  for (auto& [theirs, message] : messages) {
+    message.key = Ledger::key_of_other(theirs.first);
+    others.messages.push_back(message);
+  }
+  return all;
+}
+
+bool take_paths(const cluster::Foreign& foreign, const mesh::Mesh& mesh, const MeshView& view,
+                Others& others) {
+  bool all = true;
+  std::map<Theirs, std::vector<cluster::PathPart>> paths;
+  for (const cluster::PathPart& part : foreign.paths)
+    if (part.source.admission != 0) paths[{part.gateway, part.source}].push_back(part);
+  std::map<std::uint32_t, Value> sums;
+  for (const auto& [theirs, parts] : paths) {
+    const auto shares = shares_of(mesh, view, parts);
+    all = all && shares;
+    if (!shares) continue;
+    for (const mesh::Share& share : *shares) sums[share.domain] += share.time;
+  }
+  for (const auto& [domain, time] : sums) others.shares.push_back({domain, time});
+  return all;
+}
+
+}  // namespace
+
+std::optional<std::vector<mesh::Share>> shares_of(const mesh::Mesh& mesh, const MeshView& view,
+                                                  std::span<const cluster::PathPart> paths) {
+  std::vector<mesh::Share> sum;
+  std::vector<std::uint32_t> carried;  // a link carries it once, wherever it goes from there
+  for (const cluster::PathPart& p : paths) {
+    if (p.from == p.to) continue;
+    if (p.from >= mesh.nodes.size() || p.to >= mesh.nodes.size()) return std::nullopt;
+    std::vector<std::uint32_t> more;
+    const auto& path = view.path(p.from, p.to);
+    if (path.empty()) return std::nullopt;
+    for (const std::uint32_t link : path)
+      if (std::ranges::find(carried, link) == carried.end()) more.push_back(link);
+    if (more.empty()) continue;
+    carried.insert(carried.end(), more.begin(), more.end());
+    for (const mesh::Share& share :
+         mesh::shares(view.graph, mesh, view.domains(), more, p.bytes_per_second, p.event_bytes)) {
+      const auto it = std::ranges::find(sum, share.domain, &mesh::Share::domain);
+      mesh::Share& here = it == sum.end() ? sum.emplace_back(mesh::Share{share.domain, 0}) : *it;
+      here.time = std::min(add_saturating(here.time, share.time), kTooMuch);
+    }
+  }
+  return sum;
+}
+
+Others others_on(const System& system, const World& world, std::size_t network,
+                 const MeshView* view) {
+  const cluster::Foreign& foreign = world.foreign[network];
+  const Network& medium = system.networks[network];
+  Others others;
+  constexpr Attribute rate = Attribute::bandwidth;
+  if (medium.provision.has(rate) && !medium.provision.is_dynamic(rate))
+    others.most_bytes = medium.provision[rate];
+  if (view != nullptr) others.most_time = mesh::limit_of(*medium.mesh);
+  others.complete = !foreign.unreadable;
+  std::map<Theirs, Value> rates;
+  for (const cluster::RatePart& part : foreign.rates) {
+    if (part.source.admission == 0) continue;
+    Value& most = rates[{part.gateway, part.source}];
+    most = std::max(most, std::min(part.bytes_per_second, kTooMuch));
+  }
+  for (const auto& [theirs, bytes] : rates) others.bytes_per_second += bytes;
+  if (!foreign.bus.empty()) {
+    const auto bus = bus_of(system, world.conditions[network], network);
+    if (!bus || !take_messages(foreign, *bus, others)) others.complete = false;
+  }
+  if (!foreign.paths.empty() &&
+      (view == nullptr || !take_paths(foreign, *medium.mesh, *view, others)))
+    others.complete = false;
+  return others;
 }
 
 std::uint32_t queue_of(const System& system, std::size_t gateway, std::size_t network) {

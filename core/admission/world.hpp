@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "core/mesh/route.hpp"
 #include "core/model/system.hpp"
 #include "core/reserve/ledger.hpp"
+#include "core/reserve/parts.hpp"
 
 namespace mlcca::core {
 
@@ -102,13 +104,25 @@ struct World {
   explicit World(const System& system)
       : conditions(system.networks.size()),
         meshes(system.networks.size()),
-        failed(system.gateways.size(), false) {}
+        failed(system.gateways.size(), false),
+        foreign(system.networks.size()) {
+    std::vector<std::size_t> ports(system.networks.size(), 0);
+    for (const Gateway& gateway : system.gateways)
+      for (const Port& port : gateway.ports) ++ports[port.network];
+    for (const std::size_t count : ports) shared.push_back(count > 1);
+  }
 
   std::vector<Condition> conditions;
   /// Empty where the network is no mesh that is evaluated, or nothing is known of it.
   std::vector<std::shared_ptr<const MeshView>> meshes;
   /// By gateway: one that announces itself and is not there, so that others take its place.
   std::vector<bool> failed;
+  /// What other gateways have reserved, where many gateways use one store; else nothing.
+  std::vector<cluster::Foreign> foreign;
+  /// By network: several gateways have a port there.
+  std::vector<bool> shared;
+  /// Gateways are elected by that store, in place of announcing themselves.
+  bool elects = false;
 };
 
 /// Everything as described: meshes have the described links.
@@ -120,7 +134,17 @@ struct World {
                                                      const Condition& condition,
                                                      std::size_t network);
 
-/// A ledger in which nothing is promised, for that world.
+/// What others hold of a network, in numbers of its bus and its links as they are: without the
+/// traffic of described publishers, which is the same whoever has reserved it. `view`: of a mesh,
+/// null where nothing is known of it.
+[[nodiscard]] Others others_on(const System& system, const World& world, std::size_t network,
+                               const MeshView* view);
+
+/// What paths of one flow take of the domains of a mesh; nothing where a path is not known.
+[[nodiscard]] std::optional<std::vector<mesh::Share>> shares_of(
+    const mesh::Mesh& mesh, const MeshView& view, std::span<const cluster::PathPart> paths);
+
+/// A ledger in which nothing is promised to what is decided here, for that world.
 [[nodiscard]] Ledger empty_ledger(const System& system, const World& world);
 
 /// Number of a gateway's queue among the Assumptions of bus_of(); can::kOwnQueue where it has no

@@ -51,6 +51,12 @@ std::size_t Members::add(Subscriber subscriber, AdmissionId admission) {
   return i;
 }
 
+void Members::add(AdmissionId admission, std::optional<Publisher>&& publisher,
+                  std::optional<Subscriber>&& subscriber) {
+  if (publisher) add(std::move(*publisher), admission);
+  if (subscriber) add(std::move(*subscriber), admission);
+}
+
 void Members::remove(AdmissionId admission) {
   const auto found = admitted_.find(admission);
   if (found == admitted_.end()) return;

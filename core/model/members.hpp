@@ -42,6 +42,9 @@ class Members {
   /// At most one publisher and one subscriber for each admission.
   std::size_t add(Publisher publisher, AdmissionId admission);
   std::size_t add(Subscriber subscriber, AdmissionId admission);
+  /// What an admission brings in.
+  void add(AdmissionId admission, std::optional<Publisher>&& publisher,
+           std::optional<Subscriber>&& subscriber);
   /// Removes what the admission brought in.
   void remove(AdmissionId admission);
 

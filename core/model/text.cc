@@ -97,6 +97,15 @@ std::string why_in_one_frame(const System& system, const Verdict& v) {
   return why.empty() ? "" : ": " + std::string(why);
 }
 
+/// What the description would have to say, so that gateways can count what they hold together.
+std::string why_unknown(const System& system, const Verdict& v) {
+  const Network& network = system.networks[v.obstacle_at.index];
+  if (network.kind == NetworkKind::can && network.bus.bitrate == 0)
+    return ": the description states no bit rate of it";
+  if (network.mesh && network.mesh->nodes.empty()) return ": the description states no nodes of it";
+  return {};
+}
+
 std::string obstacle_text(const System& system, const Members& members, const Verdict& v,
                           const std::string& problem) {
   const auto at = [&] { return name_of(system, v.obstacle_at); };
@@ -179,6 +188,14 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
                "would carry both: they would arrive twice, or go round";
       return "events of the publisher reach " + at() + " over another way already: they would " +
              "arrive twice";
+    case Obstacle::cluster:
+      return "waits for the store: other gateways use " + at() +
+             " too, and this is not reserved there";
+    case Obstacle::crowded:
+      return "other gateways use " + at() +
+             " too, and not all that is promised there fits as it is now";
+    case Obstacle::others_unknown:
+      return "it is not known what other gateways hold of " + at() + why_unknown(system, v);
   }
   return {};
 }
@@ -334,11 +351,22 @@ std::string names_of(const Members& members, const std::vector<std::size_t>& pub
   return text + " and " + std::to_string(publishers.size() - named) + " more";
 }
 
-std::string schedule_text(const System& system, const Members& members, const Row& row) {
+namespace {
+
+/// Of which bus, and whose.
+std::string frames_of(const System& system, const Members& members, const Row& row) {
+  if ((row.end & Row::kOfGateway) != 0)
+    return "the frames taken by gateway " + system.gateways[row.end & ~Row::kOfGateway].name +
+           " on " + name_of(system, row.place);
   const Publisher& late = members.publisher(row.end);
-  const std::string frames = "the frames of " + late.name + " (" +
-                             system.channels[late.channel].name + ") on " +
-                             name_of(system, row.place);
+  return "the frames of " + late.name + " (" + system.channels[late.channel].name + ") on " +
+         name_of(system, row.place);
+}
+
+}  // namespace
+
+std::string schedule_text(const System& system, const Members& members, const Row& row) {
+  const std::string frames = frames_of(system, members, row);
   const Comparison& c = row.comparison;
   if (c.attribute == Attribute::omission)
     return frames + " could find the queue of their gateway full and be lost: it holds " +

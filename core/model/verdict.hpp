@@ -26,13 +26,16 @@ enum class Against : std::uint8_t {
 
 struct Row {
   static constexpr std::uint32_t kBuiltIn = 0xffffffff;
+  static constexpr std::uint32_t kOfGateway = 1U << 31U;
 
   Place place;  ///< hop, overhearing, capacity
   Comparison comparison{};
   /// capacity: promised to others; schedule: frames that the queue would have to hold, if it is too
   /// short.
   Value reserved = 0;
-  std::uint32_t end = 0;          ///< traffic: the subscriber; schedule: the publisher who is late
+  /// traffic: the subscriber; schedule: the publisher who is late, or with kOfGateway the gateway
+  /// that has reserved what would be late.
+  std::uint32_t end = 0;
   std::uint32_t user = kBuiltIn;  ///< index of a user-defined attribute
   std::uint32_t room = 0;         ///< schedule: frames that the queue holds
   Against against = Against::hop;
@@ -70,6 +73,9 @@ enum class Obstacle : std::uint8_t {
   unlisted,         ///< the channel is not described, and a network admits no such channel
   sender_twice,     ///< another device sends the channel's identifier on a bus already
   echo,             ///< its events would come to a network twice, or go round over several gateways
+  cluster,          ///< several gateways share a network, and this is not reserved there yet
+  crowded,          ///< not all that is promised of a shared network fits there as it is now
+  others_unknown,   ///< it is not known what other gateways hold of a network
 };
 
 /// What an analysed medium gives a flow: times on a CAN bus; over a mesh the way, whose rates

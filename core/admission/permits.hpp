@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What one gateway may hold of the networks that it shares with others: what the description
+// promises, and what it has reserved beyond that, in a store in which all gateways reserve.
+#pragma once
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "core/model/system.hpp"
+#include "core/reserve/parts.hpp"
+
+namespace mlcca::core {
+
+class Permits {
+ public:
+  Permits(const System& system, std::size_t self)
+      : self_(self),
+        standing_(system.networks.size()),
+        reserved_(system.networks.size()),
+        of_source_(system.networks.size()),
+        grown_(system.networks.size(), 0),
+        shrunk_(system.networks.size(), 0) {}
+
+  [[nodiscard]] std::size_t self() const { return self_; }
+
+  /// By network, as Baseline::all() has it.
+  void set_standing(std::vector<std::vector<cluster::Standing>> standing);
+  /// What was reserved under that number is this from now on: the store has committed it.
+  void put(std::uint64_t reservation, cluster::Footprint footprint);
+  void erase(std::uint64_t reservation);
+  /// What was reserved may not be used any more, though it may still count; nor may what another
+  /// gateway could be elected for. `standing_too`: nor may anything else of shared networks.
+  void close(bool standing_too);
+  /// All of it may be used again.
+  void open();
+  [[nodiscard]] bool is_open() const { return open_; }
+
+  /// What a flow would hold of a network.
+  struct Use {
+    std::size_t network = 0;
+    cluster::Source source;
+    Value bytes_per_second = 0;
+    const can::Message* message = nullptr;
+    std::span<const cluster::PathPart> paths;
+    bool elected = false;  ///< another gateway could carry it too
+  };
+  [[nodiscard]] bool allow(const Use& use) const;
+
+  [[nodiscard]] std::span<const cluster::Standing> standing(std::size_t network) const {
+    return standing_[network];
+  }
+  /// What is reserved of a network, by number.
+  [[nodiscard]] const std::map<std::uint64_t, cluster::Part>& reserved(std::size_t network) const {
+    return reserved_[network];
+  }
+  /// Something is reserved there for what an admission has brought.
+  [[nodiscard]] bool has_reserved(std::size_t network, AdmissionId admission) const {
+    return std::ranges::any_of(of_source_[network], [admission](const auto& source) {
+      return source.first.admission == admission;
+    });
+  }
+  /// Change whenever more, or less, of a network may be used than before.
+  [[nodiscard]] std::uint64_t grown(std::size_t network) const { return grown_[network]; }
+  [[nodiscard]] std::uint64_t shrunk(std::size_t network) const { return shrunk_[network]; }
+
+ private:
+  struct Allowed;
+  [[nodiscard]] Allowed allowed_by(const cluster::Standing& standing, const Use& use) const;
+  [[nodiscard]] static Allowed allowed_by(const cluster::Part& part, const Use& use);
+  void changed();
+
+  std::size_t self_;
+  std::vector<std::vector<cluster::Standing>> standing_;          // by network, flows rising
+  std::vector<std::map<std::uint64_t, cluster::Part>> reserved_;  // by network
+  std::vector<std::map<cluster::Source, std::set<std::uint64_t>>> of_source_;  // by network
+  bool open_ = true;
+  bool standing_open_ = true;
+  std::vector<std::uint64_t> grown_;
+  std::vector<std::uint64_t> shrunk_;
+};
+
+/// What covers that path of a mesh: as much payload, in events that take no less of its time.
+[[nodiscard]] bool covers(const cluster::PathPart& promised, const cluster::PathPart& wanted);
+
+}  // namespace mlcca::core

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The part of the state that has to do with other gateways: what they hold, what this one may hold,
+// and what it would have to ask for.
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "core/admission/permit_check.hpp"
+#include "core/admission/route_check.hpp"
+#include "core/admission/state.hpp"
+#include "core/can/cover.hpp"
+#include "core/can/level.hpp"
+
+namespace mlcca::core {
+namespace {
+
+/// What a flow is promised for one reason or several.
+struct Promise {
+  Value bytes_per_second = 0;
+  std::optional<can::Message> message;
+  std::vector<cluster::PathPart> paths;
+  bool by_others = false;
+
+  void take(Value bytes) { bytes_per_second = std::max(bytes_per_second, bytes); }
+  void take(can::Message m) {
+    m.key = 0;
+    message = message ? can::strictest(*message, m) : m;
+  }
+  void take(const cluster::PathPart& path) {
+    const auto it = std::ranges::find_if(
+        paths, [&](const cluster::PathPart& p) { return p.from == path.from && p.to == path.to; });
+    if (it == paths.end()) {
+      paths.push_back(path);
+      return;
+    }
+    it->bytes_per_second = std::max(it->bytes_per_second, path.bytes_per_second);
+    // Smaller events take more time for the same payload; 0 are full packets.
+    if (it->event_bytes == 0 || (path.event_bytes != 0 && path.event_bytes < it->event_bytes))
+      it->event_bytes = path.event_bytes;
+  }
+};
+
+/// The promises of a network, put together.
+class Promises {
+ public:
+  Promises(const System& system, const Members& members, std::size_t network)
+      : system_(system), members_(members), network_(network) {}
+
+  void take(const cluster::Standing& standing) {
+    Promise& promise = all_[standing.flow];
+    promise.take(standing.bytes_per_second);
+    if (standing.message) promise.take(*standing.message);
+    for (const cluster::PathPart& path : standing.paths) promise.take(path);
+  }
+  void take(const cluster::Part& part) { take_all(part, false); }
+  /// Of what others hold: the traffic of described publishers.
+  void take(const cluster::Foreign& foreign) { take_all(foreign, true); }
+
+  [[nodiscard]] const std::map<Flow, Promise>& all() const { return all_; }
+  [[nodiscard]] bool complete() const { return complete_; }
+
+ private:
+  template <class Parts>
+  void take_all(const Parts& parts, bool by_others) {
+    constexpr Value too_much = Value{1} << 44U;  // and little enough that sums do not overflow
+    for (const cluster::RatePart& rate : parts.rates)
+      if (Promise* const promise = of(rate.source, by_others))
+        promise->take(std::min(rate.bytes_per_second, too_much));
+    for (const cluster::BusPart& bus : parts.bus)
+      if (Promise* const promise = of(bus.source, by_others)) promise->take(bus.message);
+    for (const cluster::PathPart& path : parts.paths)
+      if (Promise* const promise = of(path.source, by_others)) promise->take(path);
+  }
+
+  /// Null where the publisher is not there.
+  Promise* of(const cluster::Source& source, bool by_others) {
+    std::size_t publisher = source.publisher;
+    if (source.admission != 0) {
+      if (by_others) return nullptr;  // see core::others_on()
+      const auto admitted = members_.admitted(source.admission).publisher;
+      if (!admitted) return nullptr;
+      publisher = *admitted;
+    } else if (publisher >= system_.publishers.size()) {
+      complete_ = false;
+      return nullptr;
+    }
+    Promise& promise = all_[{publisher, network_, source.from}];
+    promise.by_others = promise.by_others || by_others;
+    return &promise;
+  }
+
+  const System& system_;
+  const Members& members_;
+  std::size_t network_;
+  std::map<Flow, Promise> all_;
+  bool complete_ = true;
+};
+
+/// What gateways count together cannot be counted there.
+bool is_uncountable(const Network& network, bool analysed, bool evaluated) {
+  if (network.kind == NetworkKind::can && network.profile != Profile::none)
+    return !analysed || network.bus.bitrate == 0;
+  return network.mesh.has_value() && (network.mesh->nodes.empty() || !evaluated);
+}
+
+/// The gateway that puts the flow on the network; nothing where its publisher is there itself.
+std::optional<std::size_t> sender_of(const System& system, const Flow& flow) {
+  if (flow.from == Flow::kOwn || flow.from < system.networks.size()) return std::nullopt;
+  return flow.from - system.networks.size();
+}
+
+/// It is promised for a gateway that has failed, and another one carries it in its place.
+bool is_replaced(const System& system, const World& world, const cluster::Standing& standing) {
+  const auto sender = sender_of(system, standing.flow);
+  return standing.elected && sender && world.failed[*sender];
+}
+
+/// A network as it is now.
+struct Medium {
+  std::optional<can::Assumptions> bus;
+  const mesh::Mesh* mesh = nullptr;
+  const MeshView* view = nullptr;
+};
+
+/// `complete`: false from now on if not all of the promise can be counted.
+Placeholder placeholder_of(const Flow& flow, const Promise& promise, const Medium& medium,
+                           bool& complete) {
+  Placeholder p;
+  p.flow = flow;
+  p.bytes_per_second = promise.bytes_per_second;
+  p.by_others = promise.by_others;
+  if (promise.message && medium.bus && can::usable(*medium.bus, *promise.message))
+    p.message = promise.message;
+  complete = complete && promise.message.has_value() == p.message.has_value();
+  if (promise.paths.empty()) return p;
+  auto paths = promise.paths;
+  // A link that several of them go over counts once: for the one that takes most.
+  std::ranges::stable_sort(paths, std::greater<>(), &cluster::PathPart::bytes_per_second);
+  auto shares = medium.mesh == nullptr || medium.view == nullptr
+                    ? std::nullopt
+                    : shares_of(*medium.mesh, *medium.view, paths);
+  complete = complete && shares;
+  if (shares) p.shares = std::move(*shares);
+  return p;
+}
+
+void note_shared(const World& world, const Route& route, std::set<std::size_t>& networks) {
+  for (const Place hop : hops_of(route))
+    if (hop.kind == Place::Kind::network && world.shared[hop.index]) networks.insert(hop.index);
+}
+
+/// Networks of several gateways on the ways that deliveries of the channel may take.
+std::set<std::size_t> shared_ways(const Situation& s, std::size_t channel) {
+  std::set<std::size_t> networks;
+  for (const std::size_t p : s.members.publishers_of(channel))
+    for (const Target& target : targets_of(s.members, channel))
+      for (const Route& route : s.topology.routes(s.members.publisher(p).place, target.place))
+        note_shared(s.world, route, networks);
+  return networks;
+}
+
+}  // namespace
+
+void State::set_foreign(std::size_t network, cluster::Foreign foreign) {
+  if (foreign == world_.foreign[network]) return;
+  world_.foreign[network] = std::move(foreign);
+  others_stale_.insert(network);
+}
+
+void State::set_permits(const Permits* permits) {
+  if (permits == permits_) return;
+  permits_ = permits;
+  seen_grown_.assign(system_.networks.size(), 0);
+  seen_shrunk_.assign(system_.networks.size(), 0);
+  world_.elects = permits != nullptr;
+  wished_.clear();
+  for (std::size_t n = 0; n < system_.networks.size(); ++n)
+    if (world_.shared[n]) others_stale_.insert(n);
+  invalidate_all();
+}
+
+bool State::are_permits_seen() const {
+  if (permits_ == nullptr) return true;
+  for (std::size_t n = 0; n < system_.networks.size(); ++n)
+    if (permits_->grown(n) != seen_grown_[n] || permits_->shrunk(n) != seen_shrunk_[n])
+      return false;
+  return true;
+}
+
+/// What may not be held any more is decided again, and so is what could be given more.
+void State::note_permits() {
+  if (permits_ == nullptr) return;
+  bool grown = false;
+  for (std::size_t n = 0; n < system_.networks.size(); ++n) {
+    const bool more = std::exchange(seen_grown_[n], permits_->grown(n)) != permits_->grown(n);
+    const bool less = std::exchange(seen_shrunk_[n], permits_->shrunk(n)) != permits_->shrunk(n);
+    if (more || less) others_stale_.insert(n);
+    grown = grown || more;
+    if (less)
+      for (const std::size_t c : usage_.carried_by(n)) touched_.insert(c);
+  }
+  if (grown) touched_.insert(wished_.begin(), wished_.end());
+}
+
+/// The publisher of the admission comes or goes, and with it the flows that they are of.
+void State::note_reservations(AdmissionId id) {
+  if (permits_ == nullptr) return;
+  for (std::size_t n = 0; n < system_.networks.size(); ++n)
+    if (permits_->has_reserved(n, id)) others_stale_.insert(n);
+}
+
+Others State::others_on(std::size_t network, const MeshView* view) const {
+  Others others = core::others_on(system_, world_, network, view);
+  Promises promises(system_, members_, network);
+  promises.take(world_.foreign[network]);
+  if (permits_ != nullptr) {
+    for (const cluster::Standing& standing : permits_->standing(network))
+      if (!is_replaced(system_, world_, standing)) promises.take(standing);
+    for (const auto& [number, part] : permits_->reserved(network)) promises.take(part);
+  }
+  others.complete = others.complete && promises.complete();
+  const Medium medium{
+      .bus = bus_of(system_, world_.conditions[network], network),
+      .mesh = system_.networks[network].mesh ? &*system_.networks[network].mesh : nullptr,
+      .view = view};
+  for (const auto& [flow, promise] : promises.all())
+    others.standing.push_back(placeholder_of(flow, promise, medium, others.complete));
+  return others;
+}
+
+/// Networks of which nothing can be reserved for a channel now.
+std::map<std::size_t, Obstacle> State::barred_to_wishes(std::size_t channel) {
+  std::map<std::size_t, Obstacle> barred;
+  for (const std::size_t n : shared_ways(situation(), channel)) {
+    const bool known = others_complete_.empty() || others_complete_[n];
+    if (!known || is_uncountable(system_.networks[n], ledger_.schedule(n) != nullptr,
+                                 world_.meshes[n] != nullptr))
+      barred.emplace(n, Obstacle::others_unknown);
+    else if (!ledger_.raise(n))
+      barred.emplace(n, Obstacle::crowded);
+  }
+  return barred;
+}
+
+std::vector<std::size_t> State::wishes() const {
+  if (permits_ == nullptr) return {};
+  const Place self{Place::Kind::gateway, permits_->self()};
+  const auto is_ours = [&](const Verdict& v) {
+    const auto& routes = topology_.routes(members_.publisher(v.publisher).place, v.to);
+    return std::ranges::any_of(
+        routes, [&](const Route& route) { return std::ranges::find(route, self) != route.end(); });
+  };
+  std::erase_if(wished_, [&](std::size_t c) {
+    const Decision& now = decisions_[c];
+    return now.set == 0 && now.granted != 0 && now.all_granted();
+  });
+  std::vector<std::size_t> all;
+  std::ranges::copy_if(wished_, std::back_inserter(all), [&](std::size_t c) {
+    return std::ranges::any_of(decisions_[c].verdicts, is_ours);
+  });
+  return all;
+}
+
+}  // namespace mlcca::core

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/cluster/footprint.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "core/admission/permit_check.hpp"
+#include "core/admission/permits.hpp"
+#include "core/admission/route_check.hpp"
+#include "core/can/cover.hpp"
+
+namespace mlcca::core::cluster {
+namespace {
+
+/// What one flow holds of a shared network.
+struct Held {
+  Value bytes_per_second = 0;
+  const can::Message* message = nullptr;
+  std::vector<PathPart> paths;
+};
+
+bool is_covered(const Standing* standing, const Held& held) {
+  if (standing == nullptr || standing->bytes_per_second < held.bytes_per_second) return false;
+  if (held.message != nullptr &&
+      (!standing->message || !can::covers(*standing->message, *held.message)))
+    return false;
+  return std::ranges::all_of(held.paths, [&](const PathPart& path) {
+    return std::ranges::any_of(standing->paths, [&](const PathPart& p) { return covers(p, path); });
+  });
+}
+
+class Collector {
+ public:
+  Collector(const State& state, const Baseline& baseline, std::size_t self)
+      : state_(state), baseline_(baseline), self_(self) {}
+
+  void take(const Verdict& v) {
+    if (!v.granted) return;
+    for (const Place place : v.route)
+      if (place.kind == Place::Kind::gateway && place.index != self_) gateways_.insert(place.index);
+    const auto hops = hops_of(v.route);
+    for (std::size_t i = 0; i < hops.size(); ++i)
+      if (hops[i].kind == Place::Kind::network && state_.world().shared[hops[i].index]) take(v, i);
+  }
+
+  [[nodiscard]] Footprint footprint() && {
+    Footprint out;
+    for (auto& [flow, held] : all_) {
+      const bool described = state_.members().admission_of_publisher(flow.publisher) == 0;
+      if (described && is_covered(baseline_.find(flow), held)) continue;
+      add(part_of(out, flow.resource), flow, std::move(held));
+    }
+    std::ranges::sort(out.parts, {}, &Part::network);
+    out.gateways.assign(gateways_.begin(), gateways_.end());
+    return out;
+  }
+
+ private:
+  void take(const Verdict& v, std::size_t hop) {
+    const Flow flow = flow_on(state_.system(), v.publisher, v.route, hop);
+    Held& held = all_[flow];
+    held.bytes_per_second = std::max(held.bytes_per_second, v.demand);
+    held.message = state_.ledger().message_of(flow);
+    for (const PathPart& path : paths_on(state_.system(), state_.members(), v, hop))
+      if (std::ranges::find(held.paths, path) == held.paths.end()) held.paths.push_back(path);
+  }
+
+  static Part& part_of(Footprint& out, std::size_t network) {
+    const auto it = std::ranges::find(out.parts, network, &Part::network);
+    if (it != out.parts.end()) return *it;
+    out.parts.emplace_back().network = network;
+    return out.parts.back();
+  }
+
+  void add(Part& part, const Flow& flow, Held held) const {
+    part.rates.push_back(
+        {.bytes_per_second = held.bytes_per_second, .source = source_of(state_.members(), flow)});
+    if (held.message != nullptr)
+      part.bus.push_back(bus_part_of(state_.system(), state_.members(), flow, *held.message));
+    std::ranges::move(held.paths, std::back_inserter(part.paths));
+  }
+
+  const State& state_;
+  const Baseline& baseline_;
+  std::size_t self_;
+  std::map<Flow, Held> all_;
+  std::set<std::size_t> gateways_;
+};
+
+Footprint collected(const State& state, const Decision& decision, const Baseline& baseline,
+                    std::size_t self) {
+  Collector collector(state, baseline, self);
+  for (const Verdict& v : decision.verdicts) collector.take(v);
+  return std::move(collector).footprint();
+}
+
+}  // namespace
+
+Footprint footprint_of(const Proposal& proposal, const Baseline& baseline, std::size_t self) {
+  return collected(proposal.state(), proposal.decision(), baseline, self);
+}
+
+Footprint footprint_of(const State& state, std::size_t channel, const Baseline& baseline,
+                       std::size_t self) {
+  return collected(state, state.decisions()[channel], baseline, self);
+}
+
+void add(Foreign& foreign, const Part& part, std::size_t gateway) {
+  const auto append = [gateway](const auto& from, auto& to) {
+    for (const auto& one : from) to.emplace_back(one).gateway = gateway;
+  };
+  append(part.rates, foreign.rates);
+  append(part.bus, foreign.bus);
+  append(part.paths, foreign.paths);
+}
+
+}  // namespace mlcca::core::cluster
