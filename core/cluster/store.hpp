@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the protocol between gateways sees of a store: transactions, and what others have written.
+// What the protocol of a cluster needs of a store: keys with revisions, and transactions that
+// happen one after the other. etcd is one.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -7,55 +8,75 @@
 
 namespace mlcca::core::cluster {
 
+/// A condition on one key. A key that is not there has the revision 0.
 struct Compare {
-  enum class What : std::uint8_t { mod, create } what;
-  enum class Is : std::uint8_t { equal, less } is;
+  enum class What : std::uint8_t {
+    mod,     ///< the revision of its last change
+    create,  ///< the revision at which it came to be
+  };
+  enum class Is : std::uint8_t { equal, less };
+  What what = What::mod;
+  Is is = Is::equal;
   std::string key;
-  std::int64_t revision;
+  std::int64_t revision = 0;
 };
+
 struct Put {
   std::string key, value;
 };
+
+/// All compares hold, and all puts and deletes are done at one revision; or nothing is done, and
+/// the keys of `else_get` are read at one revision.
 struct Txn {
-  std::uint64_t id;
+  std::uint64_t id = 0;
   std::vector<Compare> compares;
   std::vector<Put> puts;
   std::vector<std::string> deletes;
   std::vector<std::string> else_get;
-  std::uint64_t patience_ns;
+  std::uint64_t patience_ns = 0;  ///< after that time without an answer it is unsure
 };
+
+/// What a key has, or that it is gone.
 struct Entry {
   std::string key, value;
   std::int64_t create = 0, mod = 0;
   bool gone = false;
 };
+
+/// Only `committed` says that a transaction was done, and only `unsure` leaves it open: it may
+/// have been done, or may be done later.
 enum class Outcome : std::uint8_t {
   committed,
-  conflict,
+  conflict,  ///< a compare did not hold
   unsure,
   unavailable,
   full,
   forbidden,
   stale_auth,
-  invalid
+  invalid,
 };
+
 struct TxnResult {
-  std::uint64_t id;
-  Outcome outcome;
-  std::int64_t revision = 0;
-  std::vector<Entry> read;
+  std::uint64_t id = 0;
+  Outcome outcome = Outcome::unsure;
+  std::int64_t revision = 0;     ///< of the store when it answered; the transaction's, if committed
+  std::vector<Entry> read = {};  ///< of a conflict; a key that is not there has none
   std::string why;
 };
-/// One revision, or a part of a snapshot.
+
+/// Changes of one revision, or a part of a snapshot. A revision whose changes come in several
+/// batches counts when the last one is there.
 struct Batch {
-  std::int64_t revision;
+  std::int64_t revision = 0;
   std::vector<Entry> entries;
+  bool last = true;  ///< of this revision
 };
+
 struct StoreState {
-  bool reachable;
-  std::uint64_t cluster_id;
-  std::uint64_t latency_ns, db_bytes;
-  bool no_space;
+  bool reachable = false;
+  std::uint64_t cluster_id = 0;
+  std::uint64_t latency_ns = 0, db_bytes = 0;
+  bool no_space = false;
   std::string endpoint, problem;
 };
 

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The transactions of one gateway. Each demands that the gateway's own entry is as the one before
+// left it, and writes it anew: so each is a beat, they happen in one order, and one whose answer
+// was lost has either been done by the time that a later one is, or never will be. Times in ns.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/cluster/keys.hpp"
+#include "core/cluster/store.hpp"
+#include "core/cluster/types.hpp"
+
+namespace mlcca::core::cluster {
+
+/// What one transaction is to do beside the beat.
+struct Work {
+  enum class Kind : std::uint8_t {
+    join,
+    beat,
+    reserve,
+    open,
+    end,
+    erase,
+    vote,
+    fence,
+    chunk,
+    propose,
+    judge,
+    decide,
+    leave,
+  };
+  Kind kind = Kind::beat;
+  std::uint64_t id = 0;      ///< of an admission
+  std::size_t gateway = 0;   ///< that it concerns
+  std::uint64_t number = 0;  ///< the sender's
+  std::vector<Compare> compares = {};
+  std::vector<Put> puts = {};
+  std::vector<std::string> deletes = {};
+  std::vector<std::string> reads = {};
+  Role role = Role::standby;  ///< that the beat says
+};
+
+/// What became of a work.
+struct Done {
+  enum class Fate : std::uint8_t {
+    done,
+    not_done,  ///< and it never will be; nothing is known against it
+    conflict,  ///< one of its own compares did not hold
+    unsure,    ///< a later Done says it
+    refused,   ///< by the store
+  };
+  Work work;
+  Fate fate = Fate::done;
+  std::int64_t revision = 0;
+  std::vector<Entry> read = {};
+  std::string why = {};
+};
+
+class Chain {
+ public:
+  enum class Trouble : std::uint8_t { none, fenced, new_epoch, gone_back };
+
+  Chain(std::shared_ptr<const Keys> keys, const Codec& codec, std::size_t self,
+        std::uint64_t session, Value lease);
+
+  /// The own entry is at revision `base`. `incarnation`: that goes on; 0: a new one begins.
+  /// `lease`: the former one, which the gates may still have.
+  void begin(std::int64_t base, std::int64_t incarnation, std::int64_t epoch, Value former_lease);
+  /// What was sent is forgotten, and nothing is valid from `now` on. The next one waits a little.
+  void end(Value now);
+
+  [[nodiscard]] bool joined() const { return joined_; }
+  [[nodiscard]] std::int64_t base() const { return base_; }
+  [[nodiscard]] std::int64_t incarnation() const { return incarnation_; }
+  [[nodiscard]] std::int64_t epoch() const { return epoch_; }
+  [[nodiscard]] Value valid_until() const { return valid_until_; }
+  /// One is under way that others must wait for.
+  [[nodiscard]] bool busy(Value now) const { return flight_.has_value() || now < retry_at_; }
+  /// What may be done is not known: nothing but beats may be sent.
+  [[nodiscard]] bool unsure() const { return !unsure_.empty(); }
+  [[nodiscard]] bool has(Work::Kind kind, std::uint64_t id) const;
+  [[nodiscard]] Value beat_due() const;
+  /// The answer of what is under way is given up then; what was refused is asked again then.
+  [[nodiscard]] std::optional<Value> next_time(Value now) const;
+
+  /// Fills in what a beat says of the gateway and its transaction.
+  /// `seen`: revision that the store had by then.
+  [[nodiscard]] Txn send(Work work, Beat beat, std::int64_t seen, Value now);
+  [[nodiscard]] std::vector<Done> on_result(const TxnResult& result, Value now);
+  [[nodiscard]] std::vector<Done> on_time(Value now);
+  /// What a conflict has brought to light.
+  [[nodiscard]] Trouble trouble() const { return trouble_; }
+
+  /// All that it acts on, for a checker.
+  template <class Visit>
+  void visit_state(Visit&& visit) const {
+    visit(lease_, base_, incarnation_, epoch_, seq_, joined_, trouble_, valid_until_, last_beat_,
+          retry_at_, flight_, unsure_);
+  }
+
+ private:
+  struct Sent {
+    std::uint64_t seq = 0;
+    Value at = 0;
+    Value lease = 0;
+    std::int64_t base = 0;
+    std::int64_t seen = 0;
+    Work work;
+    template <class Visit>
+    void visit_state(Visit&& visit) const {
+      visit(seq, at, lease, base, seen, work.kind, work.id, work.gateway, work.number, work.role);
+    }
+  };
+
+  void commit(Sent sent, std::int64_t revision, std::vector<Done>& done);
+  void conflict(Sent sent, const TxnResult& result, std::vector<Done>& done);
+  void follow(std::int64_t own, const TxnResult& result, std::vector<Done>& done);
+  void drop_unsure(std::vector<Done>& done);
+  void make_unsure(Value now, std::vector<Done>& done);
+  [[nodiscard]] Value patience() const;
+  [[nodiscard]] std::optional<Sent> take(std::uint64_t seq);
+
+  std::shared_ptr<const Keys> keys_;
+  const Codec* codec_;
+  std::size_t self_;
+  std::uint64_t session_;
+  Value own_lease_, lease_;
+  std::int64_t base_ = 0, incarnation_ = 0, epoch_ = 0;
+  std::uint64_t seq_ = 0;
+  bool joined_ = false;
+  Trouble trouble_ = Trouble::none;
+  Value valid_until_ = 0, last_beat_ = 0, retry_at_ = 0;
+  std::optional<Sent> flight_;
+  std::vector<Sent> unsure_;
+};
+
+}  // namespace mlcca::core::cluster

@@ -1,0 +1,390 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/cluster/member.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/cluster/lease.hpp"
+#include "mlcca/arithmetic.hpp"
+
+namespace mlcca::core::cluster {
+namespace {
+
+/// Gateways do not fence at the same time: each has a place in this part of a lease.
+constexpr Value kFenceSpread = 8;
+
+/// When the view shows what a conflict has brought to light.
+std::int64_t newest_of(const std::vector<Entry>& entries) {
+  std::int64_t newest = 0;
+  for (const Entry& entry : entries) newest = std::max(newest, entry.gone ? 0 : entry.mod);
+  return newest;
+}
+
+}  // namespace
+
+Member::Member(std::shared_ptr<const Keys> keys, const Codec& codec, const Identity& identity)
+    : keys_(std::move(keys)),
+      codec_(&codec),
+      identity_(identity),
+      journal_(identity_.was),
+      view_(keys_, codec, identity_.gateway),
+      chain_(keys_, codec, identity_.gateway, identity_.session, identity_.lease),
+      admissions_(identity_.gateway),
+      adoptions_(identity_.gateway),
+      election_(identity_.gateway, keys_->gateways()),
+      rollouts_(identity_.gateway) {}
+
+void Member::on_state(const StoreState& state, Value now) {
+  reachable_ = state.reachable;
+  problem_ = state.problem;
+  on_time(now);
+}
+
+void Member::on_snapshot_begin(std::int64_t revision, Value now) {
+  view_.begin_snapshot(revision);
+  step(now);
+}
+
+void Member::on_batch(const Batch& batch, Value now) {
+  view_.apply(batch, now);
+  step(now);
+}
+
+void Member::on_snapshot_end(Value now) {
+  view_.end_snapshot(now);
+  step(now);
+}
+
+void Member::on_time(Value now) {
+  view_.on_time(now);
+  settle(chain_.on_time(now), now);
+  step(now);
+}
+
+void Member::on_result(const TxnResult& result, Value now) {
+  if (!result.why.empty()) problem_ = result.why;
+  settle(chain_.on_result(result, now), now);
+  step(now);
+}
+
+void Member::settle(const std::vector<Done>& all, Value now) {
+  for (const Done& done : all) {
+    if (done.fate == Done::Fate::done) on_joined(done.revision);
+    if (done.fate == Done::Fate::done) election_.on_committed(done.work.role, done.revision);
+    if (!done.read.empty()) wait_for_ = newest_of(done.read);
+    if (done.work.kind == Work::Kind::vote)
+      adoptions_.on_done(done);
+    else
+      admissions_.on_done(done, view_, now, events_);
+    rollouts_.on_done(done, events_);
+    if (done.fate == Done::Fate::done && done.work.kind == Work::Kind::reserve)
+      journal_.seen_revision = done.revision;
+    if (done.fate == Done::Fate::done && done.work.kind == Work::Kind::leave) {
+      chain_.end(now);
+      phase_ = Phase::left;
+      events_.emplace_back(Drained{});
+    }
+  }
+  if (phase_ != Phase::joined && phase_ != Phase::joining) return;
+  switch (chain_.trouble()) {
+    case Chain::Trouble::none:
+      break;
+    case Chain::Trouble::fenced:
+      lose("another gateway has taken this one for dead", now);
+      break;
+    case Chain::Trouble::new_epoch:
+      lose("the store was restored", now);
+      break;
+    case Chain::Trouble::gone_back:
+      go_back(now);
+      break;
+  }
+}
+
+void Member::on_joined(std::int64_t revision) {
+  if (phase_ != Phase::joining) return;
+  phase_ = Phase::joined;
+  found_ = false;
+  if (chain_.incarnation() == journal_.incarnation) return;
+  journal_.incarnation = chain_.incarnation();
+  journal_.epoch = view_.records().epoch.value.value_or(Epoch{});
+  journal_.epoch_revision = chain_.epoch();
+  journal_.seen_revision = revision;
+}
+
+void Member::lose(const std::string& why, Value now) {
+  chain_.end(now);
+  events_.emplace_back(Lost{.why = why});
+  admissions_.lose(why, events_);
+  adoptions_.lose(view_);
+  election_.lose();
+  // Revisions of before mean nothing in a store that was restored.
+  applied_ = said_applied_ = ask_applied_ = 0;
+  found_ = false;
+  phase_ = Phase::off;
+}
+
+void Member::go_back(Value now) {
+  if (phase_ == Phase::gone_back || phase_ == Phase::left) return;
+  lose("the store has gone back: it was restored, or its entries were changed", now);
+  phase_ = Phase::gone_back;
+  wait_for_ = 0;
+}
+
+bool Member::same_epoch() const {
+  const auto& epoch = view_.records().epoch;
+  return epoch.mod == journal_.epoch_revision && epoch.value.value_or(Epoch{}) == journal_.epoch;
+}
+
+/// The store does not have what this gateway knows that it had.
+bool Member::has_gone_back() const {
+  const auto& own = view_.records().members[identity_.gateway];
+  return journal_.incarnation != 0 && same_epoch() &&
+         (view_.went_back() || own.mod < journal_.incarnation ||
+          view_.revision() < journal_.seen_revision);
+}
+
+void Member::begin(Value now) {
+  if (has_gone_back()) {
+    go_back(now);
+    return;
+  }
+  const auto& own = view_.records().members[identity_.gateway];
+  const auto& beat = own.beat;
+  const std::int64_t incarnation = beat && beat->incarnation != 0 ? beat->incarnation : own.mod;
+  goes_on_ = journal_.incarnation != 0 && same_epoch() && beat &&
+             incarnation == journal_.incarnation && own.fence < incarnation;
+  // V counts for all gates, so what an earlier incarnation has opened is closed before there is
+  // one.
+  if (!goes_on_) events_.emplace_back(Lost{.why = "this gateway joins anew"});
+  // Whoever was there before the store was restored may send until its lease has ended.
+  if (!same_epoch()) take_from_ = view_.all_leases_end(now, identity_.lease);
+  view_.forget_going_back();
+  chain_.begin(own.mod, goes_on_ ? incarnation : 0, view_.records().epoch.mod,
+               beat ? beat->lease : 0);
+  election_.begin(goes_on_ ? beat->role : Role::standby);
+  phase_ = Phase::joining;
+}
+
+/// What the view says of this gateway itself.
+void Member::check_standing(Value now) {
+  if (!view_.complete() || phase_ == Phase::left) return;
+  if (phase_ == Phase::gone_back) {
+    if (same_epoch()) return;
+    phase_ = Phase::off;
+  }
+  if (phase_ == Phase::joined || phase_ == Phase::joining) {
+    const auto& own = view_.records().members[identity_.gateway];
+    const bool fenced = chain_.incarnation() != 0 && own.fence >= chain_.incarnation();
+    if (view_.went_back()) {
+      go_back(now);
+      check_standing(now);
+      return;
+    }
+    if (view_.records().epoch.mod != chain_.epoch())
+      lose("the store was restored", now);
+    else if (fenced)
+      lose("another gateway has taken this one for dead", now);
+  }
+  if (phase_ == Phase::off && view_.revision() >= wait_for_) begin(now);
+}
+
+void Member::step(Value now) {
+  check_standing(now);
+  const bool joined = phase_ == Phase::joined;
+  if (joined && !found_ && caught_up()) {
+    found_ = true;
+    admissions_.find(view_, goes_on_, now, events_);
+    events_.emplace_back(Joined{.goes_on = goes_on_});
+  }
+  const std::size_t before = events_.size();
+  for (const std::size_t network : view_.take_changed())
+    events_.emplace_back(ForeignChanged{.network = network});
+  adoptions_.step(view_, joined && found_, events_);
+  for (const std::size_t network : view_.take_changed())
+    events_.emplace_back(ForeignChanged{.network = network});
+  admissions_.step(view_, now, events_);
+  election_.step(view_, now, joined, events_);
+  rollouts_.step(view_, now, events_);
+  const auto others_wait = [](const Event& event) {
+    return !std::holds_alternative<ForeignChanged>(event);
+  };
+  if (std::any_of(events_.begin() + static_cast<std::ptrdiff_t>(before), events_.end(),
+                  others_wait))
+    ask_applied_ = view_.revision();
+}
+
+bool Member::digest_in_force() const {
+  const auto& current = view_.records().current.value;
+  return current && current->open && current->digest == identity_.digest;
+}
+
+Member::Standing Member::standing(Value now) const {
+  switch (phase_) {
+    case Phase::off:
+    case Phase::left:
+      return Standing::off;
+    case Phase::joining:
+      return Standing::joining;
+    case Phase::gone_back:
+      return Standing::gone_back;
+    case Phase::joined:
+      break;
+  }
+  if (now >= chain_.valid_until()) return Standing::silent;
+  if (draining_) return Standing::draining;
+  if (!digest_in_force()) return Standing::other_digest;
+  return now < take_from_ ? Standing::waiting : Standing::joined;
+}
+
+std::string Member::why_not(Value now) const {
+  switch (standing(now)) {
+    case Standing::off:
+    case Standing::silent:
+      return "the store does not answer" + (problem_.empty() ? "" : ": " + problem_);
+    case Standing::joining:
+      return "this gateway is joining the cluster";
+    case Standing::gone_back:
+      return "the store has gone back: mlccactl cluster accept";
+    case Standing::waiting:
+      return "the store was restored: leases from before have not ended yet";
+    case Standing::other_digest:
+      return "the description in force is another one";
+    case Standing::draining:
+      return "this gateway is being drained";
+    case Standing::joined:
+      break;
+  }
+  if (!reachable_) return "the store does not answer" + (problem_.empty() ? "" : ": " + problem_);
+  if (!found_ || admissions_.deciding()) return "another admission is being decided";
+  return {};
+}
+
+void Member::reserve(Wanted wanted, Value now) {
+  if (std::string why = why_not(now); !why.empty()) {
+    const std::uint64_t id = wanted.id;
+    admissions_.release(id, now);
+    events_.emplace_back(Refused{
+        .id = id, .why = {.ok = false, .hop = {}, .reason = std::move(why)}, .by = std::nullopt});
+    return;
+  }
+  admissions_.reserve(std::move(wanted), view_, now, events_);
+}
+
+void Member::release(std::uint64_t id, Value now) {
+  admissions_.release(id, now);
+  step(now);
+}
+
+void Member::vote(const Origin& origin, Vote vote, Value now) {
+  adoptions_.vote(origin, std::move(vote), view_, events_);
+  step(now);
+}
+
+void Member::applied(std::int64_t revision) {
+  // Before it has joined, gates of the process before may still be open.
+  if (found_) applied_ = std::max(applied_, std::min(revision, view_.revision()));
+}
+
+void Member::drain(Value now) {
+  draining_ = true;
+  admissions_.release_all("this gateway is being drained", now, events_);
+  step(now);
+}
+
+void Member::vote_rollout(const Digest& digest, bool ok, std::string reason) {
+  if (ok) journal_.voted_digest = digest;
+  rollouts_.vote(digest, ok, std::move(reason));
+}
+
+std::vector<Event> Member::take_events() { return std::exchange(events_, {}); }
+
+Beat Member::beat(Value now) const {
+  const auto& current = view_.records().current.value;
+  return {.digest = identity_.digest,
+          .generation = current && current->digest == identity_.digest ? current->generation : 0,
+          .applied = applied_,
+          .role = election_.wanted(view_, now, draining_),
+          .draining = draining_};
+}
+
+bool Member::beat_wanted(Value now) const {
+  const bool says_more = applied_ >= ask_applied_ && ask_applied_ > said_applied_;
+  return says_more || draining_ != said_draining_ ||
+         election_.wanted(view_, now, draining_) != election_.role() || now >= chain_.beat_due();
+}
+
+Value Member::fence_time(std::size_t gateway, Value from) const {
+  const auto& beat = view_.records().members[gateway].beat;
+  const Value lease = beat ? beat->lease : kMostLease;
+  const Value place = lease / kFenceSpread * identity_.gateway / keys_->gateways();
+  return add_saturating(from, place);
+}
+
+std::optional<Work> Member::fence(Value now) const {
+  for (std::size_t g = 0; g < keys_->gateways(); ++g) {
+    const auto from = view_.fence_from(g);
+    if (!from || now < fence_time(g, *from)) continue;
+    return Work{.kind = Work::Kind::fence,
+                .gateway = g,
+                .compares = {{.key = keys_->member(g), .revision = view_.records().members[g].mod}},
+                .puts = {{.key = keys_->fence(g), .value = keys_->gateway_name(identity_.gateway)}},
+                .reads = {keys_->member(g)}};
+  }
+  return std::nullopt;
+}
+
+std::optional<Work> Member::next_work(Value now) {
+  const bool may_take = now >= take_from_ && !draining_ && digest_in_force();
+  if (!found_ || view_.revision() < wait_for_) return std::nullopt;
+  if (auto work = admissions_.next_work(view_, *codec_, may_take, now)) return work;
+  if (auto work = adoptions_.next_work(view_, *codec_)) return work;
+  if (!caught_up()) return std::nullopt;
+  if (auto work = adoptions_.clean_up(view_)) return work;
+  if (auto work = fence(now)) return work;
+  if (draining_ && said_draining_ && admissions_.empty())
+    return Work{.kind = Work::Kind::leave, .deletes = {keys_->member(identity_.gateway)}};
+  return rollouts_.next_work(view_, *codec_, now);
+}
+
+std::vector<Txn> Member::take_txns(Value now) {
+  std::vector<Txn> txns;
+  const bool here = phase_ == Phase::joining || phase_ == Phase::joined;
+  if (!here || !reachable_ || chain_.busy(now)) return txns;
+  std::optional<Work> work;
+  if (phase_ == Phase::joining)
+    work = Work{.kind = Work::Kind::join};
+  else if (!chain_.unsure())
+    work = next_work(now);
+  if (!work && beat_wanted(now)) work = Work{};
+  if (!work) return txns;
+  // Whoever starts again finds nothing of this gateway, and nothing is wrong with that.
+  if (work->kind == Work::Kind::leave) journal_.incarnation = 0;
+  const Beat says = beat(now);
+  work->role = says.role;
+  said_role_ = says.role;
+  said_applied_ = says.applied;
+  said_draining_ = says.draining;
+  txns.push_back(chain_.send(std::move(*work), says, view_.revision(), now));
+  return txns;
+}
+
+Value Member::next_time(Value now) const {
+  Value next = kUnbounded;
+  const auto at = [&](std::optional<Value> time) {
+    if (time && *time > now) next = std::min(next, *time);
+  };
+  at(chain_.next_time(now));
+  at(view_.next_event(now));
+  at(admissions_.next_time(now));
+  at(rollouts_.next_time(view_));
+  at(take_from_);
+  if (phase_ != Phase::joined) return next;
+  at(chain_.valid_until());
+  at(chain_.beat_due());
+  for (std::size_t g = 0; g < keys_->gateways(); ++g)
+    if (const auto from = view_.fence_from(g)) at(fence_time(g, *from));
+  return next;
+}
+
+}  // namespace mlcca::core::cluster

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/cluster/records.hpp"
+
+#include <algorithm>
+
+namespace mlcca::core::cluster {
+namespace {
+
+/// Entries that are not understood, by name. More of them are not kept apart.
+constexpr std::size_t kMostStrange = 4096;
+
+/// `read` is not asked about what is gone or too long.
+template <class Read>
+auto value_of(const Entry& entry, Read read) -> decltype(read(entry.value)) {
+  if (entry.gone || entry.value.size() > kMostEntryBytes) return std::nullopt;
+  return read(entry.value);
+}
+
+template <class T, class Read>
+void keep(Record<T>& record, const Entry& entry, Read read) {
+  record = {.value = value_of(entry, read), .mod = entry.gone ? 0 : entry.mod};
+}
+
+}  // namespace
+
+void Records::note(const Entry& entry, bool understood, std::optional<std::size_t> network) {
+  if (understood || entry.gone)
+    strange.erase(entry.key);
+  else if (strange.size() < kMostStrange)
+    strange[entry.key] = network;
+  else
+    too_many = true;
+}
+
+void Records::put_reservation(const Codec& codec, const Key& key, const Entry& entry) {
+  const ReservationKey at{.network = key.network, .gateway = key.gateway, .id = key.id};
+  if (entry.gone) {
+    reservations.erase(at);
+    note(entry, true, key.network);
+    return;
+  }
+  if (reservations.size() >= kMostReservations && !reservations.contains(at)) {
+    too_many = true;
+    return;
+  }
+  auto taken = value_of(entry, [&](const auto& v) { return codec.taken(v, key.network); });
+  note(entry, taken.has_value(), key.network);
+  reservations[at] = {.taken = std::move(taken), .mod = entry.mod};
+}
+
+void Records::put_asked(const Codec& codec, const Key& key, const Entry& entry) {
+  auto value = value_of(entry, [&](const auto& v) { return codec.asked(v); });
+  note(entry, value.has_value(), std::nullopt);
+  if (asked.size() >= kMostReservations) value.reset();
+  if (value)
+    asked[{key.gateway, key.id}] = {
+        .asked = std::move(*value), .create = entry.create, .mod = entry.mod};
+  else
+    asked.erase({key.gateway, key.id});
+}
+
+void Records::put_member(const Codec& codec, const Key& key, const Entry& entry) {
+  auto beat = value_of(entry, [&](const auto& v) { return codec.beat(v); });
+  if (beat && (beat->lease < kLeastLease || beat->lease > kMostLease)) beat.reset();
+  note(entry, beat.has_value(), std::nullopt);
+  members[key.gateway].mod = entry.gone ? 0 : entry.mod;
+  members[key.gateway].beat = beat;
+}
+
+void Records::put_blob(const Key& key, const Entry& entry) {
+  const auto at = std::pair(key.digest, key.id);
+  if (entry.gone || entry.value.size() > kMostChunkBytes || key.id >= kMostChunks)
+    blobs.erase(at);
+  else if (blobs.size() < 2 * kMostChunks || blobs.contains(at))
+    blobs[at] = entry.value;
+}
+
+void Records::put_description(const Codec& codec, const Key& key, const Entry& entry) {
+  if (key.kind == Key::Kind::current) {
+    keep(current, entry, [&](const auto& v) { return codec.current(v); });
+    note(entry, current.value.has_value(), std::nullopt);
+  } else if (key.kind == Key::Kind::next) {
+    keep(next, entry, [&](const auto& v) { return codec.next(v); });
+    if (next.value && next.value->chunks > kMostChunks) next.value.reset();
+    note(entry, next.value.has_value(), std::nullopt);
+  } else {
+    auto& record = rollout_votes[key.gateway];
+    keep(record, entry, [&](const auto& v) { return codec.rollout_vote(v); });
+    note(entry, record.value.has_value(), std::nullopt);
+  }
+}
+
+std::optional<Key> Records::put(const Keys& keys, const Codec& codec, const Entry& entry) {
+  auto key = keys.parse(entry.key);
+  if (!key) {
+    note(entry, false, keys.network_of(entry.key));
+    return key;
+  }
+  switch (key->kind) {
+    case Key::Kind::epoch:
+      keep(epoch, entry, [&](const auto& v) { return codec.epoch(v); });
+      note(entry, epoch.value.has_value(), std::nullopt);
+      break;
+    case Key::Kind::current:
+    case Key::Kind::next:
+    case Key::Kind::rollout_vote:
+      put_description(codec, *key, entry);
+      break;
+    case Key::Kind::blob:
+      put_blob(*key, entry);
+      break;
+    case Key::Kind::member:
+      put_member(codec, *key, entry);
+      break;
+    case Key::Kind::fence:
+      members[key->gateway].fence = entry.gone ? 0 : entry.mod;
+      break;
+    case Key::Kind::version:
+      versions[key->network] = entry.gone ? 0 : entry.mod;
+      break;
+    case Key::Kind::reservation:
+      put_reservation(codec, *key, entry);
+      break;
+    case Key::Kind::asked:
+      put_asked(codec, *key, entry);
+      break;
+    case Key::Kind::vote: {
+      auto& record = votes[{key->gateway, key->from, key->id}];
+      keep(record, entry, [&](const auto& v) { return codec.vote(v); });
+      note(entry, record.value.has_value(), std::nullopt);
+      if (!record.value) votes.erase({key->gateway, key->from, key->id});
+      break;
+    }
+  }
+  return key;
+}
+
+bool Records::unreadable(std::size_t network) const {
+  return too_many || std::ranges::any_of(strange, [&](const auto& entry) {
+           return entry.second == std::optional(network);
+         });
+}
+
+}  // namespace mlcca::core::cluster

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/cluster/rollout.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "mlcca/arithmetic.hpp"
+
+namespace mlcca::core::cluster {
+namespace {
+
+/// Chunks of former descriptions that one transaction deletes.
+constexpr std::size_t kMostOldChunks = 64;
+
+std::string hex(const Digest& digest) {
+  std::string octets;
+  for (const std::uint8_t octet : digest) octets += static_cast<char>(octet);
+  return hex_of(octets);
+}
+
+/// All of it, or nothing.
+std::optional<std::string> content_of(const Records& records, const Next& next) {
+  std::string all;
+  const std::string digest = hex(next.digest);
+  for (std::uint32_t n = 0; n < next.chunks; ++n) {
+    const auto it = records.blobs.find({digest, n});
+    if (it == records.blobs.end()) return std::nullopt;
+    all += it->second;
+  }
+  return all;
+}
+
+bool is_among(const std::vector<std::string>& names, const std::string& name) {
+  return std::ranges::find(names, name) != names.end();
+}
+
+}  // namespace
+
+void Rollouts::vote(const Digest& digest, bool ok, std::string reason) {
+  if (proposed_ == digest && judged_ == next_seen_ && judged_ != 0)
+    ballot_ = RolloutVote{.next = judged_, .ok = ok, .reason = std::move(reason)};
+}
+
+void Rollouts::judge(const View& view, std::vector<Event>& events) {
+  const auto& next = view.records().next;
+  if (!next.value || judged_ == next.mod) return;
+  auto content = content_of(view.records(), *next.value);
+  if (!content) return;
+  judged_ = next.mod;
+  events.emplace_back(Judge{.digest = next.value->digest, .content = std::move(*content)});
+}
+
+void Rollouts::step(const View& view, Value now, std::vector<Event>& events) {
+  const Records& records = view.records();
+  if (records.next.mod != next_seen_) {
+    const bool over = next_seen_ != 0 && records.next.mod == 0;
+    const bool in_force =
+        records.current.value && proposed_ && records.current.value->digest == *proposed_;
+    if (over && !in_force) events.emplace_back(NotRolledOut{.why = std::exchange(why_, {})});
+    next_seen_ = records.next.mod;
+    next_since_ = now;
+    ballot_.reset();
+    proposed_ = records.next.value ? std::optional(records.next.value->digest) : std::nullopt;
+  }
+  if (records.current.mod != current_seen_) {
+    current_seen_ = records.current.mod;
+    if (const auto& current = records.current.value)
+      events.emplace_back(Switch{.digest = current->digest,
+                                 .former = current->former,
+                                 .generation = current->generation,
+                                 .open = current->open});
+  }
+  judge(view, events);
+}
+
+std::optional<Work> Rollouts::propose(const View& view, const Codec& codec) {
+  const Keys& keys = view.keys();
+  const Records& records = view.records();
+  if (!staged_ || records.next.mod != 0) return std::nullopt;
+  const std::string digest = hex(staged_->digest);
+  if (chunk_ < staged_->chunks.size())
+    return Work{.kind = Work::Kind::chunk,
+                .number = chunk_,
+                .puts = {{.key = keys.blob(digest, chunk_), .value = staged_->chunks[chunk_]}}};
+  const auto& current = records.current.value;
+  Work work{.kind = Work::Kind::propose,
+            .compares = {{.key = keys.next(), .revision = 0},
+                         {.key = keys.current(), .revision = records.current.mod}},
+            .puts = {{.key = keys.next(),
+                      .value = codec.write(
+                          Next{.generation = (current ? current->generation : 0) + 1,
+                               .digest = staged_->digest,
+                               .chunks = static_cast<std::uint32_t>(staged_->chunks.size()),
+                               .by = keys.gateway_name(self_),
+                               .without = staged_->without,
+                               .patience = kPatience})}}};
+  for (const auto& [key, chunk] : records.blobs)
+    if (key.first != digest &&
+        !(current && (key.first == hex(current->digest) || key.first == hex(current->former))) &&
+        work.deletes.size() < kMostOldChunks)
+      work.deletes.push_back(keys.blob(key.first, key.second));
+  return work;
+}
+
+/// Every gateway of the description in force has a say, but those that are off.
+Rollouts::Tally Rollouts::tally(const View& view, const Next& next, Work& work) {
+  Tally tally;
+  const Records& records = view.records();
+  for (std::size_t g = 0; g < view.keys().gateways(); ++g) {
+    const std::string& name = view.keys().gateway_name(g);
+    if (is_among(next.without, name)) continue;
+    const auto& vote = records.rollout_votes[g];
+    const bool counts = vote.value && vote.value->next == records.next.mod;
+    if (counts && vote.value->ok) {
+      work.compares.push_back({.key = view.keys().rollout_vote(g), .revision = vote.mod});
+      continue;
+    }
+    tally.all = false;
+    if (tally.refused) continue;
+    tally.refused = counts;
+    if (counts || tally.objection.empty())
+      tally.objection = name + ": " + (counts ? vote.value->reason : "it has not answered");
+  }
+  return tally;
+}
+
+std::optional<Work> Rollouts::decide(const View& view, const Codec& codec, Value now) {
+  const Keys& keys = view.keys();
+  const Records& records = view.records();
+  if (records.next.mod == 0) return std::nullopt;
+  Work work{.kind = Work::Kind::decide,
+            .compares = {{.key = keys.next(), .revision = records.next.mod},
+                         {.key = keys.current(), .revision = records.current.mod}},
+            .deletes = {keys.next()}};
+  if (!records.next.value) return std::nullopt;
+  const Next& next = *records.next.value;
+  const bool ours = next.by == keys.gateway_name(self_);
+  const Tally votes = tally(view, next, work);
+  const Value end = add_saturating(next_since_, ours ? next.patience : 2 * kPatience);
+  if (!votes.all || !ours) {
+    if (now < end && !(ours && votes.refused)) return std::nullopt;
+    why_ = votes.objection.empty() ? "the gateway that proposed it has gone" : votes.objection;
+    work.compares.resize(1);
+    return work;
+  }
+  Current current{.generation = next.generation,
+                  .digest = next.digest,
+                  .former = records.current.value ? records.current.value->digest : Digest{},
+                  .open = false,
+                  .waits = {}};
+  for (std::size_t g = 0; g < keys.gateways(); ++g)
+    if (!is_among(next.without, keys.gateway_name(g)))
+      current.waits.push_back(keys.gateway_name(g));
+  work.puts.push_back({.key = keys.current(), .value = codec.write(current)});
+  return work;
+}
+
+/// When all have left the former description.
+std::optional<Work> Rollouts::open(const View& view, const Codec& codec) {
+  const auto& record = view.records().current;
+  if (!record.value || record.value->open) return std::nullopt;
+  Current current = *record.value;
+  for (const std::string& name : current.waits) {
+    const auto g = view.keys().gateway(name);
+    if (!g) return std::nullopt;
+    const auto& beat = view.records().members[*g].beat;
+    if (!beat || beat->digest != current.digest || beat->generation != current.generation ||
+        beat->applied < record.mod)
+      return std::nullopt;
+  }
+  current.open = true;
+  return Work{.kind = Work::Kind::decide,
+              .compares = {{.key = view.keys().current(), .revision = record.mod}},
+              .puts = {{.key = view.keys().current(), .value = codec.write(current)}}};
+}
+
+std::optional<Work> Rollouts::next_work(const View& view, const Codec& codec, Value now) {
+  if (ballot_)
+    return Work{.kind = Work::Kind::judge,
+                .compares = {{.key = view.keys().next(), .revision = ballot_->next}},
+                .puts = {{.key = view.keys().rollout_vote(self_), .value = codec.write(*ballot_)}}};
+  if (auto work = propose(view, codec)) return work;
+  if (auto work = decide(view, codec, now)) return work;
+  return open(view, codec);
+}
+
+void Rollouts::on_done(const Done& done, std::vector<Event>& events) {
+  const bool settled = done.fate == Done::Fate::done || done.fate == Done::Fate::conflict;
+  switch (done.work.kind) {
+    case Work::Kind::chunk:
+      if (done.fate == Done::Fate::done) chunk_ = done.work.number + 1;
+      break;
+    case Work::Kind::propose:
+      if (settled) staged_.reset();
+      if (done.fate == Done::Fate::conflict)
+        events.emplace_back(NotRolledOut{.why = "another description is being rolled out"});
+      break;
+    case Work::Kind::judge:
+      if (settled && ballot_ && ballot_->next == done.work.compares.front().revision)
+        ballot_.reset();
+      break;
+    default:
+      break;
+  }
+}
+
+std::optional<Value> Rollouts::next_time(const View& view) const {
+  const auto& next = view.records().next;
+  if (next.mod == 0 || !next.value) return std::nullopt;
+  const bool ours = next.value->by == view.keys().gateway_name(self_);
+  return add_saturating(next_since_, ours ? next.value->patience : 2 * kPatience);
+}
+
+}  // namespace mlcca::core::cluster

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// One description for all gateways: it is proposed, judged by all, and comes into force for all in
+// one generation or for none. Between two generations only what both promise is promised, so the
+// sum of both is never on a medium. Times in ns.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/cluster/chain.hpp"
+#include "core/cluster/view.hpp"
+
+namespace mlcca::core::cluster {
+
+class Rollouts {
+ public:
+  /// Who proposes waits for so long for the votes; if it has gone, others wait twice as long.
+  static constexpr Value kPatience = 60'000'000'000;
+
+  explicit Rollouts(std::size_t self) : self_(self) {}
+
+  void stage(Rollout rollout) { staged_ = std::move(rollout), chunk_ = 0; }
+  void vote(const Digest& digest, bool ok, std::string reason);
+  void step(const View& view, Value now, std::vector<Event>& events);
+  void on_done(const Done& done, std::vector<Event>& events);
+  [[nodiscard]] std::optional<Work> next_work(const View& view, const Codec& codec, Value now);
+  [[nodiscard]] std::optional<Value> next_time(const View& view) const;
+
+  /// All that it acts on, for a checker.
+  template <class Visit>
+  void visit_state(Visit&& visit) const {
+    visit(staged_, chunk_, current_seen_, next_seen_, judged_, next_since_, proposed_, why_,
+          ballot_);
+  }
+
+ private:
+  /// What the votes make of the proposal.
+  struct Tally {
+    bool all = true;
+    std::string objection;  ///< or who has not voted
+    bool refused = false;
+  };
+
+  [[nodiscard]] std::optional<Work> propose(const View& view, const Codec& codec);
+  [[nodiscard]] std::optional<Work> decide(const View& view, const Codec& codec, Value now);
+  [[nodiscard]] static std::optional<Work> open(const View& view, const Codec& codec);
+  [[nodiscard]] static Tally tally(const View& view, const Next& next, Work& work);
+  void judge(const View& view, std::vector<Event>& events);
+
+  std::size_t self_;
+  std::optional<Rollout> staged_;
+  std::size_t chunk_ = 0;  ///< the next one that is to be put into the store
+  std::int64_t current_seen_ = 0, next_seen_ = 0, judged_ = 0;
+  Value next_since_ = 0;
+  std::optional<Digest> proposed_;
+  std::string why_;  ///< it was given up
+  std::optional<RolloutVote> ballot_;
+};
+
+}  // namespace mlcca::core::cluster

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/cluster/view.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/cluster/footprint.hpp"
+#include "mlcca/arithmetic.hpp"
+
+namespace mlcca::core::cluster {
+namespace {
+
+/// Changes of one revision. One transaction makes no more than kMostPuts.
+constexpr std::size_t kMostParts = 4096;
+
+}  // namespace
+
+View::View(std::shared_ptr<const Keys> keys, const Codec& codec, std::size_t self)
+    : keys_(std::move(keys)),
+      codec_(&codec),
+      self_(self),
+      records_(keys_->gateways(), keys_->networks()),
+      timers_(keys_->gateways()) {}
+
+void View::begin_snapshot(std::int64_t revision) {
+  if (revision < revision_) {
+    went_back_ = true;
+    // What is the same number is not the same entry.
+    for (Timer& timer : timers_)
+      if (timer.mod != 0) timer.mod = timer.fence = -1;
+  }
+  coming_ = Records(keys_->gateways(), keys_->networks());
+  coming_revision_ = revision;
+  parts_.clear();
+  snapshot_ = true;
+}
+
+void View::apply(const Batch& batch, Value now) {
+  if (snapshot_) {
+    for (const Entry& entry : batch.entries) coming_.put(*keys_, *codec_, entry);
+    return;
+  }
+  if (!complete_ || batch.revision <= revision_) return;
+  parts_.insert(parts_.end(), batch.entries.begin(), batch.entries.end());
+  if (parts_.size() > kMostParts) {
+    parts_.clear();
+    records_.too_many = true;
+    touch_all();
+  }
+  if (!batch.last) return;
+  for (const Entry& entry : parts_) take_in(entry, now);
+  parts_.clear();
+  revision_ = batch.revision;
+  expire(now);
+}
+
+void View::end_snapshot(Value now) {
+  if (!snapshot_) return;
+  snapshot_ = false;
+  touch_all();
+  records_ = std::exchange(coming_, {});
+  revision_ = coming_revision_;
+  complete_ = true;
+  for (std::size_t g = 0; g < timers_.size(); ++g) {
+    time_member(g, now);
+    if (records_.members[g].fence != 0) dying_.insert(g);
+  }
+  touch_all();
+  expire(now);
+}
+
+void View::on_time(Value now) { expire(now); }
+
+void View::touch_all() {
+  for (std::size_t n = 0; n < keys_->networks(); ++n) changed_.insert(n);
+  touch_asked();
+}
+
+void View::touch_asked() {
+  for (std::size_t g = 0; g < timers_.size(); ++g) touch_those_of(g);
+}
+
+void View::touch_those_of(std::size_t gateway) {
+  for (auto it = records_.asked.lower_bound({gateway, 0});
+       it != records_.asked.end() && it->first.first == gateway; ++it)
+    touched_.insert(it->first);
+}
+
+void View::take_in(const Entry& entry, Value now) {
+  const auto key = records_.put(*keys_, *codec_, entry);
+  if (!key) {
+    if (const auto network = keys_->network_of(entry.key)) changed_.insert(*network);
+    return;
+  }
+  switch (key->kind) {
+    case Key::Kind::member:
+    case Key::Kind::fence:
+      time_member(key->gateway, now);
+      break;
+    case Key::Kind::reservation:
+      changed_.insert(key->network);
+      if (entry.mod < records_.members[key->gateway].fence) dying_.insert(key->gateway);
+      break;
+    case Key::Kind::asked:
+      touched_.insert({key->gateway, key->id});
+      break;
+    default:
+      break;
+  }
+}
+
+/// The record of a gateway may have changed: from now on it counts for its lease, and what it had
+/// before a fence for what was left of that.
+void View::time_member(std::size_t gateway, Value now) {
+  const MemberRecord& record = records_.members[gateway];
+  Timer& timer = timers_[gateway];
+  if (record.mod != timer.mod) {
+    if (record.mod != 0) {
+      timer.lease = record.beat ? record.beat->lease : kMostLease;
+      timer.drained = record.beat && record.beat->draining;
+    }
+    if (record.mod != 0 || !timer.drained)
+      timer.counts_until = std::max(timer.counts_until, may_fence_at(now, timer.lease));
+    timer.mod = record.mod;
+  }
+  if (record.fence != timer.fence) {
+    timer.dead_at = std::max(timer.dead_at, timer.counts_until);
+    timer.fence = record.fence;
+    dying_.insert(gateway);
+    touch_those_of(gateway);
+  }
+}
+
+bool View::is_fenced(std::size_t gateway) const {
+  const MemberRecord& record = records_.members[gateway];
+  return record.fence > record.mod;
+}
+
+std::optional<Value> View::fence_from(std::size_t gateway) const {
+  if (gateway == self_ || is_fenced(gateway) || records_.members[gateway].mod == 0)
+    return std::nullopt;
+  return timers_[gateway].counts_until;
+}
+
+Alive View::alive(std::size_t gateway, Value now) const {
+  const MemberRecord& record = records_.members[gateway];
+  const Timer& timer = timers_[gateway];
+  if (is_fenced(gateway)) return now < timer.dead_at ? Alive::silent : Alive::fenced;
+  if (record.mod == 0)
+    return !timer.drained && now < timer.counts_until ? Alive::silent : Alive::absent;
+  if (!record.beat) return Alive::silent;
+  if (record.beat->draining) return Alive::draining;
+  if (record.beat->role == Role::standby) return Alive::standby;
+  return now < timer.counts_until ? Alive::present : Alive::silent;
+}
+
+bool View::surely_closed(std::size_t gateway, std::int64_t revision, Value now) const {
+  const Alive state = alive(gateway, now);
+  if (state == Alive::absent || state == Alive::fenced) return true;
+  const auto& beat = records_.members[gateway].beat;
+  return !is_fenced(gateway) && beat && beat->applied >= revision;
+}
+
+/// It is of a dead gateway, and nobody sends it any more. From when on, if not yet.
+bool View::is_over(const Records::ReservationKey& key, ReservationRecord& record, Value now) const {
+  const std::int64_t fence = records_.members[key.gateway].fence;
+  if (record.mod >= fence || now < timers_[key.gateway].dead_at) return false;
+  if (!record.taken || record.taken->through.empty()) return true;
+  if (!std::ranges::all_of(record.taken->through,
+                           [&](std::size_t gateway) { return surely_closed(gateway, fence, now); }))
+    return false;
+  record.over_from = std::min(record.over_from, queues_empty_at(now));
+  return now >= record.over_from;
+}
+
+void View::expire(Value now) {
+  // What is of this gateway itself it must know, to take it out of the store.
+  dying_.erase(self_);
+  for (auto it = dying_.begin(); it != dying_.end();) {
+    bool more = false;
+    for (std::size_t n = 0; n < keys_->networks(); ++n) {
+      auto at = records_.reservations.lower_bound({.network = n, .gateway = *it, .id = 0});
+      while (at != records_.reservations.end() && at->first.network == n &&
+             at->first.gateway == *it) {
+        if (is_over(at->first, at->second, now)) {
+          changed_.insert(n);
+          at = records_.reservations.erase(at);
+        } else {
+          more = more || at->second.mod < records_.members[*it].fence;
+          ++at;
+        }
+      }
+    }
+    it = more ? std::next(it) : dying_.erase(it);
+  }
+}
+
+Foreign View::foreign(std::size_t network) const {
+  Foreign all;
+  all.unreadable = records_.unreadable(network);
+  for (auto it = records_.reservations.lower_bound({.network = network, .gateway = 0, .id = 0});
+       it != records_.reservations.end() && it->first.network == network; ++it) {
+    if (it->first.gateway == self_ || adopted_.contains({it->first.gateway, it->first.id}))
+      continue;
+    if (it->second.taken)
+      add(all, it->second.taken->part, it->first.gateway);
+    else
+      all.unreadable = true;
+  }
+  return all;
+}
+
+void View::adopt(std::size_t gateway, std::uint64_t id, bool adopted) {
+  if (adopted ? !adopted_.insert({gateway, id}).second : adopted_.erase({gateway, id}) == 0) return;
+  for (std::size_t n = 0; n < keys_->networks(); ++n)
+    if (records_.reservations.contains({.network = n, .gateway = gateway, .id = id}))
+      changed_.insert(n);
+}
+
+Value View::all_leases_end(Value now, Value own_lease) const {
+  Value longest = own_lease;
+  for (std::size_t g = 0; g < timers_.size(); ++g)
+    if (g != self_ && timers_[g].mod != 0) longest = std::max(longest, timers_[g].lease);
+  return may_fence_at(now, longest);
+}
+
+std::optional<Value> View::next_event(Value now) const {
+  std::optional<Value> next;
+  const auto at = [&](Value time) {
+    if (time > now && (!next || time < *next)) next = time;
+  };
+  for (std::size_t g = 0; g < timers_.size(); ++g) {
+    if (g == self_) continue;
+    at(timers_[g].counts_until);
+    at(timers_[g].dead_at);
+  }
+  if (!dying_.empty()) at(queues_empty_at(now));
+  return next;
+}
+
+std::vector<std::size_t> View::take_changed() {
+  const auto changed = std::exchange(changed_, {});
+  return {changed.begin(), changed.end()};
+}
+std::set<Records::AskedKey> View::take_touched() { return std::exchange(touched_, {}); }
+
+}  // namespace mlcca::core::cluster

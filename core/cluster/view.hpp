@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What one gateway knows of the store and of the other gateways: what they hold, and whether they
+// may still send. Times are of the clock of this gateway, in ns, never going back.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "core/cluster/records.hpp"
+
+namespace mlcca::core::cluster {
+
+class View {
+ public:
+  View(std::shared_ptr<const Keys> keys, const Codec& codec, std::size_t self);
+
+  /// Everything follows in apply(), and counts from end_snapshot() on. What is known of the time of
+  /// others' beats stays, where these are still the last ones.
+  void begin_snapshot(std::int64_t revision);
+  void apply(const Batch& batch, Value now);
+  void end_snapshot(Value now);
+  void on_time(Value now);
+
+  [[nodiscard]] bool complete() const { return complete_; }
+  /// A snapshot was older than what had been seen. Stays until forget_going_back().
+  [[nodiscard]] bool went_back() const { return went_back_; }
+  void forget_going_back() { went_back_ = false; }
+  [[nodiscard]] std::int64_t revision() const { return revision_; }
+  [[nodiscard]] std::int64_t version(std::size_t network) const {
+    return records_.versions[network];
+  }
+  [[nodiscard]] const Records& records() const { return records_; }
+  [[nodiscard]] const Keys& keys() const { return *keys_; }
+
+  /// What the others hold: those that are dead, too, as long as they or a gateway on their way may
+  /// still send.
+  [[nodiscard]] Foreign foreign(std::size_t network) const;
+  /// An admission of another gateway is decided here as well, so it is not foreign.
+  void adopt(std::size_t gateway, std::uint64_t id, bool adopted);
+
+  [[nodiscard]] Alive alive(std::size_t gateway, Value now) const;
+  /// A gateway was fenced and has not joined since.
+  [[nodiscard]] bool is_fenced(std::size_t gateway) const;
+  /// A gateway may be fenced from then on; nullopt: it is not there, or it is fenced.
+  [[nodiscard]] std::optional<Value> fence_from(std::size_t gateway) const;
+  /// It has closed what ended at `revision`: it says so, or it is gone or dead.
+  [[nodiscard]] bool surely_closed(std::size_t gateway, std::int64_t revision, Value now) const;
+  /// When nobody who is known now can hold anything any more by what was committed before now.
+  [[nodiscard]] Value all_leases_end(Value now, Value own_lease) const;
+  /// When time alone changes something; nullopt: never.
+  [[nodiscard]] std::optional<Value> next_event(Value now) const;
+
+  /// Networks whose foreign() may have changed.
+  [[nodiscard]] std::vector<std::size_t> take_changed();
+  /// Admissions that another gateway asks for, or has asked for, and that may have changed.
+  [[nodiscard]] std::set<Records::AskedKey> take_touched();
+  /// They all count as changed once more.
+  void touch_asked();
+
+  /// All that it acts on, for a checker.
+  template <class Visit>
+  void visit_state(Visit&& visit) const {
+    visit(records_, coming_, parts_, timers_, dying_, adopted_, revision_, coming_revision_,
+          complete_, snapshot_, went_back_, changed_, touched_);
+  }
+
+ private:
+  /// What the clock says of another gateway.
+  struct Timer {
+    std::int64_t mod = 0, fence = 0;  ///< to which it refers
+    Value lease = kMostLease;         ///< of the last beat
+    bool drained = false;             ///< that was the last one
+    Value counts_until = 0;           ///< it may send until then
+    Value dead_at = 0;                ///< what was written before the fence ends then
+    template <class Visit>
+    void visit_state(Visit&& visit) const {
+      visit(mod, fence, lease, drained, counts_until, dead_at);
+    }
+  };
+
+  void take_in(const Entry& entry, Value now);
+  void time_member(std::size_t gateway, Value now);
+  void touch_all();
+  void touch_those_of(std::size_t gateway);
+  void expire(Value now);
+  [[nodiscard]] bool is_over(const Records::ReservationKey& key, ReservationRecord& record,
+                             Value now) const;
+
+  std::shared_ptr<const Keys> keys_;
+  const Codec* codec_;
+  std::size_t self_;
+  Records records_, coming_;
+  std::vector<Entry> parts_;  ///< of a revision that is not complete
+  std::vector<Timer> timers_;
+  std::set<std::size_t> dying_;  ///< that may have something from before their fence
+  std::set<Records::AskedKey> adopted_;
+  std::int64_t revision_ = 0, coming_revision_ = 0;
+  bool complete_ = false, snapshot_ = false, went_back_ = false;
+  std::set<std::size_t> changed_;
+  std::set<Records::AskedKey> touched_;
+};
+
+}  // namespace mlcca::core::cluster

@@ -1,0 +1,454 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A few members on one store that answers at once, unless a test says otherwise.
+#include "core/cluster/member.hpp"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "core/cluster/lease.hpp"
+#include "tests/core/cluster/codec.hpp"
+#include "tests/core/cluster/store_stub.hpp"
+#include "tests/core/cluster/world.hpp"
+
+namespace mlcca::core::cluster::test {
+namespace {
+
+constexpr Value kSecond = 1'000'000'000;
+constexpr Value kTen = 10 * kSecond;
+
+class ClusterMember : public testing::Test {
+ protected:
+  struct Node {
+    std::optional<Member> member;
+    std::vector<Event> events;
+    std::size_t seen = 0;
+    bool cut_off = false;
+    std::vector<Txn> lost;  ///< while it was cut off
+    template <class T>
+    std::vector<T> take() {
+      std::vector<T> all;
+      for (const Event& event : events)
+        if (const T* is = std::get_if<T>(&event)) all.push_back(*is);
+      std::erase_if(events, [](const Event& event) { return std::holds_alternative<T>(event); });
+      return all;
+    }
+  };
+
+  void start(std::size_t g, Journalled was = {}, std::uint8_t description = 1) {
+    nodes.resize(std::max(nodes.size(), g + 1));
+    nodes[g] = Node{};
+    nodes[g].member.emplace(keys, codec,
+                            Member::Identity{.gateway = g,
+                                             .digest = TextCodec::digest(description),
+                                             .session = ++sessions,
+                                             .lease = kTen,
+                                             .was = was});
+    Member& member = *nodes[g].member;
+    member.on_state({.reachable = true, .endpoint = {}, .problem = {}}, now);
+    read_all(g);
+    run();
+  }
+  void read_all(std::size_t g) {
+    Member& member = *nodes[g].member;
+    member.on_snapshot_begin(store.revision, now);
+    member.on_batch(store.snapshot(), now);
+    member.on_snapshot_end(now);
+    nodes[g].seen = store.log.size();
+  }
+  void in_force(std::uint8_t description) {
+    store.write({{.key = keys->current(),
+                  .value = codec.write(Current{.generation = 1,
+                                               .digest = TextCodec::digest(description),
+                                               .open = true,
+                                               .waits = {}})}});
+  }
+  /// Until nothing is to be done at this time.
+  void run() {
+    for (bool more = true; more;) {
+      more = false;
+      for (Node& node : nodes) more = (node.member && turn(node)) || more;
+    }
+  }
+  bool turn(Node& node) {
+    bool more = false;
+    while (!node.cut_off && node.seen < store.log.size()) {
+      node.member->on_batch(store.log[node.seen++], now);
+      more = true;
+    }
+    for (Event& event : node.member->take_events()) node.events.push_back(std::move(event));
+    node.member->applied(node.member->view().revision());
+    for (Txn& txn : node.member->take_txns(now)) {
+      more = true;
+      if (node.cut_off)
+        node.lost.push_back(std::move(txn));
+      else
+        node.member->on_result(store.apply(txn), now);
+    }
+    return more;
+  }
+  void pass(Value time) {
+    const Value end = now + time;
+    while (now < end) {
+      now = std::min(end, now + (kSecond / 4));
+      for (Node& node : nodes)
+        if (node.member) node.member->on_time(now);
+      run();
+    }
+  }
+  Member& at(std::size_t g) { return *nodes[g].member; }
+  Wanted unit(std::uint64_t id, std::vector<std::size_t> through = {}) {
+    return {.id = id,
+            .footprint = {.parts = {part_of(0, 1)}, .gateways = std::move(through)},
+            .admission = "request"};
+  }
+
+  TextCodec codec;
+  std::shared_ptr<const Keys> keys = keys_of(3);
+  StoreStub store;
+  std::vector<Node> nodes;
+  Value now = 1000 * kSecond;
+  std::uint64_t sessions = 0;
+};
+
+TEST_F(ClusterMember, JoinsBeatsAndKnowsHowLongItMaySend) {
+  in_force(1);
+  start(0);
+  EXPECT_EQ(at(0).standing(now), Member::Standing::joined);
+  const Value first = at(0).valid_until();
+  EXPECT_LE(first, valid_until(now, kTen));
+  pass(5 * kSecond);
+  EXPECT_GE(at(0).valid_until(), valid_until(now - (kTen / 4), kTen));
+}
+
+TEST_F(ClusterMember, GrantsAndLeavesNothingBehind) {
+  in_force(1);
+  start(0);
+  start(1);
+  at(0).reserve(unit(7), now);
+  run();
+  ASSERT_EQ(nodes[0].take<Reserved>().size(), 1U);
+  EXPECT_TRUE(at(0).holds(7));
+  EXPECT_EQ(bytes_of(at(1).view().foreign(0).rates), 1U);
+  at(0).release(7, now);
+  run();
+  EXPECT_EQ(bytes_of(at(1).view().foreign(0).rates), 1U) << "frames may wait in a queue";
+  pass(2 * kSecond);
+  EXPECT_EQ(bytes_of(at(1).view().foreign(0).rates), 0U);
+  EXPECT_FALSE(store.entries.contains(keys->asked(0, 7)));
+}
+
+TEST_F(ClusterMember, WhoIsSecondDecidesAgain) {
+  in_force(1);
+  start(0);
+  start(1);
+  at(0).reserve(unit(1), now);
+  at(1).reserve(unit(2), now);
+  run();
+  EXPECT_EQ(nodes[0].take<Reserved>().size(), 1U);
+  const auto conflicts = nodes[1].take<Conflict>();
+  ASSERT_EQ(conflicts.size(), 1U);
+  EXPECT_EQ(conflicts[0].by, "A 1");
+  EXPECT_EQ(conflicts[0].tries, 1U);
+  EXPECT_EQ(bytes_of(at(1).view().foreign(0).rates), 1U) << "it sees why";
+  at(1).reserve(unit(2), now);
+  run();
+  EXPECT_EQ(nodes[1].take<Reserved>().size(), 1U);
+}
+
+TEST_F(ClusterMember, WithoutTheDescriptionInForceNothingIsTaken) {
+  start(0);
+  EXPECT_EQ(at(0).standing(now), Member::Standing::other_digest);
+  at(0).reserve(unit(1), now);
+  run();
+  ASSERT_EQ(nodes[0].take<Refused>().size(), 1U);
+  in_force(2);
+  run();
+  EXPECT_EQ(at(0).standing(now), Member::Standing::other_digest);
+  in_force(1);
+  run();
+  EXPECT_EQ(at(0).standing(now), Member::Standing::joined);
+}
+
+TEST_F(ClusterMember, WhatIsFullOrForbiddenIsAskedAgainAndThenRefused) {
+  in_force(1);
+  start(0);
+  nodes[0].cut_off = true;
+  at(0).reserve(unit(1), now);
+  for (int n = 0; n < 20; ++n) {
+    turn(nodes[0]);
+    for (const Txn& txn : std::exchange(nodes[0].lost, {}))
+      at(0).on_result({.id = txn.id, .outcome = Outcome::full, .why = "no space"}, now);
+    now += kSecond / 4;
+    at(0).on_time(now);
+  }
+  turn(nodes[0]);
+  EXPECT_EQ(nodes[0].take<Refused>().size(), 1U);
+  EXPECT_EQ(at(0).problem(), "no space");
+}
+
+TEST_F(ClusterMember, ALostAnswerIsFoundOutByTheNextBeat) {
+  in_force(1);
+  start(0);
+  nodes[0].cut_off = true;
+  at(0).reserve(unit(1), now);
+  turn(nodes[0]);
+  ASSERT_EQ(nodes[0].lost.size(), 1U);
+  const Txn txn = std::exchange(nodes[0].lost, {})[0];
+  static_cast<void>(store.apply(txn));
+  at(0).on_result({.id = txn.id, .outcome = Outcome::unsure, .why = {}}, now);
+  nodes[0].cut_off = false;
+  pass(2 * kSecond);
+  EXPECT_EQ(nodes[0].take<Reserved>().size(), 1U);
+  EXPECT_TRUE(at(0).holds(1));
+}
+
+TEST_F(ClusterMember, WhoIsCutOffIsSilentAtVAndIsFencedLater) {
+  in_force(1);
+  start(0);
+  start(1);
+  at(0).reserve(unit(1), now);
+  run();
+  nodes[0].cut_off = true;
+  const Value until = at(0).valid_until();
+  pass(until - now);
+  EXPECT_EQ(at(0).standing(now), Member::Standing::silent);
+  EXPECT_EQ(bytes_of(at(1).view().foreign(0).rates), 1U);
+  pass(4 * kSecond);
+  EXPECT_EQ(bytes_of(at(1).view().foreign(0).rates), 0U);
+  nodes[0].cut_off = false;
+  pass(3 * kSecond);
+  EXPECT_GE(nodes[0].take<Lost>().size(), 1U);
+  EXPECT_EQ(at(0).standing(now), Member::Standing::joined);
+  EXPECT_FALSE(at(0).holds(1));
+  EXPECT_FALSE(store.entries.contains(keys->reservation(0, 0, 1)));
+}
+
+TEST_F(ClusterMember, ANewProcessGoesOnWithWhatTheStoreHas) {
+  in_force(1);
+  start(0);
+  at(0).reserve(unit(1), now);
+  run();
+  const Journalled was = at(0).journalled();
+  start(0, was);
+  const auto found = nodes[0].take<Found>();
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].admission, "request");
+  const auto joined = nodes[0].take<Joined>();
+  ASSERT_EQ(joined.size(), 1U);
+  EXPECT_TRUE(joined[0].goes_on);
+  EXPECT_TRUE(nodes[0].take<Lost>().empty());
+  EXPECT_EQ(at(0).journalled().incarnation, was.incarnation);
+}
+
+TEST_F(ClusterMember, WithoutAJournalItBeginsAnewAndCleansUp) {
+  in_force(1);
+  start(0);
+  at(0).reserve(unit(1), now);
+  run();
+  start(0);
+  EXPECT_EQ(nodes[0].take<Lost>().size(), 1U) << "before it is a member";
+  EXPECT_TRUE(nodes[0].take<Found>().empty());
+  pass(2 * kSecond);
+  EXPECT_FALSE(store.entries.contains(keys->reservation(0, 0, 1)));
+}
+
+TEST_F(ClusterMember, AStoreThatHasGoneBackNeedsAnOperator) {
+  in_force(1);
+  const StoreStub backup = store;
+  start(0);
+  nodes[0].take<Lost>();
+  at(0).reserve(unit(1), now);
+  run();
+  store = backup;
+  read_all(0);
+  run();
+  EXPECT_EQ(nodes[0].take<Lost>().size(), 1U);
+  EXPECT_LE(at(0).valid_until(), now);
+  pass(kTen);
+  EXPECT_EQ(at(0).standing(now), Member::Standing::gone_back);
+  store.write({{.key = keys->epoch(), .value = "n"}});
+  run();
+  EXPECT_EQ(at(0).standing(now), Member::Standing::waiting) << "others may still send";
+  pass(12 * kSecond);
+  EXPECT_EQ(at(0).standing(now), Member::Standing::joined);
+}
+
+TEST_F(ClusterMember, RevisionsFromBeforeARestoreAreForgotten) {
+  in_force(1);
+  const StoreStub backup = store;
+  start(0);
+  pass(60 * kSecond);
+  at(0).reserve(unit(1), now);
+  run();
+  store = backup;
+  store.write({{.key = keys->epoch(), .value = "n"}});
+  read_all(0);
+  run();
+  pass(12 * kSecond);
+  ASSERT_EQ(at(0).standing(now), Member::Standing::joined);
+  const auto beat = codec.beat(store.entries.at(keys->member(0)).value);
+  ASSERT_TRUE(beat);
+  EXPECT_LE(beat->applied, store.revision);
+  nodes[0].take<Reserved>();
+  at(0).reserve(unit(2), now);
+  run();
+  EXPECT_EQ(nodes[0].take<Reserved>().size(), 1U);
+}
+
+TEST_F(ClusterMember, DrainingLeavesTheStoreEmpty) {
+  in_force(1);
+  start(0);
+  at(0).reserve(unit(1), now);
+  run();
+  at(0).drain(now);
+  pass(3 * kSecond);
+  EXPECT_EQ(nodes[0].take<Drained>().size(), 1U);
+  EXPECT_EQ(at(0).journalled().incarnation, 0);
+  EXPECT_FALSE(store.entries.contains(keys->member(0)));
+  EXPECT_FALSE(store.entries.contains(keys->reservation(0, 0, 1)));
+}
+
+TEST_F(ClusterMember, AGatewayOnTheWayAgreesFirstAndClosesFirst) {
+  in_force(1);
+  for (std::size_t g = 0; g < 3; ++g) start(g);
+  at(0).reserve(unit(1, {1}), now);
+  run();
+  const auto adopt = nodes[1].take<Adopt>();
+  ASSERT_EQ(adopt.size(), 1U);
+  EXPECT_EQ(adopt[0].admission, "request");
+  EXPECT_EQ(adopt[0].footprint.parts.size(), 1U);
+  EXPECT_TRUE(nodes[0].take<Reserved>().empty());
+  EXPECT_EQ(bytes_of(at(1).view().foreign(0).rates), 0U) << "it decides about it itself";
+  EXPECT_EQ(bytes_of(at(2).view().foreign(0).rates), 1U);
+  at(1).vote(adopt[0].origin, {.ok = true, .hop = {}, .reason = {}}, now);
+  run();
+  EXPECT_EQ(nodes[1].take<Opened>().size(), 1U);
+  EXPECT_EQ(nodes[0].take<Reserved>().size(), 1U);
+  at(0).release(1, now);
+  run();
+  EXPECT_EQ(nodes[1].take<Ended>().size(), 1U);
+  pass(3 * kSecond);
+  EXPECT_EQ(bytes_of(at(2).view().foreign(0).rates), 0U);
+}
+
+TEST_F(ClusterMember, OneRefusalOnTheWayRefusesAll) {
+  in_force(1);
+  start(0);
+  start(1);
+  at(0).reserve(unit(1, {1}), now);
+  run();
+  const auto adopt = nodes[1].take<Adopt>();
+  ASSERT_EQ(adopt.size(), 1U);
+  at(1).vote(adopt[0].origin, {.ok = false, .hop = {}, .reason = "no bandwidth"}, now);
+  run();
+  const auto refused = nodes[0].take<Refused>();
+  ASSERT_EQ(refused.size(), 1U);
+  EXPECT_EQ(refused[0].why.reason, "no bandwidth");
+  EXPECT_EQ(refused[0].by, 1U);
+  pass(2 * kSecond);
+  EXPECT_FALSE(store.entries.contains(keys->reservation(0, 0, 1)));
+  EXPECT_FALSE(store.entries.contains(keys->vote(1, 0, 1)));
+}
+
+TEST_F(ClusterMember, WhoCannotKeepItLaterWithdrawsIt) {
+  in_force(1);
+  start(0);
+  start(1);
+  at(0).reserve(unit(1, {1}), now);
+  run();
+  const Origin origin = nodes[1].take<Adopt>().at(0).origin;
+  at(1).vote(origin, {.ok = true, .hop = {}, .reason = {}}, now);
+  run();
+  at(1).vote(origin, {.ok = false, .hop = {}, .reason = "link lost"}, now);
+  run();
+  ASSERT_EQ(nodes[0].take<Reserved>().size(), 1U);
+  const auto withdrawn = nodes[0].take<Withdrawn>();
+  ASSERT_EQ(withdrawn.size(), 1U);
+  EXPECT_EQ(withdrawn[0].why.reason, "link lost");
+}
+
+TEST_F(ClusterMember, ADescriptionComesIntoForceForAllOrForNone) {
+  in_force(1);
+  start(0);
+  start(1);
+  start(2);
+  at(0).stage({.digest = TextCodec::digest(2), .chunks = {"<sys", "tem/>"}, .without = {}});
+  run();
+  for (Node& node : nodes) {
+    const auto judge = node.take<Judge>();
+    ASSERT_EQ(judge.size(), 1U);
+    EXPECT_EQ(judge[0].content, "<system/>");
+  }
+  at(0).vote_rollout(TextCodec::digest(2), true, {});
+  at(1).vote_rollout(TextCodec::digest(2), true, {});
+  for (Node& node : nodes) node.take<Switch>();
+  run();
+  EXPECT_TRUE(nodes[0].take<Switch>().empty());
+  at(2).vote_rollout(TextCodec::digest(2), true, {});
+  run();
+  for (Node& node : nodes) {
+    const auto to = node.take<Switch>();
+    ASSERT_EQ(to.size(), 1U);
+    EXPECT_FALSE(to[0].open);
+    EXPECT_EQ(to[0].generation, 2U);
+    EXPECT_EQ(to[0].former, TextCodec::digest(1));
+  }
+  start(0, at(0).journalled(), 2);
+  start(1, at(1).journalled(), 2);
+  pass(3 * kSecond);
+  EXPECT_EQ(at(0).standing(now), Member::Standing::other_digest) << "not before all are in it";
+  start(2, at(2).journalled(), 2);
+  pass(3 * kSecond);
+  for (std::size_t g = 0; g < 3; ++g) EXPECT_EQ(at(g).standing(now), Member::Standing::joined) << g;
+}
+
+TEST_F(ClusterMember, OneObjectionEndsARollout) {
+  in_force(1);
+  start(0);
+  start(1);
+  start(2);
+  at(0).stage({.digest = TextCodec::digest(2), .chunks = {"x"}, .without = {"C"}});
+  run();
+  at(0).vote_rollout(TextCodec::digest(2), true, {});
+  at(1).vote_rollout(TextCodec::digest(2), false, "line 3: no such network");
+  run();
+  const auto ended = nodes[0].take<NotRolledOut>();
+  ASSERT_EQ(ended.size(), 1U);
+  EXPECT_EQ(ended[0].why, "B: line 3: no such network");
+  EXPECT_FALSE(store.entries.contains(keys->next()));
+  EXPECT_EQ(at(1).standing(now), Member::Standing::joined);
+}
+
+TEST_F(ClusterMember, WhoDoesNotVoteEndsItAfterAMinute) {
+  in_force(1);
+  start(0);
+  start(1);
+  start(2);
+  at(0).stage({.digest = TextCodec::digest(2), .chunks = {"x"}, .without = {"B"}});
+  run();
+  at(0).vote_rollout(TextCodec::digest(2), true, {});
+  pass(59 * kSecond);
+  EXPECT_TRUE(nodes[0].take<NotRolledOut>().empty());
+  pass(2 * kSecond);
+  const auto ended = nodes[0].take<NotRolledOut>();
+  ASSERT_EQ(ended.size(), 1U);
+  EXPECT_EQ(ended[0].why, "C: it has not answered");
+}
+
+TEST_F(ClusterMember, TheFirstDescriptionIsRolledOutAsAnyOther) {
+  start(0);
+  start(1);
+  at(0).stage({.digest = TextCodec::digest(1), .chunks = {"x"}, .without = {"C"}});
+  run();
+  at(0).vote_rollout(TextCodec::digest(1), true, {});
+  at(1).vote_rollout(TextCodec::digest(1), true, {});
+  pass(3 * kSecond);
+  EXPECT_EQ(at(0).standing(now), Member::Standing::joined);
+  EXPECT_EQ(at(1).standing(now), Member::Standing::joined);
+}
+
+}  // namespace
+}  // namespace mlcca::core::cluster::test

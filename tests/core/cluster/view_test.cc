@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/cluster/view.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "core/cluster/lease.hpp"
+#include "tests/core/cluster/codec.hpp"
+#include "tests/core/cluster/store_stub.hpp"
+#include "tests/core/cluster/world.hpp"
+
+namespace mlcca::core::cluster::test {
+namespace {
+
+constexpr Value kSecond = 1'000'000'000;
+
+class ClusterView : public testing::Test {
+ protected:
+  ClusterView() { read_all(0); }
+
+  void read_all(Value now) {
+    view.begin_snapshot(store.revision);
+    view.apply(store.snapshot(), now);
+    view.end_snapshot(now);
+  }
+  void put(const std::string& key, const std::string& value, Value now) {
+    store.write({{.key = key, .value = value}});
+    view.apply(store.log.back(), now);
+  }
+  void drop(const std::string& key, Value now) {
+    store.write({}, {key});
+    view.apply(store.log.back(), now);
+  }
+  void beat(std::size_t g, Value now, Beat beat = {}) {
+    beat.lease = 10 * kSecond;
+    put(keys->member(g), codec.write(beat), now);
+  }
+  void hold(std::size_t g, std::uint64_t id, Value bytes, Value now,
+            std::vector<std::size_t> through = {}) {
+    put(keys->reservation(0, g, id),
+        codec.write(Taken{.channel = {},
+                          .publisher = {},
+                          .part = part_of(0, bytes),
+                          .through = std::move(through)}),
+        now);
+  }
+  Value held() { return bytes_of(view.foreign(0).rates); }
+
+  TextCodec codec;
+  std::shared_ptr<const Keys> keys = keys_of(4);
+  StoreStub store;
+  View view{keys, codec, 0};
+};
+
+TEST_F(ClusterView, CountsWhatOthersHoldAndNotWhatItHoldsItself) {
+  hold(1, 1, 5, 0);
+  hold(2, 1, 7, 0);
+  hold(0, 1, 100, 0);
+  EXPECT_EQ(held(), 12U);
+  EXPECT_FALSE(view.foreign(0).unreadable);
+  EXPECT_EQ(view.take_changed(), std::vector<std::size_t>({0, 1}));
+  drop(keys->reservation(0, 1, 1), 0);
+  EXPECT_EQ(held(), 7U);
+  EXPECT_EQ(view.take_changed(), std::vector<std::size_t>{0});
+}
+
+TEST_F(ClusterView, WhatCannotBeReadIsNotNothing) {
+  for (const std::string& key :
+       {keys->reservation(0, 1, 1), std::string("r/bus/nobody/1"), std::string("r/bus/B/1/2")}) {
+    put(key, "?", 0);
+    EXPECT_TRUE(view.foreign(0).unreadable) << key;
+    EXPECT_FALSE(view.foreign(1).unreadable);
+    drop(key, 0);
+    EXPECT_FALSE(view.foreign(0).unreadable) << key;
+  }
+  put(keys->reservation(0, 1, 1), std::string(kMostEntryBytes + 1, '1'), 0);
+  EXPECT_TRUE(view.foreign(0).unreadable);
+}
+
+TEST_F(ClusterView, ARevisionCountsWhenAllOfItIsThere) {
+  store.write({{.key = keys->version(0), .value = "B 1"}});
+  Batch part = store.log.back();
+  part.last = false;
+  view.apply(part, 0);
+  EXPECT_EQ(view.version(0), 0);
+  EXPECT_LT(view.revision(), part.revision);
+  view.apply({.revision = part.revision, .entries = {}}, 0);
+  EXPECT_EQ(view.version(0), part.revision);
+  EXPECT_EQ(view.revision(), part.revision);
+}
+
+TEST_F(ClusterView, WhatWasSeenBeforeIsNotAppliedAgain) {
+  hold(1, 1, 5, 0);
+  const Batch old = store.log.back();
+  drop(keys->reservation(0, 1, 1), 0);
+  view.apply(old, 0);
+  EXPECT_EQ(held(), 0U);
+}
+
+TEST_F(ClusterView, ADeadGatewayCountsUntilItIsFencedAndItsLeaseHasEnded) {
+  beat(1, 0);
+  hold(1, 1, 5, 0);
+  beat(1, 20 * kSecond);
+  const Value end = may_fence_at(20 * kSecond, 10 * kSecond);
+  EXPECT_EQ(view.fence_from(1), end);
+  view.on_time(end);
+  EXPECT_EQ(held(), 5U) << "nobody has fenced it";
+  put(keys->fence(1), "A", 21 * kSecond);
+  EXPECT_EQ(view.fence_from(1), std::nullopt);
+  EXPECT_EQ(view.alive(1, end - 1), Alive::silent);
+  view.on_time(end - 1);
+  EXPECT_EQ(held(), 5U) << "somebody hostile may have fenced it";
+  view.on_time(end);
+  EXPECT_EQ(held(), 0U);
+  EXPECT_EQ(view.alive(1, end), Alive::fenced);
+}
+
+TEST_F(ClusterView, WhatItTakesAfterItsFenceCountsAtOnce) {
+  beat(1, 0);
+  hold(1, 1, 5, 0);
+  put(keys->fence(1), "A", 0);
+  beat(1, kSecond);
+  hold(1, 2, 9, kSecond);
+  view.on_time(may_fence_at(0, 10 * kSecond));
+  EXPECT_EQ(held(), 9U);
+}
+
+TEST_F(ClusterView, WhoReadsEverythingAgainKnowsStillHowLongOthersAreSilent) {
+  beat(1, 0);
+  read_all(5 * kSecond);
+  EXPECT_EQ(view.fence_from(1), may_fence_at(0, 10 * kSecond));
+  store.write({{.key = keys->member(1), .value = codec.write(Beat{.lease = 10 * kSecond})}});
+  read_all(6 * kSecond);
+  EXPECT_EQ(view.fence_from(1), may_fence_at(6 * kSecond, 10 * kSecond));
+}
+
+TEST_F(ClusterView, WhatWasFreedIsFreedInTheNextSnapshot) {
+  beat(1, 0);
+  hold(1, 1, 5, 0);
+  put(keys->fence(1), "A", 0);
+  const Value end = may_fence_at(0, 10 * kSecond);
+  view.on_time(end);
+  read_all(end + 1);
+  EXPECT_EQ(held(), 0U);
+}
+
+TEST_F(ClusterView, WhatADeadOneHasThroughOthersCountsUntilTheyHaveClosedIt) {
+  beat(1, 0);
+  beat(2, 0);
+  hold(1, 1, 5, 0, {2});
+  put(keys->fence(1), "A", 0);
+  const std::int64_t fence = view.revision();
+  const Value end = may_fence_at(0, 10 * kSecond);
+  beat(2, end, {.applied = fence - 1});
+  view.on_time(end + (5 * kSecond));
+  EXPECT_EQ(held(), 5U);
+  beat(2, end + (6 * kSecond), {.applied = fence});
+  EXPECT_EQ(held(), 5U) << "its last frames may be in a queue";
+  view.on_time(queues_empty_at(end + (6 * kSecond)));
+  EXPECT_EQ(held(), 0U);
+}
+
+TEST_F(ClusterView, WhatIsAdoptedIsNotForeign) {
+  hold(1, 1, 5, 0, {0});
+  view.adopt(1, 1, true);
+  EXPECT_EQ(held(), 0U);
+  view.adopt(1, 1, false);
+  EXPECT_EQ(held(), 5U);
+}
+
+TEST_F(ClusterView, TellsWhoIsThere) {
+  EXPECT_EQ(view.alive(1, 0), Alive::absent);
+  beat(1, 0, {.role = Role::standby});
+  EXPECT_EQ(view.alive(1, 0), Alive::standby);
+  beat(1, 0, {.role = Role::active});
+  EXPECT_EQ(view.alive(1, 0), Alive::present);
+  EXPECT_EQ(view.alive(1, may_fence_at(0, 10 * kSecond)), Alive::silent);
+  beat(1, 0, {.role = Role::active, .draining = true});
+  EXPECT_EQ(view.alive(1, 0), Alive::draining);
+  drop(keys->member(1), 0);
+  EXPECT_EQ(view.alive(1, 0), Alive::absent);
+  beat(2, 0, {.role = Role::active});
+  drop(keys->member(2), 0);
+  EXPECT_EQ(view.alive(2, 0), Alive::silent) << "it did not say that it goes";
+  put(keys->member(3), "?", 0);
+  EXPECT_EQ(view.alive(3, 0), Alive::silent);
+  EXPECT_EQ(view.fence_from(3), may_fence_at(0, kMostLease)) << "its lease is not known";
+}
+
+TEST_F(ClusterView, ASnapshotThatIsOlderIsNoticed) {
+  hold(1, 1, 5, 0);
+  store = StoreStub{};
+  read_all(0);
+  EXPECT_TRUE(view.went_back());
+  EXPECT_EQ(held(), 0U);
+}
+
+}  // namespace
+}  // namespace mlcca::core::cluster::test

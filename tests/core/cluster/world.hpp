@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A few gateways, a store, and everything between them that may be slow, lost or dead: a value, so
+// that a checker can go from it in every direction. One shared network carries one admission.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/cluster/lease.hpp"
+#include "core/cluster/member.hpp"
+#include "tests/core/cluster/codec.hpp"
+#include "tests/core/cluster/store_stub.hpp"
+
+namespace mlcca::core::cluster::test {
+
+inline constexpr Value kLease = 4'000'000'000;
+/// The network that all share.
+inline constexpr std::size_t kBus = 0;
+inline constexpr Value kStep = kLease / 4;  ///< of time, and kQueued
+
+/// Protocols that are wrong. Each must be found.
+enum class Mutant : std::uint8_t {
+  none,
+  renewed_without_quorum,  ///< a former leader says that a beat was done
+  valid_from_answer,       ///< V counts from when the answer came
+  clock_error_ignored,     ///< V is the whole lease
+  fence_without_compare,   ///< whoever is slow fences who is alive
+  freed_on_fence_alone,    ///< a fence frees at once
+  grant_without_version,   ///< v/<network> is not compared
+  no_fence_compare,        ///< a fenced gateway goes on
+  no_chain,                ///< late transactions of the past are done
+  open_before_votes,       ///< an admission is granted before others agree
+  ended_at_once,           ///< it leaves the store while others still have it open
+  active_without_asking,   ///< who comes back does not wait for the others
+};
+
+/// What may happen, and how often.
+struct Scenario {
+  std::string name = {};
+  std::size_t gateways = 2;
+  std::vector<int> clock_ppm = {0, 0};  ///< by which each clock is too fast
+  int steps = 9;                        ///< of time
+  bool way = false;                     ///< what gateway 0 asks for goes through gateway 1
+  bool elect = false;                   ///< the gateways stand side by side
+  std::vector<int> wants = {1, 1};      ///< of each gateway
+  int releases = 0;
+  int late = 0;    ///< transactions that are done later or never
+  int lost = 0;    ///< answers that do not come
+  int twice = 0;   ///< answers that come twice
+  int stalls = 0;  ///< watches that stand still for a while
+  int pauses = 0, crashes = 0;
+  int fences = 0;       ///< of somebody hostile
+  int compactions = 0;  ///< all must read everything again
+  int outages = 0;      ///< of the store
+  int restores = 0;     ///< of a backup, after an outage of a lease, with a new epoch
+  int refusals = 0;     ///< by gateways on the way
+  int drains = 0;
+  std::vector<std::size_t> faulty = {0};  ///< gateways that something happens to
+  Mutant mutant = Mutant::none;
+};
+
+/// One thing that happens.
+struct Step {
+  enum class Kind : std::uint8_t {
+    time,
+    beats,
+    apply,
+    answer,
+    watch,
+    read_all,
+    want,
+    release,
+    change_mind,
+    drain,
+    late,
+    lose,
+    lose_silently,
+    done_late,
+    again,
+    stall,
+    unstall,
+    pause,
+    resume,
+    crash,
+    restart,
+    fence,
+    compact,
+    outage,
+    outage_ends,
+    restore,
+  };
+  Kind kind = Kind::time;
+  std::size_t gateway = 0;
+  std::size_t index = 0;
+};
+[[nodiscard]] std::string text_of(const Step& step);
+
+class World {
+ public:
+  World(const Scenario& scenario, std::shared_ptr<const Keys> keys);
+
+  /// Everything that can happen now. `faults`: what should not, too.
+  [[nodiscard]] std::vector<Step> steps(bool faults) const;
+  void take(const Step& step);
+  /// Empty: all is as promised.
+  [[nodiscard]] const std::string& broken() const { return broken_; }
+  [[nodiscard]] bool at_end() const { return now_ >= scenario_->steps; }
+  /// Nothing goes wrong any more: all must be members and get what they ask for.
+  void recover();
+  [[nodiscard]] std::pair<std::uint64_t, std::uint64_t> fingerprint() const;
+
+ private:
+  using Admission = std::pair<std::size_t, std::uint64_t>;  ///< gateway, id
+
+  /// A gate: what it was granted for goes out while it is open and V has not passed.
+  struct Gate {
+    bool open = false;
+    Value closed = 0;  ///< real time
+  };
+  struct Flight {
+    Txn txn;
+    bool beat = false;
+    std::optional<TxnResult> result;
+  };
+  struct Late {
+    std::size_t gateway = 0;
+    std::uint64_t process = 0;
+    Txn txn;
+  };
+  struct Host {
+    std::optional<Member> member;  ///< of the running process
+    std::uint64_t process = 0;
+    bool paused = false, stalled = false, synced = false, drained = false, joined = false;
+    std::size_t seen = 0;  ///< batches of the store's log
+    std::optional<Flight> flight;
+    std::optional<TxnResult> former;  ///< an answer that came
+    Value answered_at = 0;
+    // What survives a crash.
+    Journalled journal;
+    std::set<std::uint64_t> held;
+    Value until = 0;  ///< V, as the kernel has it, of the own clock
+    std::map<Admission, Gate> gates;
+    Gate ways;
+    std::vector<bool> failed;
+    std::set<std::uint64_t> found;
+    std::map<Origin, bool> agreed;
+    std::uint64_t next_id = 1;
+    std::map<std::uint64_t, int> answers;  ///< 1 granted, 2 refused
+  };
+
+  [[nodiscard]] Value clock(std::size_t gateway) const;
+  [[nodiscard]] Value real() const { return static_cast<Value>(now_) * kStep; }
+  [[nodiscard]] Value real_of(std::size_t gateway, Value local) const;
+  [[nodiscard]] bool runs(std::size_t g) const { return hosts_[g].member && !hosts_[g].paused; }
+  [[nodiscard]] bool beats_only() const;
+  [[nodiscard]] bool fits(std::size_t g) const;
+  [[nodiscard]] bool in_gate(std::size_t g, const Gate& gate) const;
+  [[nodiscard]] bool on_wire(std::size_t g, const Gate& gate) const;
+  void add_faults(std::vector<Step>& all) const;
+  void take_fault(const Step& step);
+
+  void start(std::size_t g);
+  void turn(std::size_t g);
+  void act(std::size_t g, const Event& event);
+  void on_joined(std::size_t g);
+  void close(std::size_t g, const Admission& admission);
+  void close_gate(std::size_t g, Gate& gate);
+  void answer(std::size_t g, std::uint64_t id, int what);
+  void send(std::size_t g, Txn txn);
+  TxnResult do_txn(const Txn& txn);
+  void check_fence(const Txn& txn);
+  void set_way(std::size_t g);
+  void deliver(std::size_t g, const TxnResult& result);
+  void watch(std::size_t g);
+  void read_all(std::size_t g);
+  void ask(std::size_t g, std::uint64_t id);
+  void pass_time();
+  void check();
+  void forget();
+  void check_views();
+  [[nodiscard]] std::string key_of(const Admission& admission) const;
+  void close_strange(std::size_t g);
+
+  const Scenario* scenario_;
+  std::shared_ptr<const Keys> keys_;
+  StoreStub store_;
+  StoreStub backup_;  ///< of before anything was asked for
+  bool up_ = true;
+  int down_since_ = 0;
+  int now_ = 0;
+  std::vector<Host> hosts_;
+  std::vector<Late> late_;
+  std::vector<int> wants_;
+  int releases_ = 0, lates_ = 0, lost_ = 0, twice_ = 0, stalls_ = 0, pauses_ = 0, crashes_ = 0,
+      fences_ = 0, compactions_ = 0, outages_ = 0, restores_ = 0, refusals_ = 0, drains_ = 0;
+  std::string broken_;
+};
+
+[[nodiscard]] std::shared_ptr<const Keys> keys_of(std::size_t gateways);
+
+}  // namespace mlcca::core::cluster::test

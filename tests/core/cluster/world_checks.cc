@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What must be so in every state of a world.
+#include <algorithm>
+
+#include "mlcca/arithmetic.hpp"
+#include "tests/core/cluster/fingerprint.hpp"
+#include "tests/core/cluster/world.hpp"
+
+namespace mlcca::core::cluster::test {
+
+std::string World::key_of(const Admission& admission) const {
+  return keys_->reservation(kBus, admission.first, admission.second);
+}
+
+/// Sum of promises, and one forwarder.
+void World::check() {
+  std::set<std::size_t> on_bus;  // of which gateways; what one of them decides alone is its own
+  std::size_t ways = 0;
+  for (std::size_t g = 0; g < hosts_.size(); ++g) {
+    for (const auto& [admission, gate] : hosts_[g].gates)
+      if (on_wire(g, gate)) {
+        if (scenario_->restores == 0 && store_.mod(key_of(admission)) == 0)
+          broken_ = "what is still sent is not in the store any more";
+        on_bus.insert(admission.first);
+      }
+    ways += in_gate(g, hosts_[g].ways) ? 1 : 0;
+  }
+  if (on_bus.size() > 1) broken_ = "two admissions are on a medium that carries one";
+  if (ways > 1) broken_ = "two gateways carry the same";
+  check_views();
+}
+
+/// What is on the medium counts for everybody who has heard of it.
+void World::check_views() {
+  for (std::size_t g = 0; g < hosts_.size(); ++g) {
+    if (!runs(g) || !hosts_[g].synced) continue;
+    const View& view = hosts_[g].member->view();
+    for (std::size_t other = 0; other < hosts_.size(); ++other)
+      for (const auto& [admission, gate] : hosts_[other].gates) {
+        if (admission.first == g || hosts_[g].gates.contains(admission)) continue;
+        const auto key = key_of(admission);
+        const bool known = store_.mod(key) != 0 && store_.mod(key) <= view.revision();
+        if (known && on_wire(other, gate) && bytes_of(view.foreign(kBus).rates) == 0 &&
+            scenario_->restores == 0)
+          broken_ = "what another gateway still sends is not counted";
+      }
+  }
+}
+
+void World::recover() {
+  if (!up_) up_ = true;
+  for (std::size_t g = 0; g < hosts_.size(); ++g) {
+    Host& host = hosts_[g];
+    host.stalled = false;
+    if (!host.member) start(g);
+    host.paused = false;
+    // What was drained comes back as a new process.
+    if (host.drained) start(g);
+    wants_[g] = 0;
+  }
+  late_.clear();
+  const int until = now_ + 24;
+  const auto run = [&](int end) {
+    while (now_ < end && broken_.empty()) {
+      const auto all = steps(false);
+      const auto it =
+          std::ranges::find_if(all, [](const Step& s) { return s.kind <= Step::Kind::read_all; });
+      take(it == all.end() ? Step{} : *it);
+    }
+  };
+  run(until - 12);
+  for (std::size_t g = 0; g < hosts_.size() && broken_.empty(); ++g)
+    if (hosts_[g].member->standing(clock(g)) != Member::Standing::joined)
+      broken_ = "a gateway is no member though all is well: " + hosts_[g].member->why_not(clock(g));
+  if (!broken_.empty()) return;
+  for (const Host& host : hosts_)
+    for (const auto& [id, what] : host.answers)
+      if (what == 0) broken_ = "an admission has no answer";
+  for (std::size_t g = 0; g < hosts_.size(); ++g)
+    while (!hosts_[g].held.empty()) {
+      const std::uint64_t id = *hosts_[g].held.begin();
+      close(g, {g, id});
+      hosts_[g].held.erase(id);
+      hosts_[g].member->release(id, clock(g));
+      turn(g);
+    }
+  run(until);
+  if (!broken_.empty()) return;
+  if (std::ranges::any_of(store_.entries, [](const auto& e) {
+        return e.first[0] == 'r' || e.first[0] == 'x' || e.first[0] == 'a';
+      }))
+    broken_ = "something that nobody wants is left in the store";
+  if (!fits(1) || !hosts_[1].member->why_not(clock(1)).empty()) broken_ = "nothing can be had";
+  const std::uint64_t id = hosts_[1].next_id++;
+  ask(1, id);
+  turn(1);
+  run(until + 4);
+  if (broken_.empty() && hosts_[1].answers[id] != 1) broken_ = "a free medium is not granted";
+  if (broken_.empty() && scenario_->elect &&
+      std::ranges::count_if(hosts_, [](const Host& h) { return h.ways.open; }) != 1)
+    broken_ = "nobody carries, or two do";
+}
+
+std::pair<std::uint64_t, std::uint64_t> World::fingerprint() const {
+  Fingerprint f;
+  f(now_, up_, down_since_, wants_, releases_, lates_, lost_, twice_, stalls_, pauses_, crashes_,
+    fences_, compactions_, outages_, restores_, refusals_, drains_, store_.revision,
+    store_.entries.size());
+  for (const auto& [key, entry] : store_.entries) f(key, entry.mod, entry.create, entry.value);
+  for (const Host& h : hosts_) {
+    f(h.drained, h.member.has_value(), h.process, h.paused, h.stalled, h.synced,
+      store_.log.size() - h.seen, h.until, h.held, h.failed.size(), h.found, h.next_id, h.answers,
+      h.journal, h.ways.open, h.ways.closed, h.former.has_value(), h.flight.has_value());
+    for (std::size_t n = h.seen; n < store_.log.size(); ++n) f(store_.log[n]);
+    for (const bool failed : h.failed) f(failed);
+    for (const auto& [key, gate] : h.gates) f(key, gate.open, gate.closed);
+    if (h.member) h.member->visit_state(f);
+    if (h.former) f(*h.former);
+    if (h.flight) f(h.flight->txn, h.flight->result);
+    for (const auto& [origin, ok] : h.agreed) f(origin.gateway, origin.id, origin.asked, ok);
+  }
+  for (const Late& one : late_) f(one.gateway, one.process, one.txn);
+  return f.value();
+}
+
+}  // namespace mlcca::core::cluster::test
