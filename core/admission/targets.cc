@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "core/admission/route_check.hpp"
+#include "core/model/user_values.hpp"
+#include "mlcca/compose.hpp"
 
 namespace mlcca::core {
 

@@ -20,6 +20,29 @@ std::string harm_to(const can::Message& message, const can::Response& response) 
          format_value(Attribute::latency, message.deadline);
 }
 
+/// What becomes of the first `held` messages, which are granted, when all are sent; empty: all are
+/// in time.
+std::string harm_of(const Members& members, const can::Schedule& bus,
+                    const std::vector<can::Message>& messages, std::size_t held) {
+  const auto responses = can::analyse(bus.assumptions(), messages);
+  std::size_t late = held;
+  std::size_t others = 0;
+  for (std::size_t i = 0; i < held; ++i) {
+    if (can::fits(bus.assumptions(), messages[i], responses[i])) continue;
+    if (late == held)
+      late = i;
+    else
+      ++others;
+  }
+  if (late == held) return {};
+  std::string harm = members.publisher(Ledger::publisher_of(messages[late].key)).name +
+                     harm_to(messages[late], responses[late]);
+  if (others != 0)
+    harm += ", and " + std::to_string(others) +
+            (others == 1 ? " message more may fail so" : " messages more may fail so");
+  return harm;
+}
+
 }  // namespace
 
 void RefusedOnBus::add(const Verdict& verdict) {
@@ -66,24 +89,8 @@ void RefusedOnBus::report(const System& system, const Members& members, const ca
                       "time is known only while they are silent"),
         to);
   if (senders.empty()) return;
-  const auto responses = can::analyse(bus.assumptions(), messages);
-  std::size_t late = held;
-  std::size_t others = 0;
-  for (std::size_t i = 0; i < held; ++i) {
-    if (can::fits(bus.assumptions(), messages[i], responses[i])) continue;
-    if (late == held)
-      late = i;
-    else
-      ++others;
-  }
-  if (late == held) return;
-  std::string harm = name + ": while they are sent, " +
-                     members.publisher(Ledger::publisher_of(messages[late].key)).name +
-                     harm_to(messages[late], responses[late]);
-  if (others != 0)
-    harm += ", and " + std::to_string(others) +
-            (others == 1 ? " message more may fail so" : " messages more may fail so");
-  add(members, senders, network, harm, to);
+  const std::string harm = harm_of(members, bus, messages, held);
+  if (!harm.empty()) add(members, senders, network, name + ": while they are sent, " + harm, to);
 }
 
 /// `harm`: what the frames of the publishers do, from the name of the bus on.

@@ -22,7 +22,7 @@ bool same_message(const can::Message& numbered, can::Message wanted) {
 }
 
 /// An order in which the same messages are beside each other.
-auto order_of(const can::Message& m) {
+auto order_of_others(const can::Message& m) {
   return std::tuple(Ledger::gateway_of(m.key), m.priority, m.period, m.deadline, m.jitter,
                     m.transmission);
 }
@@ -150,10 +150,11 @@ bool Ledger::change_messages(std::size_t network, std::vector<can::Message> mess
   OfOthers& here = others_[network];
   if (!schedules_[network]) return true;
   can::Schedule& bus = *schedules_[network];
-  std::ranges::sort(messages, {}, order_of);
+  std::ranges::sort(messages, {}, order_of_others);
   std::vector<bool> found(messages.size(), false);
   const auto is_left = [&](const can::Message& there) {
-    const auto [first, last] = std::ranges::equal_range(messages, order_of(there), {}, order_of);
+    const auto [first, last] =
+        std::ranges::equal_range(messages, order_of_others(there), {}, order_of_others);
     for (auto it = first; it != last; ++it) {
       const auto at = static_cast<std::size_t>(it - messages.begin());
       if (found[at] || !same_message(there, *it)) continue;
