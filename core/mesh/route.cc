@@ -143,8 +143,8 @@ std::vector<std::optional<Lack>> lacking_from(const Graph& graph, std::uint32_t 
     std::vector<std::uint32_t> open{from};
     for (std::uint32_t n = 0; n < graph.nodes; ++n)
       if (reached[n]) open.push_back(n);
-    for (const std::uint32_t node : reach_more(next, std::move(open), reached))
-      lacking[node] = lack;
+    const std::vector<std::uint32_t> fresh = reach_more(next, open, reached);
+    for (const std::uint32_t node : fresh) lacking[node] = lack;
   }
   return lacking;
 }
