@@ -3,6 +3,7 @@
 // what is promised already and what the networks can do now. Pure: same input, same answer.
 #pragma once
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -26,6 +27,10 @@ struct TriedMessage {
 
 class Permits;
 
+/// Whether the best cases hold that a delivery depends on, in the attribute set and on the way of
+/// the verdict.
+using BestCasesHold = std::function<bool(const Verdict& verdict)>;
+
 /// What is decided as if everything were reserved that is needed.
 struct Wish {
   /// Shared networks of which nothing can be reserved now, and why.
@@ -41,6 +46,8 @@ struct Situation {
   const std::vector<bool>& withdrawn;  ///< per channel: by an operator
   /// At design time a best case passes: it is decided at run time, where it does not.
   bool best_cases_pass = false;
+  /// Then: asked of each delivery that would be granted at best; null: all hold.
+  const BestCasesHold* hold = nullptr;
   /// Verdicts have their hops, as at design time.
   bool keeps_hops = false;
   /// Gets what is tried on buses, also where an obstacle stands in the way.

@@ -13,7 +13,7 @@ namespace mlcca::core {
 void Allocation::sort(std::vector<std::size_t>& channels) const {
   std::ranges::sort(channels, {}, [this](std::size_t c) {
     Progress::step();
-    return std::tuple(-int{importance(c)}, ages_[c], c);
+    return std::tuple(-int{importance(c)}, ages_.empty() ? 0 : ages_[c], c);
   });
 }
 
@@ -193,14 +193,19 @@ void decide_each(const Situation& situation, Ledger& ledger, const EachChannel& 
     return;
   }
   std::vector<Decision> decisions(channels);
-  const std::vector<std::uint64_t> ages(channels, 0);
   std::vector<std::size_t> all(channels);
   std::iota(all.begin(), all.end(), std::size_t{0});
-  Allocation allocation(situation, ages, decisions, ledger);
-  allocation.sort(all);
-  while (allocation.admit_waiting(all) || allocation.upgrade(all)) {
-  }
+  decide_some(situation, std::move(all), decisions, ledger);
   for (std::size_t c = 0; c < channels; ++c) each(c, decisions[c]);
+}
+
+void decide_some(const Situation& situation, std::vector<std::size_t> channels,
+                 std::vector<Decision>& decisions, Ledger& ledger) {
+  for (const std::size_t c : channels) decisions[c] = {};
+  Allocation allocation(situation, {}, decisions, ledger);
+  allocation.sort(channels);
+  while (allocation.admit_waiting(channels) || allocation.upgrade(channels)) {
+  }
 }
 
 }  // namespace mlcca::core

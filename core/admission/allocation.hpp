@@ -23,9 +23,9 @@ class Allocation {
   /// Of channels: what was decided before.
   using Former = std::map<std::size_t, Decision>;
 
-  /// `ages`: of each channel, the larger the younger. `decisions`: of each channel, changed in
-  /// place. What they grant is in the ledger, except where it says otherwise. `former`: gets what
-  /// is replaced, the first time that it is.
+  /// `ages`: of each channel, the larger the younger; none: all are equally old. `decisions`: of
+  /// each channel, changed in place. What they grant is in the ledger, except where it says
+  /// otherwise. `former`: gets what is replaced, the first time that it is.
   Allocation(const Situation& situation, std::span<const std::uint64_t> ages,
              std::vector<Decision>& decisions, Ledger& ledger, Former* former = nullptr)
       : s_(situation), ages_(ages), decisions_(decisions), ledger_(ledger), former_(former) {}
@@ -77,5 +77,10 @@ class Allocation {
 /// plain system right after its decision, so that the caller need not keep all of them.
 using EachChannel = std::function<void(std::size_t channel, const Decision& decision)>;
 void decide_each(const Situation& situation, Ledger& ledger, const EachChannel& each);
+
+/// Decides some channels that share nothing with the others, with nothing granted before. Of them
+/// the ledger holds nothing. `decisions`: of each channel of the system.
+void decide_some(const Situation& situation, std::vector<std::size_t> channels,
+                 std::vector<Decision>& decisions, Ledger& ledger);
 
 }  // namespace mlcca::core

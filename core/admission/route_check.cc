@@ -93,8 +93,13 @@ class RouteCheck {
   void sum_up() {
     v_.outcome = v_.obstacle == Obstacle::none ? Outcome::fit : Outcome::unfit;
     for (const Row& row : v_.rows) v_.outcome = worse(v_.outcome, row.comparison.outcome);
-    if (at_run_time_) v_.outcome = worse(v_.outcome, Outcome::run_time);
-    v_.granted = s_.best_cases_pass ? v_.outcome != Outcome::unfit : v_.outcome == Outcome::fit;
+    if (at_run_time_ || v_.contested) v_.outcome = worse(v_.outcome, Outcome::run_time);
+    v_.granted =
+        v_.outcome == Outcome::fit || (v_.outcome == Outcome::run_time && passes_at_best());
+  }
+
+  [[nodiscard]] bool passes_at_best() const {
+    return s_.best_cases_pass && (s_.hold == nullptr || (*s_.hold)(v_));
   }
 
   void obstruct(Obstacle obstacle, Place at) {
@@ -406,10 +411,15 @@ class RouteCheck {
     return limit;
   }
 
+  /// What is carried for another place already is so at best, where the bandwidth is a best case.
+  [[nodiscard]] bool is_carried_at_best(Place hop) const {
+    return s_.best_cases_pass && s_.system.provision_of(hop).is_dynamic(Attribute::bandwidth);
+  }
+
   void check_capacities() {
     for (std::size_t i = 0; i < count_; ++i) {
-      if (!fresh_[i]) continue;
       const Place hop = hops()[i];
+      if (!fresh_[i] && !is_carried_at_best(hop)) continue;
       const CapacityCheck c = check_capacity(s_.system.provision_of(hop), reserved_[i], v_.demand);
       if (!c.known || (c.outcome == Outcome::run_time && is_evaluated(hop))) continue;
       if (!known_) {

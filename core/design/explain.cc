@@ -180,6 +180,14 @@ Finding& Explainer::new_finding(FindingId id, const Verdict& v) {
   return f;
 }
 
+Finding& Explainer::new_finding(FindingId id, std::size_t channel) {
+  Finding& f = findings_.emplace_back();
+  f.id = id;
+  f.origin = s_.system.channels[channel].origin;
+  f.channel = static_cast<std::uint32_t>(channel);
+  return f;
+}
+
 void Explainer::add(const Verdict& v) {
   if (v.outcome == Outcome::fit) return;
   if (v.outcome == Outcome::run_time) {
@@ -319,6 +327,8 @@ void Explainer::add_run_time(const Verdict& v) {
     if (row->against == Against::schedule && row->comparison.attribute != Attribute::omission)
       f.hint = late_hint(s_, *ledger_.schedule(row->place.index), v, *row);
   }
+  if (v.contested && what.empty())
+    add("whether there is room for it beside what else is decided at run time");
   for (const Place hop : hops_of(v.route)) {
     for (const std::string& words : open_on_bus(v, hop)) {
       add(words);
@@ -330,14 +340,18 @@ void Explainer::add_run_time(const Verdict& v) {
 }
 
 void Explainer::add_lower_set(std::size_t channel, std::size_t set) {
+  if (set == 0) return;
   const EventChannel& c = s_.system.channels[channel];
-  Finding& f = findings_.emplace_back();
-  f.id = FindingId::lower_set;
-  f.origin = c.origin;
-  f.channel = static_cast<std::uint32_t>(channel);
-  f.text = "channel " + c.name + ": the attribute set of priority " + std::to_string(c.priority) +
-           " does not fit, that of priority " + std::to_string(c.lower[set - 1].priority) +
-           " is used";
+  new_finding(FindingId::lower_set, channel).text =
+      "channel " + c.name + ": the attribute set of priority " + std::to_string(c.priority) +
+      " does not fit, that of priority " + std::to_string(c.lower[set - 1].priority) + " is used";
+}
+
+void Explainer::add_open_set(std::size_t channel) {
+  new_finding(FindingId::run_time, channel).text =
+      "channel " + s_.system.channels[channel].name +
+      ": which of its attribute sets is used is decided at run time, since that depends on best "
+      "cases of other channels";
 }
 
 void Explainer::add_pair(const Verdict& v, std::size_t subscriber) {

@@ -22,8 +22,10 @@ class Explainer {
 
   /// Nothing for a fit one, a note for one that is decided at run time.
   void add(const Verdict& verdict);
-  /// That a lower attribute set is used.
+  /// That a lower attribute set is used; nothing for the preferred one.
   void add_lower_set(std::size_t channel, std::size_t set);
+  /// That the run time decides which attribute set is used.
+  void add_open_set(std::size_t channel);
 
  private:
   void add_obstacle(const Verdict& v);
@@ -36,6 +38,7 @@ class Explainer {
   void add_capacity(const Verdict& v, const Row& row);
   void add_medium(const Verdict& v, const Row& row);
   Finding& new_finding(FindingId id, const Verdict& v);
+  Finding& new_finding(FindingId id, std::size_t channel);
 
   const Situation& s_;
   Ledger& ledger_;

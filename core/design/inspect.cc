@@ -16,11 +16,11 @@
 #include "core/admission/world.hpp"
 #include "core/can/analysis.hpp"
 #include "core/can/of_system.hpp"
+#include "core/design/contest.hpp"
 #include "core/design/explain.hpp"
 #include "core/design/hints.hpp"
 #include "core/design/load.hpp"
 #include "core/design/refused_on_bus.hpp"
-#include "core/design/room.hpp"
 #include "core/design/sense.hpp"
 #include "core/gates/plan.hpp"
 #include "core/gates/relay_gate.hpp"
@@ -42,7 +42,6 @@ class Inspector {
         progress_(progress),
         each_(each),
         buses_(buses),
-        best_cases_(system.channels.size(), false),
         topology_(system),
         members_(system),
         world_(described_world(system)),
@@ -62,19 +61,18 @@ class Inspector {
     const Situation situation{s_, topology_, members_, world_, withdrawn_, true};
     const bool plain = is_plain(s_);
     decide_each(situation, ledger_, [&](std::size_t channel, const Decision& decision) {
-      note_best_cases(channel, decision);
-      // Of a plain system only what was decided before is in the way, and what is decided behind
-      // the first that has no room may have its place.
-      if (!plain || (has_best_cases_ && (!contested_.empty() || is_out_of_room(decision))))
-        contested_.emplace(channel, decision);
-      else
+      note_best_cases(decision);
+      // Of a plain system only what was decided before is in the way.
+      if (plain && !has_best_cases_)
         examine(situation, channel, decision);
+      else
+        waiting_.emplace(channel, decision);
       if (progress_ && (channel + 1) % kProgressStep == 0) progress_(channel + 1);
     });
-    const bool any_refused =
-        std::ranges::any_of(contested_, [](const auto& one) { return is_out_of_room(one.second); });
-    if (has_best_cases_ && any_refused) decide_without_best_cases(situation);
-    for (const auto& [channel, decision] : contested_) examine(situation, channel, decision);
+    if (has_best_cases_)
+      for (const std::size_t c : Contest(situation).settle(waiting_))
+        out_.channels[c].open_set = true;
+    for (const auto& [channel, decision] : waiting_) examine(situation, channel, decision);
     report(situation);
     refused_on_bus_.report(s_, members_, ledger_, out_.findings);
     if (buses_ != nullptr) report_buses(situation);
@@ -108,40 +106,11 @@ class Inspector {
     if (each_) keep(channel, decision, std::span(out_.findings).subspan(before));
   }
 
-  void note_best_cases(std::size_t channel, const Decision& decision) {
-    if (std::ranges::none_of(decision.verdicts,
-                             [](const Verdict& v) { return v.outcome == Outcome::run_time; }))
-      return;
-    best_cases_[channel] = true;
-    has_best_cases_ = true;
-  }
-
-  /// What others hold is in the way of one of its deliveries.
-  static bool is_out_of_room(const Decision& decision) {
-    return std::ranges::any_of(decision.verdicts, [](const Verdict& v) {
-      return v.outcome == Outcome::unfit && std::ranges::any_of(v.rows, is_for_want_of_room);
-    });
-  }
-
-  /// What is granted at best may be granted nothing at run time. Then others may have room that are
-  /// refused beside it, and take that of further ones: all of them are decided at run time, too.
-  void decide_without_best_cases(const Situation& situation) {
-    const Situation without{s_,     topology_,   members_,
-                            world_, best_cases_, situation.best_cases_pass};
-    Ledger ledger = empty_ledger(s_, world_);
-    decide_each(without, ledger, [&](std::size_t channel, const Decision& alone) {
-      const auto contested = contested_.find(channel);
-      if (contested == contested_.end() || best_cases_[channel]) return;
-      for (Verdict& v : contested->second.verdicts)
-        for (const Verdict& other : alone.verdicts)
-          if (v.publisher == other.publisher && v.to == other.to) compare_without(v, other);
-    });
-  }
-  static void compare_without(Verdict& v, const Verdict& other) {
-    const bool fits = v.outcome != Outcome::unfit;
-    if (fits == (other.outcome != Outcome::unfit)) return;
-    v.outcome = Outcome::run_time;
-    if (fits) std::ranges::copy_if(other.rows, std::back_inserter(v.rows), is_for_want_of_room);
+  void note_best_cases(const Decision& decision) {
+    has_best_cases_ =
+        has_best_cases_ || std::ranges::any_of(decision.verdicts, [](const Verdict& v) {
+          return v.outcome == Outcome::run_time;
+        });
   }
 
   struct Kept {
@@ -259,9 +228,14 @@ class Inspector {
     if (verdicts.size() > 1) check_senders(c, verdicts);
     if (members_.publishers_of(c).size() > 1) check_shared_limits(c);
     check_room(c, verdicts, result);
-    if (result.outcome == Outcome::fit && result.set == 0) return;
+    if (result.outcome == Outcome::fit && result.set == 0 && !result.open_set) return;
     for (const Verdict& v : verdicts) explain.add(v);
-    if (result.outcome != Outcome::unfit && result.set != 0) explain.add_lower_set(c, result.set);
+    if (result.outcome == Outcome::unfit) return;
+    // The note of what is decided at run time says enough where there is one.
+    if (!result.open_set)
+      explain.add_lower_set(c, result.set);
+    else if (result.outcome == Outcome::fit)
+      explain.add_open_set(c);
   }
 
   bool is_complete(std::size_t c) {
@@ -407,9 +381,8 @@ class Inspector {
   BusMessages messages_;
   RefusedOnBus refused_on_bus_;
   std::vector<Kept> kept_;
-  std::vector<bool> best_cases_;  ///< channels of which something is decided at run time
   bool has_best_cases_ = false;
-  std::map<std::size_t, Decision> contested_;  ///< by channel: examined when all are decided
+  std::map<std::size_t, Decision> waiting_;  ///< by channel: examined when all are decided
   Topology topology_;
   Members members_;
   World world_;

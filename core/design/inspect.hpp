@@ -22,7 +22,8 @@ namespace mlcca::core {
 struct ChannelResult {
   std::size_t deliveries = 0;      ///< from each publisher to each place with subscribers
   Outcome outcome = Outcome::fit;  ///< the worst of them; unfit too where a publisher is missing
-  std::size_t set = 0;             ///< the attribute set that is used
+  std::size_t set = 0;             ///< the attribute set that is used, if all best cases hold
+  bool open_set = false;           ///< which one is used depends on which best cases hold
 };
 
 /// What is on the analysed buses.

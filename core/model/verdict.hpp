@@ -108,6 +108,8 @@ struct Verdict {
   /// what is computed for buses and meshes. Kept at design time only; empty with an obstacle.
   std::vector<Hop> hops;
   Value demand = 0;  ///< payload bytes/s reserved on each network of the route
+  /// At design time: granted or not, depending on which best cases of others hold.
+  bool contested = false;
 };
 
 /// The verdicts of a channel in one of its attribute sets, publishers and places in the order of

@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Who competes with what is decided at run time is promised nothing by check, and refused nothing:
 // a gateway decides it the one way or the other.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <map>
+#include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/admission/state.hpp"
 #include "core/design/inspect.hpp"
 #include "core/mesh/graph.hpp"
 #include "description/read.hpp"
+#include "tests/description/twin/random_values.hpp"
 #include "tools/design/generate/checks.hpp"
 
 namespace mlcca::testing {
@@ -19,9 +25,8 @@ namespace {
 
 /// A channel x crosses a mesh whose links a source knows; v and w are on the network behind it,
 /// which has room for `room` of them.
-core::System system_with(const std::string& room) {
-  const std::string text =
-      R"(<System name="z">
+std::string text_with(const std::string& room) {
+  return R"(<System name="z">
   <EventChannel name="x"><SubjectUID>0x1</SubjectUID>
     <Attributes period="10ms" deadline="60ms" maxPayload="100"/></EventChannel>
   <EventChannel name="v"><SubjectUID>0x2</SubjectUID>
@@ -34,7 +39,7 @@ core::System system_with(const std::string& room) {
     <Source kind="file" endpoint="/nowhere"/></Mesh></Network>
   <Network name="lan"><Kind>udp-multicast</Kind><Profile>famouso</Profile>
     <Provision period="1ms" latency="1ms" jitter="1ms" maxPayload="1000" bandwidth=")" +
-      room + R"("/></Network>
+         room + R"("/></Network>
   <Gateway name="g"><Provision latency="1ms" jitter="500us"/>
     <Port network="mesh"><Interface name="awds0"/></Port>
     <Port network="lan" sender="daemon"><Interface name="eth7"/></Port></Gateway>
@@ -42,7 +47,10 @@ core::System system_with(const std::string& room) {
   <Publisher channel="v" network="lan"/><Subscriber channel="v" network="lan"/>
   <Publisher channel="w" network="lan"/><Subscriber channel="w" network="lan"/>
 </System>)";
-  auto system = description::read_memory(text, "z.xml", {}, description::Users::any);
+}
+
+core::System system_with(const std::string& room) {
+  auto system = description::read_memory(text_with(room), "z.xml", {}, description::Users::any);
   EXPECT_TRUE(system) << description::to_string(system.error().front());
   return std::move(*system);
 }
@@ -105,6 +113,168 @@ TEST(Contested, WhereThereIsRoomForAllNothingIsContested) {
   EXPECT_EQ(checked(system), (Outcomes{kLater, kFits, kFits}));
   EXPECT_EQ(decided(system, true), (std::array{true, true, true}));
   EXPECT_EQ(decided(system, false), (std::array{false, true, true}));
+}
+
+constexpr std::uint64_t kSystems = 3000;
+constexpr std::size_t kNodes = 3;  // of the mesh, beside that of the gateway
+
+/// Channels want room on one network; those of a node of the mesh come to it if that node has a
+/// link.
+std::string random_contest(Random& random, std::uint64_t count) {
+  std::string channels;
+  std::string ends;
+  const bool several_sets = random.one_in(2);
+  const bool importances = random.one_in(3);
+  for (std::uint64_t c = 0; c < count; ++c) {
+    channels +=
+        fmt::format("<EventChannel name=\"c{0}\"{1}><SubjectUID>0x{2}</SubjectUID>", c,
+                    importances ? fmt::format(" importance=\"{}\"", random.below(3)) : "", c + 1);
+    const std::uint64_t sets = several_sets ? 1 + random.below(3) : 1;
+    for (std::uint64_t set = 0; set < sets; ++set)
+      channels += fmt::format("<Attributes{} period=\"10ms\" deadline=\"60ms\" maxPayload=\"{}\"/>",
+                              sets > 1 ? fmt::format(" priority=\"{}\"", 9 - set) : "",
+                              10 * (1 + random.below(20)));
+    channels += "</EventChannel>\n";
+    const std::uint64_t node = random.below(kNodes + 2);
+    ends += fmt::format(
+        "<Publisher channel=\"c{}\" {}/><Subscriber channel=\"c{}\" network=\"lan\"/>\n", c,
+        node < kNodes ? fmt::format("network=\"mesh\" mesh-node=\"n{}\"", node) : "network=\"lan\"",
+        c);
+  }
+  std::string nodes;
+  for (std::size_t n = 0; n < kNodes; ++n)
+    nodes += fmt::format("<Node name=\"n{}\" address=\"02:00:00:00:00:0{}\"/>", n, n + 2);
+  return fmt::format(
+      "<System name=\"z\">{}"
+      "<Network name=\"mesh\"><Kind>mesh</Kind><Mesh><PerHop latency=\"20ms\" jitter=\"12ms\"/>"
+      "<Node name=\"own\" address=\"02:00:00:00:00:01\" gateway=\"g\"/>{}"
+      "<Source kind=\"file\" endpoint=\"/nowhere\"/></Mesh></Network>"
+      "<Network name=\"lan\"><Kind>udp-multicast</Kind><Profile>famouso</Profile>"
+      "<Provision period=\"1ms\" latency=\"1ms\" jitter=\"1ms\" maxPayload=\"1000\" "
+      "bandwidth=\"{}kB/s\"/></Network>"
+      "<Gateway name=\"g\"><Provision latency=\"1ms\" jitter=\"500us\"/>"
+      "<Port network=\"mesh\"><Interface name=\"awds0\"/></Port>"
+      "<Port network=\"lan\" sender=\"daemon\"><Interface name=\"eth7\"/></Port></Gateway>{}"
+      "</System>",
+      channels, nodes, 5 + random.below(40), ends);
+}
+
+/// These nodes have a link to the gateway.
+core::mesh::Graph graph_of(unsigned linked) {
+  core::mesh::Graph graph;
+  graph.nodes = kNodes + 1;
+  for (std::uint32_t n = 0; n < kNodes; ++n) {
+    if ((linked >> n & 1U) == 0) continue;
+    core::mesh::Link& link = graph.links.emplace_back();
+    link.from = n + 1;
+    link.to = 0;
+    link.quality.rate = 540'000'000;
+  }
+  return graph;
+}
+
+/// What a channel gets over all that the run time may find.
+struct Range {
+  std::set<bool> granted;
+  std::set<std::size_t> sets;
+  bool stays = true;  ///< it is granted whichever links come and go then
+};
+
+/// Whichever links a gateway finds at its start. Later it keeps what it has granted, so that more
+/// may be granted than after a start, and another set be used; but who is granted something for
+/// certain keeps it.
+std::vector<Range> ranges_of(const core::System& system) {
+  std::vector<Range> ranges(system.channels.size());
+  constexpr unsigned cases = 1U << kNodes;
+  for (unsigned linked = 0; linked < cases; ++linked) {
+    core::State state(system);
+    state.set_graph(0, graph_of(linked));
+    state.decide();
+    for (std::size_t c = 0; c < ranges.size(); ++c) {
+      const core::Decision& decision = state.decisions()[c];
+      ranges[c].granted.insert(decision.granted != 0);
+      if (decision.granted != 0) ranges[c].sets.insert(decision.set);
+    }
+    for (const unsigned then : {(linked + 1) % cases, cases - 1, linked, 0U, linked}) {
+      state.set_graph(0, graph_of(then));
+      state.settle();
+      for (std::size_t c = 0; c < ranges.size(); ++c)
+        ranges[c].stays = ranges[c].stays && state.decisions()[c].granted != 0;
+    }
+  }
+  return ranges;
+}
+
+/// What check says of channels that have no best case themselves.
+struct Said {
+  std::map<Outcome, std::size_t> outcomes;
+  std::size_t open_sets = 0;
+};
+
+/// What it says with certainty is so in all cases.
+void compare(const std::string& text, Said& said) {
+  const auto system = description::read_memory(text, "z.xml", {}, description::Users::any);
+  ASSERT_TRUE(system) << description::to_string(system.error().front()) << text;
+  const core::Inspection inspection = core::inspect(*system);
+  const auto ranges = ranges_of(*system);
+  for (std::size_t c = 0; c < ranges.size(); ++c) {
+    const core::ChannelResult& result = inspection.channels[c];
+    if (result.outcome != Outcome::run_time) {
+      ASSERT_EQ(ranges[c].granted, std::set{result.outcome == Outcome::fit}) << c << text;
+    }
+    if (result.outcome == Outcome::fit) {
+      ASSERT_TRUE(ranges[c].stays) << c << text;
+    }
+    if (result.outcome == Outcome::fit && !result.open_set) {
+      ASSERT_EQ(ranges[c].sets, std::set{result.set}) << c << text;
+    }
+    if (system->publishers[c].place.index != 1) continue;
+    ++said.outcomes[result.outcome];
+    said.open_sets += result.open_set ? 1 : 0;
+  }
+}
+
+TEST(Contested, CheckIsCertainOnlyOfWhatIsTheSameInAllCases) {
+  Said said;
+  Random random(1);
+  for (std::uint64_t i = 0; i < kSystems; ++i) {
+    compare(random_contest(random, 2 + random.below(4)), said);
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(said.outcomes[Outcome::run_time], kSystems / 20);
+  EXPECT_GT(said.outcomes[Outcome::fit], kSystems / 3);
+  EXPECT_GT(said.outcomes[Outcome::unfit], kSystems / 20);
+  EXPECT_GT(said.open_sets, kSystems / 50);
+}
+
+/// Not all cases can be tried then.
+TEST(Contested, CheckIsAsCarefulWhereThereAreManyBestCases) {
+  Said said;
+  Random random(1);
+  for (std::uint64_t i = 0; i < kSystems / 10; ++i) {
+    compare(random_contest(random, 15 + random.below(10)), said);
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(said.outcomes[Outcome::run_time], kSystems / 20);
+}
+
+/// Beside x, v has room for its lower set alone.
+TEST(Contested, WhichAttributeSetIsUsedMayBeOpen) {
+  std::string text = text_with("20kB/s");
+  const std::string stated = R"(<Attributes period="10ms" maxPayload="120"/>)";
+  text.replace(text.find(stated), stated.size(),
+               R"(<Attributes priority="2" period="10ms" maxPayload="120"/>)"
+               R"(<Attributes priority="1" period="100ms" maxPayload="120"/>)");
+  const auto system = description::read_memory(text, "z.xml", {}, description::Users::any);
+  ASSERT_TRUE(system) << description::to_string(system.error().front());
+  const core::Inspection inspection = core::inspect(*system);
+  EXPECT_EQ(inspection.channels[1].outcome, Outcome::fit);
+  EXPECT_TRUE(inspection.channels[1].open_set);
+  const auto said = std::ranges::count_if(inspection.findings, [](const core::Finding& f) {
+    return f.text.starts_with(
+        "channel v: which of its attribute sets is used is decided at run time");
+  });
+  EXPECT_EQ(said, 1);
 }
 
 TEST(Contested, GeneratedCodeRefusesNoneOfThem) {

@@ -48,6 +48,7 @@ class Writer {
     tight_ = random_.one_in(3);
     jittery_ = random_.one_in(4);
     slow_ = random_.one_in(4);
+    scarce_ = !slow_ && random_.one_in(4);
     for (std::size_t n = 0; n < networks_; ++n) {
       mesh_.push_back(random_.one_in(2));
       udp_.push_back(!mesh_.back() && random_.one_in(6));
@@ -145,12 +146,13 @@ class Writer {
   std::string provision(std::uint64_t one_in, bool gateway) {
     std::string out;
     const auto states = [&] { return random_.one_in(one_in); };
-    const auto best_case = [&] { return random_.one_in(8); };
+    const auto best_case = [&] { return random_.one_in(scarce_ ? 16 : 8); };
     if (states()) out += seconds("Latency", random_.below(gateway ? 200 : 4000), best_case());
     if (states()) out += seconds("Jitter", random_.below(gateway ? 200 : 4000), best_case());
     if (!gateway && states()) out += seconds("Period", 100 + random_.below(10000), best_case());
     if (!random_.one_in(4)) out += stated("Omission", "", random_.below(3), 0, best_case());
-    if (random_.one_in(3)) out += rate(2000 + random_.below(50000), best_case());
+    if (scarce_ || random_.one_in(3))
+      out += rate((scarce_ ? 500 : 2000) + random_.below(scarce_ ? 8000 : 50000), best_case());
     if (!gateway && states()) out += bytes(8 + random_.below(40));
     if (random_.one_in(4)) out += stated("PacketLoss", "", random_.below(50), -3, best_case());
     for (const Own& own : own_)
@@ -188,7 +190,8 @@ class Writer {
     auto out = fmt::format("<Network name=\"n{}\"><Kind>can</Kind><Profile>{}</Profile>", n,
                            kProfiles.at(profiles_[n]));
     if (computed)
-      out += fmt::format("<Bus bitrate=\"{}\"{}{}{}{}/>", random_.one_of(rates),
+      out += fmt::format("<Bus bitrate=\"{}\"{}{}{}{}/>",
+                         scarce_ ? rates.front() : random_.one_of(rates),
                          random_.one_in(8) ? " background-load=\"0.05\"" : "",
                          random_.one_in(8) ? " errors=\"1\" error-interval=\"0.02\"" : "",
                          random_.one_in(4) ? " unknown-senders=\"true\"" : "",
@@ -327,7 +330,8 @@ class Writer {
   std::size_t gateways_ = 0;
   std::vector<Own> own_;
   bool tight_ = false;
-  bool slow_ = false;  ///< periods are long
+  bool slow_ = false;    ///< periods are long
+  bool scarce_ = false;  ///< there is not room for all
   bool jittery_ = false;
   bool numbered_ = false;  ///< some network's frames carry their node
   bool short_ = false;     ///< some network has no fragments

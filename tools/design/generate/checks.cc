@@ -76,7 +76,8 @@ Decisions::Decisions(const core::System& system)
       deliveries_[{v.publisher, v.to, decision.set}] = {
           hops_of(v), v.granted || v.outcome == Outcome::run_time, kept};
   };
-  static_cast<void>(core::inspect(system, {}, keep));
+  for (const core::ChannelResult& result : core::inspect(system, {}, keep).channels)
+    open_sets_.push_back(result.open_set);
 }
 
 std::vector<Pair> pairs_of(const core::System& system, const core::Members& members,

@@ -42,8 +42,10 @@ class Decisions {
   [[nodiscard]] const Delivery& of(std::size_t publisher, core::Place to, std::size_t set) const {
     return deliveries_.at({publisher, to, set});
   }
-  /// The attribute set that a channel uses.
+  /// The attribute set that a channel uses, if all best cases hold.
   [[nodiscard]] std::size_t set_of(std::size_t channel) const { return sets_.at(channel); }
+  /// Which set it uses is decided at run time: it depends on which best cases hold.
+  [[nodiscard]] bool has_open_set(std::size_t channel) const { return open_sets_.at(channel); }
   /// Who publishes and who subscribes each channel.
   [[nodiscard]] const core::Members& members() const { return members_; }
   /// Errors of a channel in the set that it uses.
@@ -55,6 +57,7 @@ class Decisions {
   core::Members members_;
   std::map<std::tuple<std::size_t, core::Place, std::size_t>, Delivery> deliveries_;
   std::vector<std::size_t> sets_;
+  std::vector<bool> open_sets_;
   std::vector<std::shared_ptr<const std::vector<core::Finding>>> errors_;
 };
 

@@ -380,6 +380,10 @@ class Writer {
     if (in_use) add_errors_of_channel(out, channel_index, between, !pair.publisher);
     const auto* found = delivery(pair, set);
     if (found == nullptr) return out;
+    if (decisions_.has_open_set(channel_index) && in_use) {
+      if (!found->granted) out.push_back(refused(pair, *found, between));
+      return out;
+    }
     out.push_back({between + ": what is sent against what is asked.",
                    stem + "Traffic",
                    fmt::format("mlcca::CheckTraffic<{}, {}>", list(pair.publisher, set),
@@ -403,12 +407,16 @@ class Writer {
     }
     if (!found->granted &&
         !is_refused_by_types(system_, pair.publisher->index, pair.subscriber->index, set, hops))
-      out.push_back(
-          {between + ": refused for more than these two.",
-           {},
-           {},
-           refusal_of(system_, *found->errors, pair.publisher->index, pair.subscriber->index)});
+      out.push_back(refused(pair, *found, between));
     return out;
+  }
+
+  [[nodiscard]] CheckText refused(const Pair& pair, const Decisions::Delivery& delivery,
+                                  const std::string& between) const {
+    return {between + ": refused for more than these two.",
+            {},
+            {},
+            refusal_of(system_, *delivery.errors, pair.publisher->index, pair.subscriber->index)};
   }
 
   /// What is wrong with a channel as a whole, or with a subscriber that no publisher sends to.
