@@ -21,5 +21,6 @@ $O/gen/%.pb.o: $O/gen/%.pb.cc
 	$(call say,CXX,$<)
 	$(Q)$(CXX) $(STD) -w $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c $< -o $@
 PROTOBUF_OBJECTS := $O/gen/mlcca/v1/control.pb.o $O/gen/mlcca/v1/options.pb.o
+PROTOBUF_HEADERS := $(PROTOBUF_OBJECTS:.o=.h)
 $(PROTOBUF_OBJECTS): $O/gen/mlcca/v1/options.pb.h
-$O/tests/control/protobuf_test.o $O/fuzz/obj/tests/control/protobuf_test.o: | $O/gen/mlcca/v1/control.pb.h $O/gen/mlcca/v1/options.pb.h
+$O/tests/control/protobuf_test.o $O/fuzz/obj/tests/control/protobuf_test.o: | $(PROTOBUF_HEADERS)

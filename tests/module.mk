@@ -17,7 +17,7 @@ soak: check-sanitized-all soak-fault soak-kills soak-torn soak-bus soak-cluster 
 
 $O/bundle/tests/%.o: CXXFLAGS := $(patsubst -O2,-O1,$(CXXFLAGS))
 $O/bundle/tests/%.o: CPPFLAGS += $(XML_CFLAGS) $(NL_CFLAGS) $(TOOLS_CPPFLAGS)
-$O/bundle/tests/%.o: $O/bundle/tests/%.cc | $(BPF_SKELETONS) $(BPF_TEST_SKELETONS) $(CONTROL_HEADERS) $(DESCRIPTION_TABLES)
+$O/bundle/tests/%.o: $O/bundle/tests/%.cc | $(BPF_SKELETONS) $(BPF_TEST_SKELETONS) $(CONTROL_HEADERS) $(DESCRIPTION_TABLES) $(PROTOBUF_HEADERS)
 	$(call say,CXX,tests/$* ($(words $(filter-out $(hash)include,$(shell cat $<))) files))
 	$(Q)$(CXX) $(STD) $(WARN) -Wno-subobject-linkage $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c $< -o $@
 
