@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "client/local_socket.hpp"
 
+#include <linux/filter.h>
+#include <sys/random.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 
@@ -11,9 +13,46 @@
 #include "base/big_endian.hpp"
 #include "base/system_error.hpp"
 #include "base/unix_address.hpp"
+#include "control/local_address.hpp"
 
 namespace mlcca::client {
 namespace {
+
+constexpr std::size_t kKey = sizeof(std::uint64_t);
+
+Result<std::uint64_t> random_key() {
+  std::uint64_t key = 0;
+  if (::getrandom(&key, sizeof key, 0) != sizeof key) return system_error("getrandom");
+  return key;
+}
+
+/// From now on, and for good, the kernel drops each datagram that does not begin with the key,
+/// before it looks for room in the queue. All of the key is compared at once: how long a sendto()
+/// takes says nothing of a part of it.
+Result<void> accept_only(const Fd& socket, std::uint64_t key) {
+  constexpr unsigned half = 32;
+  const auto high = static_cast<std::uint32_t>(key >> half);
+  const auto low = static_cast<std::uint32_t>(key);
+  constexpr std::uint32_t all = ~std::uint32_t{0};
+  std::array program{
+      sock_filter BPF_STMT(BPF_LD | BPF_W | BPF_ABS, 0),  // shorter ones end here, dropped
+      sock_filter BPF_STMT(BPF_ALU | BPF_XOR | BPF_K, high),
+      sock_filter BPF_STMT(BPF_MISC | BPF_TAX, 0),
+      sock_filter BPF_STMT(BPF_LD | BPF_W | BPF_ABS, sizeof high),
+      sock_filter BPF_STMT(BPF_ALU | BPF_XOR | BPF_K, low),
+      sock_filter BPF_STMT(BPF_ALU | BPF_OR | BPF_X, 0),
+      sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, 0, 0, 1),
+      sock_filter BPF_STMT(BPF_RET | BPF_K, all),
+      sock_filter BPF_STMT(BPF_RET | BPF_K, 0),
+  };
+  const sock_fprog filter{.len = program.size(), .filter = program.data()};
+  if (::setsockopt(socket.get(), SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) != 0)
+    return system_error("SO_ATTACH_FILTER");
+  const int on = 1;
+  if (::setsockopt(socket.get(), SOL_SOCKET, SO_LOCK_FILTER, &on, sizeof on) != 0)
+    return system_error("SO_LOCK_FILTER");
+  return {};
+}
 
 /// The user who has sent a message; nobody where the kernel does not say.
 uid_t sender_of(msghdr& message) {
@@ -35,6 +74,10 @@ Result<LocalSocket> LocalSocket::open() {
   const int on = 1;
   if (::setsockopt(socket.get(), SOL_SOCKET, SO_PASSCRED, &on, sizeof on) != 0)
     return system_error("SO_PASSCRED");
+  const auto key = random_key();
+  if (!key) return std::unexpected(key.error());
+  // Before it has a name that others can send to.
+  if (const auto done = accept_only(socket, *key); !done) return std::unexpected(done.error());
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (::bind(socket.get(), generic(address), sizeof address.sun_family) != 0)
@@ -45,7 +88,9 @@ Result<LocalSocket> LocalSocket::open() {
     return system_error("getsockname");
   const std::size_t before = offsetof(sockaddr_un, sun_path) + 1;  // and the null byte
   if (size <= before) return fail("the kernel gave no address to a socket");
-  return LocalSocket(std::move(socket), std::string(&address.sun_path[1], size - before));
+  const control::LocalAddress own{.name = std::string(&address.sun_path[1], size - before),
+                                  .key = *key};
+  return LocalSocket(std::move(socket), control::to_text(own));
 }
 
 std::size_t LocalSocket::receive(std::size_t most, const OnEvent& on_event) {
@@ -62,25 +107,30 @@ std::size_t LocalSocket::receive(std::size_t most, const OnEvent& on_event) {
     const auto bytes = static_cast<std::size_t>(n);
     if (bytes < kHeader || (message.msg_flags & MSG_TRUNC) != 0) continue;
     const Octets all(buffer_.data(), bytes);
-    on_event(from_big_endian(all.first(kHeader)), sender_of(message), all.subspan(kHeader));
+    const Octets subject = all.first(kHeader).subspan(kKey);
+    on_event(from_big_endian(subject), sender_of(message), all.subspan(kHeader));
   }
   return most;
 }
 
-bool LocalSocket::send(const std::string& to, std::uint64_t subject, Octets event) {
+bool LocalSocket::send(const std::string& address, std::uint64_t subject, Octets event) {
+  const auto to = control::local_address_in(address);
+  if (!to) return false;
+  auto key = big_endian(to->key);
   auto header = big_endian(subject);
   // The kernel reads them, and nothing else.
-  std::array<iovec, 2> data{
+  std::array<iovec, 3> data{
+      iovec{.iov_base = key.data(), .iov_len = key.size()},
       iovec{.iov_base = header.data(), .iov_len = header.size()},
       iovec{.iov_base = const_cast<std::uint8_t*>(event.data()),  // NOLINT(*-const-cast)
             .iov_len = event.size()}};
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  if (to.size() + 2 > sizeof address.sun_path) return false;
-  to.copy(&address.sun_path[1], to.size());
+  sockaddr_un receiver{};
+  receiver.sun_family = AF_UNIX;
+  to->name.copy(&receiver.sun_path[1], to->name.size());
   msghdr message{};
-  message.msg_name = &address;
-  message.msg_namelen = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + to.size());
+  message.msg_name = &receiver;
+  message.msg_namelen =
+      static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + to->name.size());
   message.msg_iov = data.data();
   message.msg_iovlen = data.size();
   return ::sendmsg(socket_.get(), &message, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0;

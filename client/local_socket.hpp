@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Events between programs on the gateway, where no network is in between: datagrams of AF_UNIX from
-// the publisher's program to the subscriber's. A datagram is the subject, big-endian, and the
-// event. The kernel says which user has sent it, so that nobody can pose as a publisher.
+// the publisher's program to the subscriber's. A datagram is the key of the receiver, the subject,
+// both big-endian, and the event. An abstract address has no permissions, so every program can
+// send there: the kernel drops what begins with another key before it is queued, and says of the
+// rest which user has sent it, so that nobody can pose as a publisher.
 #pragma once
 #include <sys/types.h>
 
@@ -25,22 +27,23 @@ class LocalSocket {
   /// The longest event, bytes.
   static constexpr std::size_t kMostBytes = 65'535;
 
-  /// Binds it to an address that the kernel chooses.
+  /// With a random key, bound to a name that the kernel chooses.
   static Result<LocalSocket> open();
 
   [[nodiscard]] int fd() const { return socket_.get(); }
-  /// Five hexadecimal digits; see unix(7), autobind.
+  /// Its name and its key, see control::LocalAddress.
   [[nodiscard]] const std::string& address() const { return address_; }
 
   /// At most `most` events, without waiting. How many came.
   std::size_t receive(std::size_t most, const OnEvent& on_event);
-  /// False: the receiver is gone, or its queue is full, and the event is lost to it.
+  /// False: it is no address, the receiver is gone, or its queue is full, and the event is lost to
+  /// it.
   bool send(const std::string& address, std::uint64_t subject, Octets event);
 
  private:
   LocalSocket(Fd socket, std::string address)
       : socket_(std::move(socket)), address_(std::move(address)), buffer_(kHeader + kMostBytes) {}
-  static constexpr std::size_t kHeader = 8;
+  static constexpr std::size_t kHeader = 16;
 
   Fd socket_;
   std::string address_;

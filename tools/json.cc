@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "control/fields.hpp"
+#include "control/local_address.hpp"
 #include "core/model/text.hpp"
 #include "mlcca/attribute.hpp"
 #include "tools/audit.hpp"
@@ -114,6 +115,14 @@ Json of(const control::Audit& a) {
     one["advice"] = advised.empty() ? Json() : Json(advised);
     one["add"] = additions[i].empty() ? Json() : Json(additions[i]);
   }
+  return out;
+}
+
+/// A receiver on the gateway has the name of its socket, and not its key: what is printed is kept
+/// in logs.
+Json of(const control::Endpoint& e) {
+  auto out = fields_of(e);
+  out["local"] = e.local.substr(0, control::LocalAddress::kNameDigits);
   return out;
 }
 

@@ -2,28 +2,18 @@
 #include "daemon/gateway/local_ends.hpp"
 
 #include <algorithm>
-#include <string_view>
 #include <utility>
 
+#include "control/local_address.hpp"
+
 namespace mlcca {
-namespace {
-
-/// Of unix(7): "The address consists of a null byte followed by 5 bytes in the character set
-/// [0-9a-f]." Other names may be those of somebody's service.
-bool is_given_by_kernel(std::string_view address) {
-  constexpr std::size_t digits = 5;
-  return address.size() == digits &&
-         address.find_first_not_of("0123456789abcdef") == std::string_view::npos;
-}
-
-}  // namespace
-
 Result<void> LocalEnds::add(const core::EventChannel& channel, uid_t user, std::uint64_t session,
                             const std::string& address) {
-  if (!is_given_by_kernel(address))
-    return fail("'" + address +
-                "' is no address of a socket that was bound without a name: five hexadecimal "
-                "digits, see unix(7)");
+  // It is not repeated: that may be nearly a key.
+  if (!control::local_address_in(address))
+    return fail(
+        "local is the name of a socket that was bound without one (unix(7)) and its key: 5 and 16 "
+        "hexadecimal digits in lower case");
   Ends& ends = ends_[channel.subject];
   const auto known = ends.by_session.find(session);
   if (known != ends.by_session.end() && known->second.address == address) return {};

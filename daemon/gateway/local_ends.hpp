@@ -27,11 +27,12 @@ class LocalEnds {
   /// The log passes on to clients that a channel has other ones. It must outlive this.
   explicit LocalEnds(EventLog& log) : log_(log) {}
 
-  /// Until the session ends. It has one address for each channel. Error: it is no address that the
-  /// kernel gave to a socket, or the channel or the user has too many.
+  /// Until the session ends. It has one address for each channel. Error: it is none (see
+  /// control::LocalAddress), or the channel or the user has too many.
   [[nodiscard]] Result<void> add(const core::EventChannel& channel, uid_t user,
                                  std::uint64_t session, const std::string& address);
   void session_closed(std::uint64_t session);
+  /// With their keys: for programs alone that are granted there as publishers.
   [[nodiscard]] std::vector<std::string> addresses(core::Subject subject) const;
 
  private:

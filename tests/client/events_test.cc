@@ -7,9 +7,12 @@
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/un.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
@@ -66,6 +69,40 @@ struct Came {
   }
 };
 
+/// What a digit of an address stands for.
+unsigned digit(char c) { return c <= '9' ? c - '0' : c - 'a' + 10; }
+
+/// The name of the socket in an address, and its key as datagrams have it.
+std::string name_in(const std::string& address) { return address.substr(0, 5); }
+std::string key_in(const std::string& address) {
+  std::string out;
+  for (std::size_t at = 5; at + 1 < address.size(); at += 2)
+    out += static_cast<char>(digit(address[at]) << 4U | digit(address[at + 1]));
+  return out;
+}
+
+/// A program of another user, where this one may become it, sends each of them, many times.
+void send_as_another_user(const std::string& name, const std::vector<std::string>& datagrams) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    constexpr uid_t nobody = 65'534;
+    if (::geteuid() == 0 && ::setresuid(nobody, nobody, nobody) != 0) ::_exit(2);
+    const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    sockaddr_un to{};
+    to.sun_family = AF_UNIX;
+    name.copy(&to.sun_path[1], name.size());
+    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+    for (int i = 0; i < 600; ++i)  // more than any queue has: net.unix.max_dgram_qlen
+      for (const std::string& one : datagrams)
+        static_cast<void>(::sendto(socket, one.data(), one.size(), MSG_DONTWAIT,
+                                   reinterpret_cast<sockaddr*>(&to), size));
+    ::_exit(0);
+  }
+  int status = -1;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_EQ(status, 0);
+}
+
 class EventsInC : public ::testing::Test {
  protected:
   std::vector<std::string> came() {
@@ -87,7 +124,7 @@ class EventsInC : public ::testing::Test {
 };
 
 TEST_F(EventsInC, AnEventGoesFromOneProgramToTheOther) {
-  ASSERT_EQ(address_.size(), 5U);
+  ASSERT_EQ(address_.size(), 21U);
   EXPECT_EQ(publish("early"), MLCCA_NOT_GRANTED);
   EXPECT_EQ(use(publisher_, 7, MLCCA_PUBLISHER, reply_with({to_program(address_)})), "");
   EXPECT_EQ(use(subscriber_, 3, MLCCA_SUBSCRIBER, reply_with({from_programs_of(::getuid())})), "");
@@ -112,6 +149,66 @@ TEST_F(EventsInC, WhatIsNotGrantedNeitherGoesNorComes) {
   ASSERT_EQ(use(publisher_, 7, MLCCA_PUBLISHER, reply_with({to_program(address_)})), "");
   ASSERT_EQ(use(publisher_, 7, MLCCA_PUBLISHER, encode(error)), "");
   EXPECT_EQ(publish("go"), MLCCA_NOT_GRANTED);
+}
+
+/// The name of its socket is in /proc/net/unix; the key, of 64 bits, is nowhere.
+TEST_F(EventsInC, WhoDoesNotKnowTheKeyFillsNoQueue) {
+  ASSERT_EQ(use(publisher_, 7, MLCCA_PUBLISHER, reply_with({to_program(address_)})), "");
+  ASSERT_EQ(use(subscriber_, 3, MLCCA_SUBSCRIBER, reply_with({from_programs_of(::getuid())})), "");
+  const std::string event = std::string("stop\0\0\0\0", 8) + "flood";
+  const std::string key = key_in(address_);
+  std::vector<std::string> all{
+      "",         event, event + event, std::string(65'000, 's'), std::string(8, '\0') + event,
+      event + key};
+  for (std::size_t octets = 0; octets < key.size(); ++octets) all.push_back(key.substr(0, octets));
+  for (std::size_t bit = 0; bit < 8 * key.size(); ++bit) {
+    std::string other = key;
+    other[bit / 8] = static_cast<char>(other[bit / 8] ^ 1 << bit % 8);
+    all.push_back(other + event);
+  }
+  send_as_another_user(name_in(address_), all);
+  EXPECT_FALSE(is_readable()) << "the kernel keeps none of them";
+  EXPECT_EQ(publish("go"), MLCCA_SENT);
+  EXPECT_EQ(came(), std::vector<std::string>{"3 go"});
+}
+
+/// Whoever knows it is held against the users that are granted.
+TEST_F(EventsInC, TheKeyAloneMakesNoPublisher) {
+  if (::geteuid() != 0) GTEST_SKIP() << "needs another user";
+  ASSERT_EQ(use(subscriber_, 3, MLCCA_SUBSCRIBER, reply_with({from_programs_of(::getuid())})), "");
+  send_as_another_user(name_in(address_),
+                       {key_in(address_) + std::string("stop\0\0\0\0", 8) + "false"});
+  EXPECT_TRUE(is_readable());
+  for (int i = 0; i < 600 && is_readable(); ++i) EXPECT_EQ(came(), std::vector<std::string>{});
+  EXPECT_FALSE(is_readable());
+}
+
+TEST_F(EventsInC, EveryReceiverHasAnotherKey) {
+  const Events other{mlcca_events_new()};
+  const std::string address = mlcca_events_address(other.get());
+  EXPECT_NE(name_in(address), name_in(address_));
+  EXPECT_NE(address.substr(5), address_.substr(5));
+  EXPECT_EQ(mlcca_events_address(other.get()), address) << "it keeps its own";
+  // With the key of another one nothing comes.
+  ASSERT_EQ(use(subscriber_, 3, MLCCA_SUBSCRIBER, reply_with({from_programs_of(::getuid())})), "");
+  const std::string wrong = name_in(address_) + address.substr(5);
+  ASSERT_EQ(use(publisher_, 7, MLCCA_PUBLISHER, reply_with({to_program(wrong)})), "");
+  publish("go");
+  EXPECT_FALSE(is_readable());
+}
+
+/// A daemon gives none of these.
+TEST_F(EventsInC, WhatIsNoAddressIsNotSentTo) {
+  ASSERT_EQ(use(subscriber_, 3, MLCCA_SUBSCRIBER, reply_with({from_programs_of(::getuid())})), "");
+  std::string capital = address_;
+  capital[0] = 'A';
+  for (const std::string& wrong :
+       {name_in(address_), address_ + "0", address_.substr(0, 20), capital,
+        name_in(address_) + "0123456789abcdeg", std::string(21, '\0'), std::string(200, 'a')}) {
+    ASSERT_EQ(use(publisher_, 7, MLCCA_PUBLISHER, reply_with({to_program(wrong)})), "");
+    EXPECT_EQ(publish("go"), MLCCA_LOST) << wrong;
+  }
+  EXPECT_FALSE(is_readable());
 }
 
 TEST_F(EventsInC, AnEndThatHasLeftIsGone) {

@@ -277,7 +277,7 @@ class Clients:
 
     def through(self, events, take, user=os.getuid()):
         """What take(SUBSCRIBER'S PATH, PUBLISH) gives, where PUBLISH() publishes the events and gives what became of each."""
-        of_subscriber = Daemon([granted_for(user=user)])
+        of_subscriber = self.of_subscriber = Daemon([granted_for(user=user)])
         publishers = []
 
         def publish():
@@ -301,6 +301,20 @@ class Clients:
         self.assertEqual([e.data for e in came], [b"go", b"", b"end"])
         self.assertEqual({e.network for e in came}, {""})
         self.assertGreater(came[0].received_ns, 1_600_000_000_000_000_000)
+
+    def test_who_does_not_know_the_key_fills_no_queue(self):
+        def take(path, publish):
+            def flooded():
+                name = b"\0" + self.of_subscriber.requests[0].announce.local[:5].encode()
+                with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as stranger:
+                    stranger.setblocking(False)
+                    for _ in range(600):  # raises BlockingIOError where a queue is full
+                        stranger.sendto(SUBJECT.to_bytes(8, "big") + b"flood", name)
+                return publish()
+            return self.subscriber(path, flooded)
+        sent, came = self.through([b"go", b"end"], take)
+        self.assertEqual(sent[1:], [Published.SENT, Published.SENT])
+        self.assertEqual([e.data for e in came], [b"go", b"end"])
 
     def test_endpoints_that_cannot_be_used_are_an_exception(self):
         wrong = channels(True)
@@ -454,7 +468,7 @@ class Asyncio(Clients, unittest.TestCase):
                 before = stop.publish(b"early")
                 await stop.announce()
                 return before, stop.publish(b"go")
-        daemon = Daemon([granted_for(local="00000")])  # nobody is there
+        daemon = Daemon([granted_for(local="0" * 21)])  # nobody is there
         try:
             self.assertEqual(asyncio.run(asyncio.wait_for(program(daemon.path), 120)), (Published.NOT_GRANTED, Published.LOST))
         finally:

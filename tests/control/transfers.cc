@@ -35,7 +35,7 @@ Transfers full_transfers() {
                    .frame_bytes = 8183,
                    .fragmented = false,
                    .address = "192.0.2.7",
-                   .local = "0a1b2",
+                   .local = "0a1b20123456789abcdef",
                    .user = 1000},
             .event_bytes = 24'608,
             .period_ns = 50'000'000,

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "control/codec.hpp"
+#include "control/local_address.hpp"
 #include "tests/fuzz/demand.hpp"
 #include "tests/fuzz/gateway_under_test.hpp"
 
@@ -99,6 +100,29 @@ std::uint64_t some_admission(Octets& from) {
   return n == 0 ? 0 : first_id + n - 1;
 }
 
+/// Of a subscriber on the gateway: mostly none, or a good one, or one that is nearly good.
+std::string some_local(Octets& from) {
+  std::string out;
+  switch (from.next() % 8) {
+    case 0:
+    case 4:
+      out = "0a1b20123456789abcdef";
+      break;
+    case 5:
+      out = "0a1b20123456789abcdef";
+      out[from.next() % out.size()] = static_cast<char>(from.next());
+      break;
+    case 6:
+      out = from.take(from.next() % 32);
+      break;
+    default:
+      break;
+  }
+  const auto read = control::local_address_in(out);
+  fuzz::demand(!read || control::to_text(*read) == out, "an address is what was read of it");
+  return out;
+}
+
 /// A request of any kind; nearly all of them are ones that may be asked.
 control::AnnounceRequest some_announcement(Octets& from) {
   control::ChannelRequest attributes;
@@ -108,7 +132,7 @@ control::AnnounceRequest some_announcement(Octets& from) {
                                .name = attributes.publisher,
                                .attributes = std::move(attributes.offered)};
   std::ranges::move(attributes.required, std::back_inserter(out.attributes));
-  if (out.role == control::Role::subscriber && from.next() % 4 == 0) out.local = "0a1b2";
+  if (out.role == control::Role::subscriber) out.local = some_local(from);
   return out;
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a delivery, or a reply about many of them, does not list.
+// What a delivery, or a reply about many of them, does not list, and what is not shown at all.
 #include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
 
 #include "tests/control/messages.hpp"
 #include "tools/json.hpp"
@@ -30,6 +33,14 @@ TEST(RenderLeftOutTest, JsonHasTheNumbers) {
   const std::string text = to_json(control::Reply{1, control::Channels{{channel}, 99}});
   EXPECT_NE(text.find("\"rows_left_out\":12"), std::string::npos) << text;
   EXPECT_NE(text.find("\"left_out\":99"), std::string::npos) << text;
+}
+
+/// Output is kept in logs, and a key is for granted publishers alone.
+TEST(RenderLeftOutTest, JsonHasNoKeyOfAReceiver) {
+  control::Channels channels;
+  channels.endpoints.emplace_back().local = "0a1b20123456789abcdef";
+  const std::string text = to_json(control::Reply{1, std::move(channels)});
+  EXPECT_NE(text.find(R"("local":"0a1b2")"), std::string::npos) << text;
 }
 
 }  // namespace

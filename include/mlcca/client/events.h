@@ -40,7 +40,8 @@ MLCCA_API void mlcca_events_free(struct mlcca_events* events);
 /* Can be read when mlcca_events_process() has something to do. It stays the same. */
 MLCCA_API int mlcca_events_fd(const struct mlcca_events* events);
 
-/* For AnnounceRequest.local of a subscriber; valid as long as `events`. Empty: there are no file
+/* For AnnounceRequest.local of a subscriber; valid as long as `events`. Who knows it can send to this
+ * program: it is for the daemon alone, which tells it to granted publishers. Empty: there are no file
  * descriptors left, and events of programs on the gateway do not come. */
 MLCCA_API const char* mlcca_events_address(struct mlcca_events* events);
 

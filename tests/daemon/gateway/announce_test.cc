@@ -278,7 +278,7 @@ TEST_F(Announce, AWithdrawalNamesTheNetworkThatIsDown) {
 TEST_F(Announce, OneUserHasAShareOfThePlacesOnTheGateway) {
   const auto subscribe = [&](uid_t user, std::uint64_t session) {
     AnnounceRequest request{"c0", Role::subscriber, "lamp", {}};
-    request.local = fmt::format("{:05x}", session);
+    request.local = fmt::format("{:05x}{:016x}", session, session);
     return refusal(request, {.pid = 7, .uid = user, .session = session});
   };
   std::uint64_t session = 0;

@@ -2,11 +2,13 @@
 // Where programs on the gateway send granted events, and where they receive them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "control/codec.hpp"
 #include "tests/daemon/gateway/bench.hpp"
 
 namespace mlcca::test {
@@ -20,6 +22,8 @@ using control::Transfer;
 constexpr core::Place kGateway{core::Place::Kind::gateway, 0};
 constexpr core::Place kEthernet{core::Place::Kind::network, 2};
 constexpr uid_t kUser = 1000;
+constexpr const char* kKey = "0123456789abcdef";
+const std::string kLocal = std::string("0a1b2") + kKey;
 
 /// c0 of a program "p0" of user 1000 to both buses and to a program "here".
 core::System with_programs() {
@@ -99,14 +103,14 @@ TEST_F(Endpoints, ASubscriberReceivesWhereEventsComeFrom) {
 
 TEST_F(Endpoints, ProgramsOnTheGatewayReachEachOtherWithoutANetwork) {
   start(with_programs());
-  const AnnounceRequest here{"c0", Role::subscriber, "", {}, "0a1b2"};
+  const AnnounceRequest here{"c0", Role::subscriber, "", {}, kLocal};
   const auto from = endpoints(here, 2, 4711);
   ASSERT_EQ(from.size(), 1U);
   EXPECT_EQ(from[0].user, kUser) << "whose datagrams are the publisher's";
   ASSERT_EQ(bench_->events.back(), "local");
   const auto to = of_publisher();
   ASSERT_EQ(to.size(), 2U);
-  EXPECT_EQ(to[0].local, "0a1b2");
+  EXPECT_EQ(to[0].local, kLocal);
   EXPECT_EQ(to[1].interface, "can1");
 
   const std::size_t events = bench_->events.size();
@@ -117,21 +121,73 @@ TEST_F(Endpoints, ProgramsOnTheGatewayReachEachOtherWithoutANetwork) {
   EXPECT_EQ(of_publisher().size(), 1U);
 }
 
-TEST_F(Endpoints, AnAddressIsOneThatTheKernelGaveToASubscriber) {
+TEST_F(Endpoints, AnAddressIsOneThatTheKernelGaveToASubscriberWithItsKey) {
   start(with_programs());
-  for (const char* address : {"0a1b", "0a1b22", "0A1B2", "/run/", "0a1b\n"})
-    EXPECT_NE(refusal({"c0", Role::subscriber, "", {}, address}, 2), "") << address;
-  EXPECT_NE(refusal({"c0", Role::publisher, "", {}, "0a1b2"}, 2), "");
+  const std::string digits = kLocal;
+  for (const std::string& address :
+       {std::string("0a1b2"), digits.substr(1), digits + "0", "0A1B2" + digits.substr(5),
+        "0a1b2" + std::string("0123456789ABCDEF"), "/run/" + digits.substr(5),
+        digits.substr(0, 20) + "\n", std::string(21, '\0'), std::string(4096, '0')}) {
+    const std::string why = refusal({"c0", Role::subscriber, "", {}, address}, 2);
+    EXPECT_NE(why, "") << address;
+    EXPECT_EQ(why.find(address), std::string::npos) << "it may be nearly a key";
+  }
+  EXPECT_NE(refusal({"c0", Role::publisher, "", {}, kLocal}, 2), "");
   EXPECT_EQ(of_publisher().size(), 1U);
+}
+
+/// All that a request is answered, as it goes over the socket.
+std::string answered(Bench& bench, decltype(control::Request::body) body, const serve::Peer& peer) {
+  const serve::Answer answer = bench.ask(std::move(body), peer);
+  std::string all = control::encode(answer.reply);
+  for (bool more = static_cast<bool>(answer.slices); more;) {
+    const auto slice = answer.slices();
+    if (!slice) break;
+    all += control::encode(control::Reply{.id = 1, .body = slice->body}) + slice->encoded;
+    more = slice->more;
+  }
+  return all;
+}
+
+TEST_F(Endpoints, AKeyIsForGrantedPublishersAlone) {
+  start(with_programs());
+  const AnnounceRequest subscribe{"c0", Role::subscriber, "", {}, kLocal};
+  const AnnounceRequest announce{"c0", Role::publisher, "", {}};
+  const auto says_key = [this](decltype(control::Request::body) body, const serve::Peer& peer) {
+    return answered(*bench_, std::move(body), peer).contains(kKey);
+  };
+  const serve::Peer owner{.pid = 7, .uid = 4711, .session = 2};
+  const serve::Peer other{.pid = 8, .uid = 4712, .session = 3};
+  const serve::Peer root{.pid = 8, .uid = 0, .session = 5};
+  EXPECT_FALSE(says_key(subscribe, owner));
+  EXPECT_TRUE(says_key(announce, {.pid = 9, .uid = kUser, .session = 4}));
+  for (const serve::Peer& peer : {owner, other, root}) {
+    EXPECT_FALSE(says_key(announce, peer)) << peer.uid << ": it is no publisher";
+    EXPECT_FALSE(says_key(AnnounceRequest{"c0", Role::subscriber, "", {}}, peer));
+    EXPECT_FALSE(says_key(control::StatusRequest{}, peer));
+    EXPECT_FALSE(says_key(control::ChannelsRequest{}, peer));
+    EXPECT_FALSE(says_key(control::ExplainRequest{"c0"}, peer));
+    EXPECT_FALSE(says_key(control::RoutesRequest{}, peer));
+    EXPECT_FALSE(says_key(control::TransfersRequest{}, peer));
+    EXPECT_FALSE(says_key(control::ReservationsRequest{}, peer));
+    EXPECT_FALSE(says_key(control::NetworksRequest{}, peer));
+  }
+  const auto is_told = [](const control::Event& event) {
+    return control::encode(control::Reply{.id = 0, .body = event}).contains(kKey);
+  };
+  EXPECT_TRUE(std::ranges::none_of(bench_->published, is_told));
+  bench_->ask(control::WithdrawRequest{"c0"});
+  EXPECT_FALSE(says_key(announce, {.pid = 9, .uid = kUser, .session = 4})) << "nothing is granted";
 }
 
 TEST_F(Endpoints, OneChannelHasSoManySubscribersAndNoMore) {
   start(with_programs());
   for (std::size_t n = 0; n < LocalEnds::kMostOfChannel; ++n)
-    ASSERT_EQ(refusal({"c0", Role::subscriber, "", {}, "0a1b2"}, 2 + n, n == 0 ? kUser : 0), "");
-  EXPECT_EQ(refusal({"c0", Role::subscriber, "", {}, "0a1b2"}, 1000),
+    ASSERT_EQ(refusal({"c0", Role::subscriber, "", {}, kLocal}, 2 + n, n == 0 ? kUser : 0), "");
+  EXPECT_EQ(refusal({"c0", Role::subscriber, "", {}, kLocal}, 1000),
             "c0 has 64 subscribers on this gateway, which is the most");
-  EXPECT_EQ(refusal({"c0", Role::subscriber, "", {}, "0a1b3"}, 2), "") << "it has another one";
+  const std::string other = std::string("0a1b3") + kKey;
+  EXPECT_EQ(refusal({"c0", Role::subscriber, "", {}, other}, 2), "") << "it has another one";
 }
 
 TEST_F(Endpoints, ATransferSaysWhereItComesFromAndGoesTo) {
