@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstring>
 #include <iterator>
+#include <set>
 #include <variant>
 
 #include "base/clock.hpp"
@@ -29,6 +30,12 @@ std::chrono::system_clock::time_point time_of(std::uint64_t unix_ns) {
   return Time(std::chrono::duration_cast<Time::duration>(std::chrono::nanoseconds(unix_ns)));
 }
 
+/// Sockets to receivers on the gateway; with more of them they are opened again and again. One user
+/// has 32 receivers of a channel at most.
+constexpr std::size_t kMostSenders = 256;
+
+bool is_local(const control::Endpoint& endpoint) { return !endpoint.local.empty(); }
+
 /// Of pointers of either kind.
 bool is_same(const auto& a, const auto& b) { return !a.owner_before(b) && !b.owner_before(a); }
 
@@ -47,12 +54,12 @@ bool Client::Data::watch(int fd) const {
 }
 
 std::string Client::Data::address() {
-  if (!local_) {
-    auto socket = LocalSocket::open();
-    if (!socket || !watch(socket->fd())) return {};
-    local_ = std::move(*socket);
+  if (!receiver_) {
+    auto receiver = LocalReceiver::open();
+    if (!receiver || !watch(receiver->fd())) return {};
+    receiver_ = std::move(*receiver);
   }
-  return local_->address();
+  return receiver_->address();
 }
 
 Result<relay::Layer*> Client::Data::layer_of(const control::Endpoint& endpoint) {
@@ -104,7 +111,7 @@ void Client::Data::renew(std::uint32_t ifindex) {
     const auto part = one.part.lock();
     if (!part) continue;
     const auto layer = layer_of(one.endpoint);
-    if (layer && (*layer)->follow(++last_, one.endpoint, one.subject, LocalSocket::kMostBytes))
+    if (layer && (*layer)->follow(++last_, one.endpoint, one.subject, kMostLocalBytes))
       following_.emplace(last_, std::move(one));
     else
       part->endpoints.clear();
@@ -118,42 +125,59 @@ Result<void> Client::Data::use(const PartOf& part, const control::Reply& reply) 
   return use_endpoints(part, channels->endpoints);
 }
 
+/// Of a publisher as well: the first event must not wait until its socket is there.
+Result<void> Client::Data::use_endpoint(const PartOf& part, const control::Endpoint& endpoint) {
+  const auto layer = layer_of(endpoint);
+  if (!layer) return std::unexpected(layer.error());
+  if (part->request.role == control::Role::publisher) return {};
+  auto followed = (*layer)->follow(++last_, endpoint, part->subject, kMostLocalBytes);
+  if (followed) following_.emplace(last_, Following{part, endpoint, part->subject});
+  return followed;
+}
+
 Result<void> Client::Data::use_endpoints(const PartOf& part,
                                          std::vector<control::Endpoint> endpoints) {
   leave_expired();
   const bool publishes = part->request.role == control::Role::publisher;
-  Result<void> done;
-  if (!publishes && endpoints == part->endpoints) return done;
+  if (!publishes && endpoints == part->endpoints) return {};
   leave(part);
-  std::erase_if(locals_,
-                [&](const auto& other) { return other.expired() || is_same(other, part); });
+  for (auto* list : {&locals_, &publishers_})
+    std::erase_if(*list,
+                  [&](const auto& other) { return other.expired() || is_same(other, part); });
+  Result<void> done;
   for (const control::Endpoint& endpoint : endpoints) {
     if (endpoint.user) locals_.push_back(part);
-    if (endpoint.user || !endpoint.local.empty()) continue;
-    // Of a publisher as well: the first event must not wait until its socket is there.
-    const auto layer = layer_of(endpoint);
-    Result<void> followed;
-    if (!layer) followed = std::unexpected(layer.error());
-    if (layer && !publishes) {
-      followed = (*layer)->follow(++last_, endpoint, part->subject, LocalSocket::kMostBytes);
-      if (followed) following_.emplace(last_, Following{part, endpoint, part->subject});
-    }
-    if (!followed) done = fail(endpoint.network + ": " + followed.error().text);
+    if (endpoint.user || is_local(endpoint)) continue;
+    if (const auto used = use_endpoint(part, endpoint); !used)
+      done = fail(endpoint.network + ": " + used.error().text);
   }
   part->endpoints = std::move(endpoints);
+  if (publishes && std::ranges::any_of(part->endpoints, is_local)) publishers_.push_back(part);
+  close_unused_senders();
   return done;
+}
+
+/// A receiver may be gone without a word, and its name another one's.
+void Client::Data::close_unused_senders() {
+  if (senders_.empty()) return;
+  std::set<std::string> used;
+  for (const auto& weak : publishers_)
+    if (const auto part = weak.lock())
+      for (const control::Endpoint& endpoint : part->endpoints)
+        if (is_local(endpoint)) used.insert(endpoint.local);
+  std::erase_if(senders_, [&](const auto& one) { return !used.contains(one.first); });
 }
 
 // --- events --------------------------------------------------------------------------------------
 
 Published Client::Data::publish(const Channel::Part& part, Octets event) {
-  if (event.size() > LocalSocket::kMostBytes) return Published::too_long;
+  if (event.size() > kMostLocalBytes) return Published::too_long;
   if (part.endpoints.empty()) return Published::not_granted;
   std::size_t sent = 0;
   bool too_long = false;
   for (const control::Endpoint& endpoint : part.endpoints) {
-    if (!endpoint.local.empty()) {
-      if (!address().empty() && local_->send(endpoint.local, part.subject, event)) ++sent;
+    if (is_local(endpoint)) {
+      if (send_local(endpoint.local, part.subject, event)) ++sent;
       continue;
     }
     const auto layer = layer_of(endpoint);
@@ -166,6 +190,20 @@ Published Client::Data::publish(const Channel::Part& part, Octets event) {
   if (sent == part.endpoints.size()) return Published::sent;
   if (sent != 0) return Published::partly;
   return too_long ? Published::too_long : Published::lost;
+}
+
+/// False: the event is lost to that receiver.
+bool Client::Data::send_local(const std::string& address, std::uint64_t subject, Octets event) {
+  auto to = senders_.find(address);
+  if (to == senders_.end()) {
+    auto sender = LocalSender::open(address);
+    if (!sender) return false;
+    if (senders_.size() >= kMostSenders) senders_.erase(senders_.begin());
+    to = senders_.emplace(address, std::move(*sender)).first;
+  }
+  const auto sent = to->second.send(subject, event);
+  if (sent == LocalSender::Sent::gone) senders_.erase(to);
+  return sent == LocalSender::Sent::sent;
 }
 
 void Client::Data::take_local(std::uint64_t subject, uid_t from, Octets event) {
@@ -188,8 +226,8 @@ void Client::Data::take(const relay::Layer::Arrival& arrival) {
 }
 
 bool Client::Data::receive(int fd) {
-  if (local_ && local_->fd() == fd) {
-    local_->receive(kMostEvents, [this](std::uint64_t subject, uid_t from, Octets event) {
+  if (receiver_ && receiver_->fd() == fd) {
+    receiver_->receive(kMostEvents, [this](std::uint64_t subject, uid_t from, Octets event) {
       take_local(subject, from, event);
     });
     return true;

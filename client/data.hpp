@@ -68,22 +68,27 @@ class Client::Data {
   void time_expiry();
   void expire();
   Result<relay::Layer*> layer_of(const control::Endpoint& endpoint);
+  Result<void> use_endpoint(const PartOf& part, const control::Endpoint& endpoint);
   Result<void> use_endpoints(const PartOf& part, std::vector<control::Endpoint> endpoints);
   void leave(const std::weak_ptr<Channel::Part>& part);
   void leave_expired();
   void renew(std::uint32_t ifindex);
+  [[nodiscard]] bool send_local(const std::string& address, std::uint64_t subject, Octets event);
+  void close_unused_senders();
   void take_local(std::uint64_t subject, uid_t from, Octets event);
   void take(const relay::Layer::Arrival& arrival);
 
   const Fd& epoll_;
   Fd timer_;  ///< for what is begun and not completed
   bool is_timed_ = false;
-  std::optional<LocalSocket> local_;
+  std::optional<LocalReceiver> receiver_;
+  std::map<std::string, LocalSender> senders_;                     ///< by address
   std::map<std::uint32_t, std::unique_ptr<relay::Layer>> layers_;  ///< by interface
   std::uint64_t closed_losses_ = 0;  ///< of interfaces that were closed
   std::map<Follower, Following> following_;
   Follower last_ = 0;
   std::vector<std::weak_ptr<Channel::Part>> locals_;  ///< that receive from programs on the gateway
+  std::vector<std::weak_ptr<Channel::Part>> publishers_;  ///< that send to such programs
   std::vector<Arrived> arrived_;
 };
 

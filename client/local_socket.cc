@@ -7,6 +7,7 @@
 #include <sys/un.h>
 
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <utility>
 
@@ -68,7 +69,7 @@ uid_t sender_of(msghdr& message) {
 
 }  // namespace
 
-Result<LocalSocket> LocalSocket::open() {
+Result<LocalReceiver> LocalReceiver::open() {
   Fd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!socket) return system_error("socket");
   const int on = 1;
@@ -90,10 +91,10 @@ Result<LocalSocket> LocalSocket::open() {
   if (size <= before) return fail("the kernel gave no address to a socket");
   const control::LocalAddress own{.name = std::string(&address.sun_path[1], size - before),
                                   .key = *key};
-  return LocalSocket(std::move(socket), control::to_text(own));
+  return LocalReceiver(std::move(socket), control::to_text(own));
 }
 
-std::size_t LocalSocket::receive(std::size_t most, const OnEvent& on_event) {
+std::size_t LocalReceiver::receive(std::size_t most, const OnEvent& on_event) {
   for (std::size_t count = 0; count < most; ++count) {
     iovec data{.iov_base = buffer_.data(), .iov_len = buffer_.size()};
     alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(ucred))> control{};
@@ -113,10 +114,22 @@ std::size_t LocalSocket::receive(std::size_t most, const OnEvent& on_event) {
   return most;
 }
 
-bool LocalSocket::send(const std::string& address, std::uint64_t subject, Octets event) {
+Result<LocalSender> LocalSender::open(std::string_view address) {
   const auto to = control::local_address_in(address);
-  if (!to) return false;
-  auto key = big_endian(to->key);
+  if (!to) return fail("a receiver on the gateway has no such address");
+  Fd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (!socket) return system_error("socket");
+  sockaddr_un receiver{};
+  receiver.sun_family = AF_UNIX;
+  to->name.copy(&receiver.sun_path[1], to->name.size());
+  const std::size_t size = offsetof(sockaddr_un, sun_path) + 1 + to->name.size();
+  if (::connect(socket.get(), generic(receiver), static_cast<socklen_t>(size)) != 0)
+    return system_error("connect");
+  return LocalSender(std::move(socket), to->key);
+}
+
+LocalSender::Sent LocalSender::send(std::uint64_t subject, Octets event) {
+  auto key = big_endian(key_);
   auto header = big_endian(subject);
   // The kernel reads them, and nothing else.
   std::array<iovec, 3> data{
@@ -124,16 +137,11 @@ bool LocalSocket::send(const std::string& address, std::uint64_t subject, Octets
       iovec{.iov_base = header.data(), .iov_len = header.size()},
       iovec{.iov_base = const_cast<std::uint8_t*>(event.data()),  // NOLINT(*-const-cast)
             .iov_len = event.size()}};
-  sockaddr_un receiver{};
-  receiver.sun_family = AF_UNIX;
-  to->name.copy(&receiver.sun_path[1], to->name.size());
   msghdr message{};
-  message.msg_name = &receiver;
-  message.msg_namelen =
-      static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + to->name.size());
   message.msg_iov = data.data();
   message.msg_iovlen = data.size();
-  return ::sendmsg(socket_.get(), &message, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0;
+  if (::sendmsg(socket_.get(), &message, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0) return Sent::sent;
+  return errno == ECONNREFUSED || errno == ENOTCONN ? Sent::gone : Sent::full;
 }
 
 }  // namespace mlcca::client

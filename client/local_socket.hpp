@@ -12,6 +12,8 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/handle.hpp"
@@ -19,16 +21,16 @@
 
 namespace mlcca::client {
 
-class LocalSocket {
+/// The longest event, bytes.
+inline constexpr std::size_t kMostLocalBytes = 65'535;
+
+class LocalReceiver {
  public:
   using Octets = std::span<const std::uint8_t>;
   using OnEvent = std::function<void(std::uint64_t subject, uid_t from, Octets event)>;
 
-  /// The longest event, bytes.
-  static constexpr std::size_t kMostBytes = 65'535;
-
   /// With a random key, bound to a name that the kernel chooses.
-  static Result<LocalSocket> open();
+  static Result<LocalReceiver> open();
 
   [[nodiscard]] int fd() const { return socket_.get(); }
   /// Its name and its key, see control::LocalAddress.
@@ -36,18 +38,40 @@ class LocalSocket {
 
   /// At most `most` events, without waiting. How many came.
   std::size_t receive(std::size_t most, const OnEvent& on_event);
-  /// False: it is no address, the receiver is gone, or its queue is full, and the event is lost to
-  /// it.
-  bool send(const std::string& address, std::uint64_t subject, Octets event);
 
  private:
-  LocalSocket(Fd socket, std::string address)
-      : socket_(std::move(socket)), address_(std::move(address)), buffer_(kHeader + kMostBytes) {}
+  LocalReceiver(Fd socket, std::string address)
+      : socket_(std::move(socket)),
+        address_(std::move(address)),
+        buffer_(kHeader + kMostLocalBytes) {}
   static constexpr std::size_t kHeader = 16;
 
   Fd socket_;
   std::string address_;
   std::vector<std::uint8_t> buffer_;
+};
+
+/// To one receiver, by a socket of its own. What a receiver does not read takes from the room of
+/// the socket that it was sent by (SO_SNDBUF): sent by one socket, it would keep events from the
+/// others.
+class LocalSender {
+ public:
+  using Octets = std::span<const std::uint8_t>;
+  enum class Sent : std::uint8_t {
+    sent,
+    full,  ///< the event is lost to it
+    gone,  ///< nobody receives there any more
+  };
+
+  /// Error: it is no address, or nobody receives there.
+  static Result<LocalSender> open(std::string_view address);
+  [[nodiscard]] Sent send(std::uint64_t subject, Octets event);
+
+ private:
+  LocalSender(Fd socket, std::uint64_t key) : socket_(std::move(socket)), key_(key) {}
+
+  Fd socket_;
+  std::uint64_t key_;
 };
 
 }  // namespace mlcca::client

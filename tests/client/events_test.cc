@@ -13,10 +13,14 @@
 
 #include <array>
 #include <cstddef>
+#include <filesystem>
+#include <iterator>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "client/local_socket.hpp"
 #include "control/codec.hpp"
 
 namespace mlcca::client {
@@ -88,6 +92,7 @@ void send_as_another_user(const std::string& name, const std::vector<std::string
     constexpr uid_t nobody = 65'534;
     if (::geteuid() == 0 && ::setresuid(nobody, nobody, nobody) != 0) ::_exit(2);
     const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (socket < 0) ::_exit(3);
     sockaddr_un to{};
     to.sun_family = AF_UNIX;
     name.copy(&to.sun_path[1], name.size());
@@ -195,6 +200,51 @@ TEST_F(EventsInC, EveryReceiverHasAnotherKey) {
   ASSERT_EQ(use(publisher_, 7, MLCCA_PUBLISHER, reply_with({to_program(wrong)})), "");
   publish("go");
   EXPECT_FALSE(is_readable());
+}
+
+/// Every local user may subscribe. What one does not read is kept in the room of a socket of the
+/// publisher.
+TEST_F(EventsInC, WhoDoesNotReadTakesNothingFromOthers) {
+  const Events deaf{mlcca_events_new()};
+  ASSERT_EQ(use(publisher_, 7, MLCCA_PUBLISHER,
+                reply_with({to_program(mlcca_events_address(deaf.get())), to_program(address_)})),
+            "");
+  ASSERT_EQ(use(subscriber_, 3, MLCCA_SUBSCRIBER, reply_with({from_programs_of(::getuid())})), "");
+  const std::string event(30'000, 'a');
+  for (int i = 0; i < 40; ++i) {
+    EXPECT_NE(publish(event), MLCCA_LOST) << i;
+    EXPECT_EQ(came().size(), 1U) << i;
+  }
+  EXPECT_EQ(publish(event), MLCCA_PARTLY);
+}
+
+/// There may be more of them than a program has descriptors to spare.
+TEST_F(EventsInC, ManyReceiversTakeABoundedNumberOfSockets) {
+  const auto descriptors = [] {
+    const std::filesystem::directory_iterator all("/proc/self/fd");
+    return std::distance(begin(all), end(all));
+  };
+  std::vector<LocalReceiver> receivers;
+  std::vector<control::Endpoint> endpoints;
+  for (int i = 0; i < 300; ++i) {
+    auto receiver = LocalReceiver::open();
+    ASSERT_TRUE(receiver) << receiver.error().text;
+    endpoints.push_back(to_program(receiver->address()));
+    receivers.push_back(std::move(*receiver));
+  }
+  const auto before = descriptors();
+  ASSERT_EQ(use(publisher_, 7, MLCCA_PUBLISHER, reply_with(endpoints)), "");
+  EXPECT_EQ(publish("go"), MLCCA_SENT);
+  EXPECT_EQ(publish("go"), MLCCA_SENT);
+  EXPECT_LE(descriptors(), before + 256);
+  for (LocalReceiver& receiver : receivers) EXPECT_EQ(receiver.receive(10, [](auto...) {}), 2U);
+  // Those that are not stated any more are closed, and those that are gone.
+  endpoints.resize(3);
+  ASSERT_EQ(use(publisher_, 7, MLCCA_PUBLISHER, reply_with(endpoints)), "");
+  EXPECT_LE(descriptors(), before + 3);
+  receivers.clear();
+  EXPECT_EQ(publish("go"), MLCCA_LOST);
+  EXPECT_EQ(descriptors(), before - 300);
 }
 
 /// A daemon gives none of these.
