@@ -206,12 +206,16 @@ bool Client::Data::send_local(const std::string& address, std::uint64_t subject,
   return sent == LocalSender::Sent::sent;
 }
 
-void Client::Data::take_local(std::uint64_t subject, uid_t from, Octets event) {
+void Client::Data::take_local(const LocalEvent& event) {
   for (const auto& weak : locals_) {
     const auto part = weak.lock();
-    if (!part || part->subject != subject) continue;
-    if (std::ranges::any_of(part->endpoints, [&](const auto& e) { return e.user == from; }))
-      arrived_.push_back({weak, {}, {event.begin(), event.end()}, unix_ns()});
+    if (!part || part->subject != event.subject) continue;
+    const auto is_from = [&](const control::Endpoint& e) { return e.user == event.from; };
+    if (std::ranges::any_of(part->endpoints, is_from))
+      arrived_.push_back({weak,
+                          {},
+                          {event.octets.begin(), event.octets.end()},
+                          event.unix_ns == 0 ? unix_ns() : event.unix_ns});
   }
 }
 
@@ -227,9 +231,7 @@ void Client::Data::take(const relay::Layer::Arrival& arrival) {
 
 bool Client::Data::receive(int fd) {
   if (receiver_ && receiver_->fd() == fd) {
-    receiver_->receive(kMostEvents, [this](std::uint64_t subject, uid_t from, Octets event) {
-      take_local(subject, from, event);
-    });
+    receiver_->receive(kMostEvents, [this](const LocalEvent& event) { take_local(event); });
     return true;
   }
   if (timer_.get() == fd) {

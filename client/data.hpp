@@ -75,7 +75,7 @@ class Client::Data {
   void renew(std::uint32_t ifindex);
   [[nodiscard]] bool send_local(const std::string& address, std::uint64_t subject, Octets event);
   void close_unused_senders();
-  void take_local(std::uint64_t subject, uid_t from, Octets event);
+  void take_local(const LocalEvent& event);
   void take(const relay::Layer::Arrival& arrival);
 
   const Fd& epoll_;

@@ -9,12 +9,14 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <ctime>
 #include <utility>
 
 #include "base/big_endian.hpp"
 #include "base/system_error.hpp"
 #include "base/unix_address.hpp"
 #include "control/local_address.hpp"
+#include "relay/layers/sockets.hpp"
 
 namespace mlcca::client {
 namespace {
@@ -73,8 +75,9 @@ Result<LocalReceiver> LocalReceiver::open() {
   Fd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!socket) return system_error("socket");
   const int on = 1;
-  if (::setsockopt(socket.get(), SOL_SOCKET, SO_PASSCRED, &on, sizeof on) != 0)
-    return system_error("SO_PASSCRED");
+  for (const int option : {SO_PASSCRED, SO_TIMESTAMPNS})
+    if (::setsockopt(socket.get(), SOL_SOCKET, option, &on, sizeof on) != 0)
+      return system_error("setsockopt");
   const auto key = random_key();
   if (!key) return std::unexpected(key.error());
   // Before it has a name that others can send to.
@@ -97,7 +100,8 @@ Result<LocalReceiver> LocalReceiver::open() {
 std::size_t LocalReceiver::receive(std::size_t most, const OnEvent& on_event) {
   for (std::size_t count = 0; count < most; ++count) {
     iovec data{.iov_base = buffer_.data(), .iov_len = buffer_.size()};
-    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(ucred))> control{};
+    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(ucred)) + CMSG_SPACE(sizeof(timespec))>
+        control{};
     msghdr message{};
     message.msg_iov = &data;
     message.msg_iovlen = 1;
@@ -107,9 +111,11 @@ std::size_t LocalReceiver::receive(std::size_t most, const OnEvent& on_event) {
     if (n < 0) return count;
     const auto bytes = static_cast<std::size_t>(n);
     if (bytes < kHeader || (message.msg_flags & MSG_TRUNC) != 0) continue;
-    const Octets all(buffer_.data(), bytes);
-    const Octets subject = all.first(kHeader).subspan(kKey);
-    on_event(from_big_endian(subject), sender_of(message), all.subspan(kHeader));
+    const std::span all(std::as_const(buffer_).data(), bytes);
+    on_event({.subject = from_big_endian(all.first(kHeader).subspan(kKey)),
+              .from = sender_of(message),
+              .unix_ns = relay::beside(message).unix_ns,
+              .octets = all.subspan(kHeader)});
   }
   return most;
 }

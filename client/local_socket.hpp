@@ -24,10 +24,17 @@ namespace mlcca::client {
 /// The longest event, bytes.
 inline constexpr std::size_t kMostLocalBytes = 65'535;
 
+/// As it came.
+struct LocalEvent {
+  std::uint64_t subject = 0;
+  uid_t from = 0;
+  std::uint64_t unix_ns = 0;  ///< when the kernel received it; 0: not said
+  std::span<const std::uint8_t> octets;
+};
+
 class LocalReceiver {
  public:
-  using Octets = std::span<const std::uint8_t>;
-  using OnEvent = std::function<void(std::uint64_t subject, uid_t from, Octets event)>;
+  using OnEvent = std::function<void(const LocalEvent&)>;
 
   /// With a random key, bound to a name that the kernel chooses.
   static Result<LocalReceiver> open();

@@ -20,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/clock.hpp"
 #include "client/local_socket.hpp"
 #include "control/codec.hpp"
 
@@ -64,10 +65,12 @@ std::string use(const Events& events, std::uint64_t end, mlcca_role role, const 
 
 struct Came {
   std::vector<std::string> all;
+  std::vector<std::uint64_t> times;
   static void take(void* context, std::uint64_t end, const void* data, std::size_t size,
                    const char* network, std::uint64_t unix_ns) {
     EXPECT_STREQ(network, "");
     EXPECT_GT(unix_ns, 1'600'000'000'000'000'000U);
+    static_cast<Came*>(context)->times.push_back(unix_ns);
     static_cast<Came*>(context)->all.push_back(std::to_string(end) + " " +
                                                std::string(static_cast<const char*>(data), size));
   }
@@ -237,7 +240,8 @@ TEST_F(EventsInC, ManyReceiversTakeABoundedNumberOfSockets) {
   EXPECT_EQ(publish("go"), MLCCA_SENT);
   EXPECT_EQ(publish("go"), MLCCA_SENT);
   EXPECT_LE(descriptors(), before + 256);
-  for (LocalReceiver& receiver : receivers) EXPECT_EQ(receiver.receive(10, [](auto...) {}), 2U);
+  for (LocalReceiver& receiver : receivers)
+    EXPECT_EQ(receiver.receive(10, [](const LocalEvent&) {}), 2U);
   // Those that are not stated any more are closed, and those that are gone.
   endpoints.resize(3);
   ASSERT_EQ(use(publisher_, 7, MLCCA_PUBLISHER, reply_with(endpoints)), "");
@@ -270,6 +274,20 @@ TEST_F(EventsInC, AnEndThatHasLeftIsGone) {
   mlcca_events_leave(publisher_.get(), 7);
   mlcca_events_leave(publisher_.get(), 7);
   EXPECT_EQ(publish("go"), MLCCA_NOT_GRANTED);
+}
+
+/// It may be read long after that.
+TEST_F(EventsInC, TheTimeOfAnEventIsWhenTheKernelReceivedIt) {
+  ASSERT_EQ(use(publisher_, 7, MLCCA_PUBLISHER, reply_with({to_program(address_)})), "");
+  ASSERT_EQ(use(subscriber_, 3, MLCCA_SUBSCRIBER, reply_with({from_programs_of(::getuid())})), "");
+  const std::uint64_t before = unix_ns();
+  ASSERT_EQ(publish("go"), MLCCA_SENT);
+  const std::uint64_t after = unix_ns();
+  Came came;
+  mlcca_events_process(subscriber_.get(), Came::take, &came);
+  ASSERT_EQ(came.times.size(), 1U);
+  EXPECT_GE(came.times[0], before);
+  EXPECT_LE(came.times[0], after);
 }
 
 /// By a timer of its own: nothing comes any more that would find it.
