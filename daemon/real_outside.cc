@@ -36,6 +36,7 @@ Outside RealOutside::outside() {
   return {.gates = ports_,
           .control = control_,
           .links = links_,
+          .can = can_,
           .clock = clock_,
           .disk = store::real_disk(),
           .reading = reading_,

@@ -8,6 +8,7 @@
 #include "daemon/gateway/controller.hpp"
 #include "daemon/gateway/event_log.hpp"
 #include "daemon/gateway/reading.hpp"
+#include "daemon/net/can_socket.hpp"
 #include "daemon/net/identity.hpp"
 #include "daemon/net/links.hpp"
 #include "daemon/options.hpp"
@@ -37,6 +38,7 @@ class RealOutside {
   SystemClock clock_;
   KernelGateControl control_;
   net::Links links_;
+  net::CanSocket can_;
   Ports ports_;
   Reading reading_;
 };

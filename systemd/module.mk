@@ -12,6 +12,7 @@ install-systemd:
 		$(DESTDIR)$(TMPFILESDIR) $(DESTDIR)/etc/mlcca/conf.d
 	$(Q)install -m 644 systemd/mlccad.socket systemd/run-mlcca-bpf.mount \
 		systemd/mlcca-awds@.socket systemd/mlcca-exporter.socket systemd/mlcca-sources.socket \
+		systemd/mlcca-can.socket \
 		systemd/mlcca-cluster.socket $(DESTDIR)$(UNITDIR)
 	$(Q)$(MAKE_UNIT) systemd/mlccad.service.in > $(DESTDIR)$(UNITDIR)/mlccad.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-relay.service.in > $(DESTDIR)$(UNITDIR)/mlcca-relay.service
@@ -21,6 +22,7 @@ install-systemd:
 	$(Q)$(MAKE_UNIT) systemd/mlcca-gate.service.in > $(DESTDIR)$(UNITDIR)/mlcca-gate.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-awds@.service.in > $(DESTDIR)$(UNITDIR)/mlcca-awds@.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-sources@.service.in > $(DESTDIR)$(UNITDIR)/mlcca-sources@.service
+	$(Q)$(MAKE_UNIT) systemd/mlcca-can@.service.in > $(DESTDIR)$(UNITDIR)/mlcca-can@.service
 	$(Q)$(MAKE_UNIT) systemd/90-mlcca.rules.in > $(DESTDIR)$(UDEVDIR)/90-mlcca.rules
 	$(Q)install -m 644 systemd/mlcca.sysusers $(DESTDIR)$(SYSUSERSDIR)/mlcca.conf
 	$(Q)install -m 644 systemd/mlcca.tmpfiles $(DESTDIR)$(TMPFILESDIR)/mlcca.conf
@@ -36,5 +38,6 @@ install-programs: $(PROGRAMS)
 	$(Q)install -m 755 $O/mlccactl $(DESTDIR)$(PREFIX)/bin/mlccactl
 	$(Q)install -m 755 $O/mlcca-awds $(DESTDIR)$(PREFIX)/libexec/mlcca/mlcca-awds
 	$(Q)install -m 755 $O/mlcca-sources $(DESTDIR)$(PREFIX)/libexec/mlcca/mlcca-sources
+	$(Q)install -m 755 $O/mlcca-can $(DESTDIR)$(PREFIX)/libexec/mlcca/mlcca-can
 PARTS += install-programs install-systemd
 .PHONY: install-systemd install-programs

@@ -66,6 +66,10 @@ $(eval $(call program,mlcca-sources,tools/sources/main.cc daemon/manager.cc,$O/l
 SOURCES_ARCHIVES := $O/libuntrusted.a $O/libsources.a
 PROGRAMS += $O/mlcca-sources
 
+# Opens the socket of CAN that mlccad may not open.
+$(eval $(call program,mlcca-can,tools/can/main.cc,,))
+PROGRAMS += $O/mlcca-can
+
 # What `mlccactl gate --verify` becomes.
 $(eval $(call program,mlcca-readback,$(wildcard tools/readback/*.cc),$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
 PROGRAMS += $O/mlcca-readback

@@ -24,7 +24,8 @@ bool is_at_best(const Decision& decision) {
 
 /// The same is granted over the same ways in the same attribute set.
 bool grants_the_same(const Decision& a, const Decision& b) {
-  return a.set == b.set && std::ranges::equal(a.verdicts, b.verdicts, [](const auto& x, const auto& y) {
+  return a.set == b.set &&
+         std::ranges::equal(a.verdicts, b.verdicts, [](const auto& x, const auto& y) {
            return x.granted == y.granted && (!x.granted || x.route == y.route);
          });
 }
@@ -71,8 +72,8 @@ class Contest::Answers {
 };
 
 struct Contest::Range {
-  std::vector<bool> ever;                ///< by delivery: granted in some case
-  std::vector<bool> always;              ///< in all cases
+  std::vector<bool> ever;                       ///< by delivery: granted in some case
+  std::vector<bool> always;                     ///< in all cases
   std::vector<std::optional<Verdict>> refused;  ///< that says for want of which room
   std::set<std::size_t> sets;
 
@@ -185,8 +186,7 @@ bool Contest::holds_all_ways(std::size_t channel, const Decision& decision) {
       Verdict one = undecided(s_, channel, v.publisher, *target, decision.set);
       one.route = route;
       check_route(s_, ledger_, targets, one);
-      const bool for_room =
-          std::ranges::any_of(one.rows, is_for_want_of_room) || route == v.route;
+      const bool for_room = std::ranges::any_of(one.rows, is_for_want_of_room) || route == v.route;
       if (!one.granted && for_room) return false;
     }
   }
@@ -246,8 +246,8 @@ bool Contest::try_all(const std::vector<std::size_t>& channels, Decisions& decis
   return true;
 }
 
-/// Of more than can be tried: who gets a thing only if it is alone is decided at run time, and so is
-/// all that is granted.
+/// Of more than can be tried: who gets a thing only if it is alone is decided at run time, and so
+/// is all that is granted.
 void Contest::leave_open(const std::vector<std::size_t>& channels, Decisions& decisions) {
   for (const std::size_t c : channels) {
     const auto found = decisions.find(c);

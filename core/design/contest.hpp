@@ -5,8 +5,8 @@
 // refused for certain only what it never gets.
 //
 // Example: a network has room for 20 kB/s. x needs 10 kB/s and arrives over a mesh whose links are
-// measured; v needs 12 and w 5. If x is granted, v is refused; if not, v is granted. So v is decided
-// at run time. w has room both ways: it is granted for certain.
+// measured; v needs 12 and w 5. If x is granted, v is refused; if not, v is granted. So v is
+// decided at run time. w has room both ways: it is granted for certain.
 #pragma once
 #include <cstddef>
 #include <functional>
@@ -58,9 +58,9 @@ class Contest {
   void take_out(const std::vector<std::size_t>& channels);
 
   const Situation& s_;
-  Ledger ledger_;                 ///< to try things out: empty between two calls
-  std::vector<Decision> tried_;   ///< of each channel, as it was tried last
-  std::vector<bool> uncertain_;   ///< by channel: something of it is granted at best
+  Ledger ledger_;                ///< to try things out: empty between two calls
+  std::vector<Decision> tried_;  ///< of each channel, as it was tried last
+  std::vector<bool> uncertain_;  ///< by channel: something of it is granted at best
   std::map<std::size_t, std::vector<std::size_t>> users_;  ///< channels by resource
   std::set<std::size_t> open_sets_;
 };

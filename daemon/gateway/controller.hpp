@@ -63,6 +63,7 @@ struct Outside {
   GateDriver& gates;
   GateControl& control;
   LinkMonitor& links;
+  CanSender& can;
   const Clock& clock;
   store::Disk& disk;
   Background& reading;  ///< where descriptions are read
@@ -172,7 +173,8 @@ class Controller {
       scene_, outside_.gates, outside_.links, outside_.log, std::move(outside_.can_rules), pulse_};
   Turn turn_{{scene_, outside_.gates, outside_.control, outside_.log, deliveries_, recorder_,
               forwarding_, pulse_}};
-  TagBindings tags_{scene_, outside_.gates, outside_.log, turn_, recorder_, outside_.clock};
+  TagBindings tags_{scene_,    outside_.gates, outside_.log,  turn_,
+                    recorder_, outside_.can,   outside_.clock};
   BusMonitor buses_{scene_, outside_.gates, outside_.log, turn_, outside_.clock};
   AuditLog audit_{scene_, outside_.gates, outside_.clock};
   DropReports drops_{scene_, outside_.gates, outside_.log, deliveries_,

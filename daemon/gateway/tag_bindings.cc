@@ -192,7 +192,8 @@ void TagBindings::ask() {
     if (!gates_.bindings(p) || !node || !gates_.problem(p).empty()) continue;
     Tag* const tag = tags_.to_ask_for(gates_.network_number(p), now);
     if (tag == nullptr) continue;
-    ask_for_tag(static_cast<std::uint32_t>(gates_.gated_interface(p)), *node, tag->subject);
+    const auto ifindex = static_cast<std::uint32_t>(gates_.gated_interface(p));
+    if (!can_.send(ifindex, request_for_tag(*node, tag->subject))) continue;
     tag->asked = now;
     tag->wait = tag->wait == 0 ? kFirstTagWait : std::min(2 * tag->wait, kLongestTagWait);
   }

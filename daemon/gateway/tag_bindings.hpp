@@ -16,6 +16,7 @@
 #include "daemon/gateway/scene.hpp"
 #include "daemon/gateway/tags.hpp"
 #include "daemon/gateway/turn.hpp"
+#include "daemon/outside/can_sender.hpp"
 #include "daemon/outside/gate_driver.hpp"
 
 namespace mlcca {
@@ -24,8 +25,14 @@ class TagBindings final : public ConditionSource {
  public:
   /// All of them must outlive this.
   TagBindings(Scene& scene, GateDriver& gates, EventLog& log, Turn& turn, Recorder& recorder,
-              const Clock& clock)
-      : scene_(scene), gates_(gates), log_(log), turn_(turn), recorder_(recorder), clock_(clock) {}
+              CanSender& can, const Clock& clock)
+      : scene_(scene),
+        gates_(gates),
+        log_(log),
+        turn_(turn),
+        recorder_(recorder),
+        can_(can),
+        clock_(clock) {}
 
   /// For a description that has just become the one in force, before it is decided. What the gates
   /// have learned under a daemon before this one is still so, unless they say otherwise.
@@ -72,6 +79,7 @@ class TagBindings final : public ConditionSource {
   EventLog& log_;
   Turn& turn_;
   Recorder& recorder_;
+  CanSender& can_;
   const Clock& clock_;
   Tags tags_;
   std::map<int, std::uint32_t> polled_;  ///< count of a gate's reports that was polled, by

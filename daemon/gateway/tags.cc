@@ -2,17 +2,14 @@
 #include "daemon/gateway/tags.hpp"
 
 #include <fmt/format.h>
-#include <linux/can.h>
-#include <linux/can/raw.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <tuple>
 #include <utility>
 
-#include "base/handle.hpp"
+#include "base/big_endian.hpp"
 #include "core/gates/control_traffic.hpp"
 #include "core/model/text.hpp"
 #include "core/profiles/profile.hpp"
@@ -207,20 +204,13 @@ std::string contradiction_words(const Tag& tag, const enforce::FoundBinding& fou
   return what + subject_words(found.other);
 }
 
-void ask_for_tag(std::uint32_t ifindex, std::uint8_t node, core::Subject subject) {
-  const Fd fd(::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW));
-  sockaddr_can address{};
-  address.can_family = AF_CAN;
-  address.can_ifindex = static_cast<int>(ifindex);
-  if (!fd || ::setsockopt(fd.get(), SOL_CAN_RAW, CAN_RAW_FILTER, nullptr, 0) != 0 ||
-      ::bind(fd.get(), reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)
-    return;
+can_frame request_for_tag(std::uint8_t node, core::Subject subject) {
   can_frame frame{};
   frame.can_id = CAN_EFF_FLAG | kRequestId | std::uint32_t{node} << kNodeShift;
   frame.can_dlc = CAN_MAX_DLEN;
-  for (int i = 0; i < CAN_MAX_DLEN; ++i)
-    frame.data[i] = static_cast<std::uint8_t>(subject >> (56 - 8 * i));
-  static_cast<void>(::write(fd.get(), &frame, sizeof frame));
+  const auto octets = big_endian(subject);
+  std::ranges::copy(octets, std::begin(frame.data));
+  return frame;
 }
 
 }  // namespace mlcca

@@ -2,6 +2,8 @@
 // FAMOUSO's tags on the buses of this gateway: which subject has which, as the description states
 // it or as the broker has dealt it, and where the broker contradicts that.
 #pragma once
+#include <linux/can.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -86,8 +88,7 @@ class Tags {
 /// "0x44697374616e6365 (Distance)"; the text only where all of it can be printed.
 [[nodiscard]] std::string subject_words(core::Subject subject);
 
-/// Asks the broker of a bus for the tag of a subject, as a node of FAMOUSO does. A frame that
-/// cannot be sent now is lost.
-void ask_for_tag(std::uint32_t ifindex, std::uint8_t node, core::Subject subject);
+/// Asks the broker of a bus for the tag of a subject, as a node of FAMOUSO does.
+[[nodiscard]] can_frame request_for_tag(std::uint8_t node, core::Subject subject);
 
 }  // namespace mlcca

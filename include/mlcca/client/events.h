@@ -40,9 +40,9 @@ MLCCA_API void mlcca_events_free(struct mlcca_events* events);
 /* Can be read when mlcca_events_process() has something to do. It stays the same. */
 MLCCA_API int mlcca_events_fd(const struct mlcca_events* events);
 
-/* For AnnounceRequest.local of a subscriber; valid as long as `events`. Who knows it can send to this
- * program: it is for the daemon alone, which tells it to granted publishers. Empty: there are no file
- * descriptors left, and events of programs on the gateway do not come. */
+/* For AnnounceRequest.local of a subscriber; valid as long as `events`. Who knows it can send to
+ * this program: it is for the daemon alone, which tells it to granted publishers. Empty: there are
+ * no file descriptors left, and events of programs on the gateway do not come. */
 MLCCA_API const char* mlcca_events_address(struct mlcca_events* events);
 
 /* An end of a channel, by a number that the caller chooses, sends or receives as the daemon has

@@ -213,6 +213,7 @@ std::optional<StartError> Bench::start() {
       options, Outside{.gates = *gates_,
                        .control = *control_,
                        .links = *links_,
+                       .can = can,
                        .clock = clock,
                        .disk = *disk_,
                        .reading = *reading_,

@@ -79,6 +79,7 @@ class Bench {
 
   FakeKernel kernel;
   FakeClock clock;
+  FakeCan can;
   core::System system;  ///< what a start or a reload reads; none: it cannot be read
   bool readable = true;
   std::string state_directory = "/nowhere/at/all";  ///< of the history, on the real disk

@@ -20,6 +20,7 @@
 #include "core/gates/plan.hpp"
 #include "daemon/net/can_routes.hpp"
 #include "daemon/outside/background.hpp"
+#include "daemon/outside/can_sender.hpp"
 #include "daemon/outside/gate_control.hpp"
 #include "daemon/outside/gate_driver.hpp"
 #include "daemon/outside/link_monitor.hpp"
@@ -303,6 +304,18 @@ class FakeCanRules final : public net::CanRules {
 
  private:
   FakeKernel& kernel_;
+};
+
+/// Keeps what is sent, while it can send.
+class FakeCan final : public CanSender {
+ public:
+  bool send(std::uint32_t ifindex, const can_frame& frame) override {
+    if (ready) sent.emplace_back(ifindex, frame);
+    return ready;
+  }
+
+  bool ready = true;
+  std::vector<std::pair<std::uint32_t, can_frame>> sent;
 };
 
 }  // namespace mlcca::test

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What sends single frames on CAN interfaces: a socket of CAN, or a fake.
+#pragma once
+#include <linux/can.h>
+
+#include <cstdint>
+
+namespace mlcca {
+
+class CanSender {
+ public:
+  CanSender() = default;
+  CanSender(const CanSender&) = delete;
+  CanSender& operator=(const CanSender&) = delete;
+  CanSender(CanSender&&) = delete;
+  CanSender& operator=(CanSender&&) = delete;
+  virtual ~CanSender() = default;
+
+  /// Does not wait. False: it cannot send yet. A frame that an interface does not take now is lost.
+  virtual bool send(std::uint32_t ifindex, const can_frame& frame) = 0;
+};
+
+}  // namespace mlcca
