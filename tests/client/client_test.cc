@@ -108,12 +108,17 @@ TEST(Client, ADaemonThatIsLostIsReportedAndEveryChannelIsAnnouncedAgain) {
 }
 
 TEST(Client, AVerdictThatChangesIsAskedForAndGivenWithTheException) {
-  Scene scene({{{channels({delivery("robot-can", true)}), event("withdrawn")}},
+  // Right behind the first answer the event might be read with it, and announce() wait for the
+  // next.
+  Scene scene({{{channels({delivery("robot-can", true)})}},
+               {{channels({}), event("withdrawn")}},
                {{channels({delivery("robot-can", false)}), event("granted")}},
                {{channels({delivery("robot-can", true)})}}});
   Client client(scene.options());
   PublisherChannel stop(client, "stop");
   ASSERT_EQ(stop.announce()->state, State::granted);
+  SubscriberChannel other(client, "other");
+  other.subscribe();  // behind whose answer it is withdrawn
   const auto all = exceptions(client, stop, 2);
   EXPECT_EQ(causes(all), (std::vector<std::string>{"withdrawn", "granted"}));
   EXPECT_EQ(all[0].text, "what is withdrawn");
