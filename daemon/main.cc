@@ -35,6 +35,7 @@
 #include "daemon/options.hpp"
 #include "daemon/ports/gates_lock.hpp"
 #include "daemon/real_outside.hpp"
+#include "description/kinds.hpp"
 #include "description/read.hpp"
 
 namespace {
@@ -80,7 +81,7 @@ int check_description(const Options& options) {
                system->gateways.size(), system->publishers.size(), system->subscribers.size());
     return 0;
   }
-  for (const auto& problem : system.error())
+  for (const auto& problem : description::shortened(system.error()))
     fmt::print(stderr, "{}\n", description::to_string(problem));
   return kBadInput;
 }

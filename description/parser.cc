@@ -65,6 +65,10 @@ std::string words_for(const xmlError& error) {
     return "not well-formed XML: no name of an element follows '<': a comment begins with "
            "\"<!--\", "
            "and the character itself is written &lt;";
+  if (error.code == XML_ERR_TAG_NAME_MISMATCH && error.str1 != nullptr && error.str2 != nullptr)
+    return fmt::format(
+        "not well-formed XML: </{}> in line {} closes <{}> of line {}: </{}> has to come first",
+        error.str2, error.line, error.str1, error.int1, error.str1);
   return fmt::format("not well-formed XML: {}", text);
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/model/text.hpp"
+#include "description/kinds.hpp"
 #include "description/read.hpp"
 
 namespace mlcca {
@@ -44,7 +45,7 @@ DescribedResult read_description(const Options& options) {
   auto system = description::read(options.description);
   if (!system) {
     StartError refused{.lines = {}, .bad_input = true};
-    for (const auto& problem : system.error()) {
+    for (const auto& problem : description::shortened(system.error())) {
       refused.lines.push_back(description::to_string(problem));
       if (problem.id == core::FindingId::unreadable) refused.bad_input = false;
     }

@@ -145,8 +145,8 @@ TEST_F(Include, SaysWhatIsWrongInAFileOfThatFile) {
       "s.xml:4: <Zebra>: is not known here; known: EventChannel, UserAttribute, Network, "
       "Gateway, Component, Placement, Route, Publisher, Subscriber|"
       "b.xml:3: <SubjectUID>: '2' is not right: it must be 0x and up to 16 hexadecimal digits|"
-      "c.xml:2: <EventChannel>: not well-formed XML: Opening and ending tag mismatch: "
-      "EventChannel line 1 and EventChanel");
+      "c.xml:2: <EventChannel>: not well-formed XML: </EventChanel> in line 2 closes "
+      "<EventChannel> of line 1: </EventChannel> has to come first");
 }
 
 TEST_F(Include, LeavesNothingOpenOfAFileThatBreaksOff) {

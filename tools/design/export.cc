@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "description/kinds.hpp"
 #include "description/read.hpp"
 #include "tools/design/export/admitted.hpp"
 #include "tools/design/lacks_json.hpp"
@@ -44,7 +45,7 @@ class Export {
     if (!system) {
       Refusal refusal{
           Exit::usage, fmt::format("{}: nothing can be exported from it", a_.system), {}};
-      for (const auto& problem : system.error())
+      for (const auto& problem : description::shortened(system.error()))
         refusal.details.push_back(description::to_string(problem));
       return std::unexpected(std::move(refusal));
     }

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "description/kinds.hpp"
 #include "description/read.hpp"
 #include "tools/design/check/output.hpp"
 #include "tools/design/format/rewrite.hpp"
@@ -52,7 +53,8 @@ class FormatVerb {
       Refusal out{Exit::usage,
                   fmt::format("{}: is no valid description; nothing was written", options_.file),
                   {}};
-      for (const auto& problem : problems) out.details.push_back(description::to_string(problem));
+      for (const auto& problem : description::shortened(problems))
+        out.details.push_back(description::to_string(problem));
       return out;
     }
     const auto result = rewritten((*file)->text, options_.brief ? Form::brief : Form::paper);

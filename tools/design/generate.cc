@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "description/kinds.hpp"
 #include "description/read.hpp"
 #include "tools/design/generate/build_files.hpp"
 #include "tools/design/generate/callbacks.hpp"
@@ -46,7 +47,7 @@ class Generate {
     auto system = description::read(a_.system, description::Users::any);
     if (!system) {
       Refusal refusal{Exit::usage, fmt::format("{}: cannot be generated from", a_.system), {}};
-      for (const auto& problem : system.error())
+      for (const auto& problem : description::shortened(system.error()))
         refusal.details.push_back(description::to_string(problem));
       return std::unexpected(std::move(refusal));
     }

@@ -22,6 +22,7 @@
 
 #include "core/model/words.hpp"
 #include "daemon/net/can_routes.hpp"
+#include "description/kinds.hpp"
 #include "description/read.hpp"
 #include "tools/design/learn_deadlines.hpp"
 #include "tools/design/learn_merge.hpp"
@@ -122,7 +123,7 @@ class Learn {
     if (!described) {
       Refusal refused = wrong(a_.merge + ": the description cannot be used");
       refused.details.reserve(described.error().size());
-      for (const auto& problem : described.error())
+      for (const auto& problem : description::shortened(described.error()))
         refused.details.push_back(description::to_string(problem));
       return refused;
     }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "description/kinds.hpp"
 #include "description/read.hpp"
 #include "tools/design/say.hpp"
 
@@ -18,7 +19,8 @@ inline std::optional<Refusal> mistakes_in(
   if (read) return std::nullopt;
   Refusal out{Exit::usage, "the description would have mistakes; nothing was written", {}};
   out.details.reserve(read.error().size());
-  for (const auto& problem : read.error()) out.details.push_back(description::to_string(problem));
+  for (const auto& problem : description::shortened(read.error()))
+    out.details.push_back(description::to_string(problem));
   return out;
 }
 

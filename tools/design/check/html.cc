@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "control/version.hpp"
+#include "description/kinds.hpp"
 #include "tools/design/check/map.hpp"
 #include "tools/design/check/page.hpp"
 #include "tools/design/check/tables.hpp"
@@ -109,7 +110,7 @@ std::string section(const SystemReport& system, std::size_t number, const FileNa
       "id=\"{0}title\">{1}</h2>\n"
       "<p class=\"quiet\" id=\"{0}file\"><code>{2}</code></p>\n{3}",
       prefix, title_of(system, names), path_text(names.of(system.file)), summary(system));
-  const auto found = findings_tables(system.findings, names);
+  const auto found = findings_tables(description::shortened(system.findings), names);
   auto map = map_of(system);
   if (!map.json["places"].empty()) {
     out += fmt::format(
@@ -161,7 +162,7 @@ std::string write_html(const Report& report) {
   for (std::size_t i = 0; i < report.systems.size(); ++i)
     out += section(report.systems[i], i + 1, names, maps);
   if (!report.part_files.empty() && report.systems.empty()) {
-    const auto found = findings_tables(report.parts, names);
+    const auto found = findings_tables(description::shortened(report.parts), names);
     out += "<section class=\"system\">\n<h2>Parts</h2>\n" +
            (found.empty() ? "<p class=\"none\">No findings.</p>\n" : found) + "</section>\n";
   }

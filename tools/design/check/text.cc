@@ -3,6 +3,7 @@
 
 #include <iterator>
 
+#include "description/kinds.hpp"
 #include "tools/design/check/write.hpp"
 
 namespace mlcca::tools::design {
@@ -54,7 +55,9 @@ std::string channels_line(const SystemReport& system) {
 
 std::string write_text(const Report& report, Color color) {
   std::string out;
-  for_each_finding(report, [&](const ReportedFinding& f) { write(out, f, color); });
+  for (const auto& system : report.systems)
+    for (const auto& f : description::shortened(system.findings)) write(out, f, color);
+  for (const auto& f : description::shortened(report.parts)) write(out, f, color);
   for (const auto& system : report.systems) out += printable(channels_line(system)) + "\n";
   const auto totals = report.totals();
   if (totals.errors + totals.warnings + totals.notes != 0)

@@ -75,6 +75,26 @@ TEST_F(HostileTest, MoreThanTheLargestFile) {
   EXPECT_TRUE(said.contains("more than 268435456 bytes")) << said;
 }
 
+TEST_F(HostileTest, TheSameMistakeIsPrintedTwentyTimes) {
+  std::string bindings;
+  for (int i = 0; i < 297; ++i)
+    bindings += "<Binding channel=\"c" + std::to_string(i) +
+                "\"><Identifier form=\"standard\">0x1</Identifier></Binding>\n";
+  const auto path = file(
+      "s.xml", "<System name=\"s\"><Network name=\"n\"><Kind>can</Kind><Profile>raw</Profile>" +
+                   bindings + "</Network></System>");
+  const auto outcome = test::run({"check", path});
+  std::size_t lines = 0;
+  for (auto at = outcome.out.find("MLCCA005"); at != std::string::npos;
+       at = outcome.out.find("MLCCA005", at + 1))
+    ++lines;
+  EXPECT_EQ(lines, 20U) << outcome.out;
+  EXPECT_TRUE(outcome.out.contains(" (and 277 more of this kind, which are not shown)"))
+      << outcome.out;
+  const auto json = test::run({"check", "--format", "json", path}).out;
+  EXPECT_FALSE(json.contains("more of this kind")) << "programs get all";
+}
+
 TEST_F(HostileTest, AMillionMistakes) {
   std::string text = "<System name=\"test\">\n";
   for (int i = 0; i < 1'000'000; ++i) text += "<Zebra/>\n";
