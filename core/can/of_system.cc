@@ -63,7 +63,8 @@ std::optional<Message> message_of(const System& system, const Publisher& publish
   const Binding* binding = medium.binding_of(publisher.channel);
   const AttributeSet& offered = attributes_in(publisher, set);
   if (medium.kind != NetworkKind::can || binding == nullptr || timing.bitrate == 0 ||
-      !offered.has(Attribute::period))
+      !offered.has(Attribute::period) ||
+      (binding->format != FrameFormat::classic && timing.data_bitrate == 0))
     return std::nullopt;
   const unsigned most = frame_bytes(*binding);
   const Value bytes = offered.has(Attribute::max_payload) ? offered[Attribute::max_payload] : most;

@@ -13,7 +13,8 @@ namespace mlcca::core::can {
 /// Priority, frames, times, period and the jitter of the source are filled in; key, deadline, queue
 /// and the jitter of the way so far are the caller's. Nothing without a Period, without a binding
 /// or identity on that network, when the payload is not bounded by anything, or when the bit rate
-/// is unknown. The network's bindings must be sorted.
+/// is unknown, or that of the data phase of frames that have one. The network's bindings must be
+/// sorted.
 ///
 /// The identifier is what core/profiles/profile.hpp says; where the description leaves a part of it
 /// open, the message disturbs others with the first and suffers with the last of them. Where the

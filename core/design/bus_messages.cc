@@ -8,6 +8,7 @@
 
 #include "core/admission/route_check.hpp"
 #include "core/can/analysis.hpp"
+#include "core/design/let_through.hpp"
 #include "mlcca/arithmetic.hpp"
 
 namespace mlcca::core {
@@ -74,6 +75,17 @@ std::optional<BusMessage::Before> bus_before(const System& system, const Ledger&
 
 auto order_of(const BusMessage& m) { return std::tuple(m.network, m.publisher, m.from); }
 
+/// Two of one flow: the stricter of both, as for the bus.
+void join(std::optional<can::Message>& there, const std::optional<can::Message>& next) {
+  if (!there || !next) {
+    if (!there) there = next;
+    return;
+  }
+  const can::Time delay = std::min(there->deadline - there->jitter, next->deadline - next->jitter);
+  there->jitter = std::max(there->jitter, next->jitter);
+  there->deadline = add_saturating(there->jitter, delay);
+}
+
 }  // namespace
 
 void BusMessages::add(const Situation& situation, const Ledger& ledger, const Decision& decision) {
@@ -93,9 +105,11 @@ void BusMessages::add(const Situation& situation, const Ledger& ledger, const Ve
                          .publisher = v.publisher,
                          .from = flow.from,
                          .message = std::nullopt,
+                         .sent = std::nullopt,
                          .set = v.set,
-                         .granted = true,
-                         .at_run_time = v.outcome == Outcome::run_time,
+                         .outcome = v.outcome,
+                         .held = true,
+                         .let_through = true,
                          .granted_response = std::nullopt,
                          .granted_jitter = 0,
                          .refused_response = std::nullopt,
@@ -105,7 +119,8 @@ void BusMessages::add(const Situation& situation, const Ledger& ledger, const Ve
   }
 }
 
-/// Where a message is there already, for another place: the stricter of both, as for the bus.
+/// Where a message is there already, for another place: the stricter of both. What is held for one
+/// is sent for that one.
 void BusMessages::put(BusMessage next) {
   const auto [at, fresh] = known_.try_emplace(order_of(next), messages_.size());
   if (fresh) {
@@ -113,22 +128,19 @@ void BusMessages::put(BusMessage next) {
     return;
   }
   BusMessage& there = messages_[at->second];
-  there.granted = there.granted && next.granted;
-  there.at_run_time = there.at_run_time || next.at_run_time;
+  if (there.held == next.held)
+    join(there.sent, next.sent);
+  else if (next.held)
+    there.sent = next.sent;
+  there.outcome = worse(there.outcome, next.outcome);
+  there.held = there.held || next.held;
+  there.let_through = there.let_through || next.let_through;
   there.in_vain = there.in_vain || next.in_vain;
   if (next.refused_response) there.refused_response = next.refused_response;
   for (const Place place : next.unknown)
     if (std::ranges::find(there.unknown, place) == there.unknown.end())
       there.unknown.push_back(place);
-  if (!there.message || !next.message) {
-    if (!there.message) there.message = next.message;
-    return;
-  }
-  can::Message& m = *there.message;
-  const can::Time delay =
-      std::min(m.deadline - m.jitter, next.message->deadline - next.message->jitter);
-  m.jitter = std::max(m.jitter, next.message->jitter);
-  m.deadline = add_saturating(m.jitter, delay);
+  join(there.message, next.message);
 }
 
 void BusMessages::add_refused(const Situation& situation, Ledger& ledger, Verdict v) {
@@ -155,9 +167,11 @@ void BusMessages::add_refused(const Situation& situation, Ledger& ledger, Verdic
          .publisher = v.publisher,
          .from = flow_on(situation.system, v.publisher, again.route, t.hop).from,
          .message = t.message,
+         .sent = t.message,
          .set = v.set,
-         .granted = false,
-         .at_run_time = false,
+         .outcome = v.outcome,
+         .held = false,
+         .let_through = places[t.hop] == publisher.place,
          .granted_response = std::nullopt,
          .granted_jitter = 0,
          .refused_response =
@@ -182,7 +196,7 @@ void BusMessages::take_granted(const Ledger& ledger) {
     const auto held = there->second.find(Ledger::key_of({m.publisher, m.network, m.from}));
     if (held != there->second.end()) {
       const auto& [message, response] = held->second;
-      m.message = *message;
+      m.message = m.sent = *message;
       m.granted_jitter = message->jitter;
       m.granted_response = response.bounded ? response.response : can::kNever;
     }
@@ -202,52 +216,62 @@ std::vector<BusMessage> BusMessages::take(const Situation& situation, Ledger& le
 namespace {
 
 using Buses = std::vector<std::optional<can::Assumptions>>;
+using Form = std::optional<can::Message> BusMessage::*;
 
-/// Response times of the messages of one bus.
+/// Response times of the messages of one bus, in that form.
 void analyse_bus(const std::vector<BusMessage>& messages, const Buses& buses, std::size_t network,
-                 std::vector<can::Response>& responses) {
+                 Form form, std::vector<can::Response>& responses) {
   std::vector<std::size_t> here;
   std::vector<can::Message> on_bus;
+  std::vector<bool> let_through;
   for (std::size_t i = 0; i < messages.size(); ++i) {
-    if (messages[i].network != network || !messages[i].message) continue;
+    if (messages[i].network != network || !(messages[i].*form)) continue;
     here.push_back(i);
-    on_bus.push_back(*messages[i].message);
+    on_bus.push_back(*(messages[i].*form));
     on_bus.back().key = i;
+    let_through.push_back(form == &BusMessage::message || messages[i].let_through);
   }
-  const auto found = can::analyse(*buses[network], on_bus);
+  const auto found = responses_beside(*buses[network], on_bus, let_through);
   for (std::size_t i = 0; i < here.size(); ++i) responses[here[i]] = found[i];
 }
 
 /// The jitter that a message has from the bus before; 0 if there is none.
 Value inherited(const std::vector<BusMessage>& messages,
-                const std::vector<can::Response>& responses, const BusMessage& m) {
-  if (!m.message || !m.before) return 0;
+                const std::vector<can::Response>& responses, Form form, const BusMessage& m) {
+  if (!m.before) return 0;
   const std::tuple wanted(m.before->network, m.publisher, m.before->from);
   const auto last = std::ranges::lower_bound(messages, wanted, {}, order_of);
-  if (last == messages.end() || order_of(*last) != wanted || !last->message) return 0;
+  if (last == messages.end() || order_of(*last) != wanted || !((*last).*form)) return 0;
   const can::Response& r = responses[static_cast<std::size_t>(last - messages.begin())];
   return r.bounded ? add_saturating(r.response, m.before->added) : can::kNever;
 }
 
-}  // namespace
-
-void inherit_jitter(std::vector<BusMessage>& messages, const Buses& buses) {
-  if (std::ranges::all_of(messages, &BusMessage::granted)) return;
+void inherit(std::vector<BusMessage>& messages, const Buses& buses, Form form) {
   constexpr unsigned most_rounds = 256;  // each makes something later
   std::vector<can::Response> responses(messages.size());
   std::vector<bool> stale(buses.size(), true);
   for (unsigned round = 0; std::ranges::find(stale, true) != stale.end(); ++round) {
     for (std::size_t n = 0; n < buses.size(); ++n) {
-      if (stale[n] && buses[n]) analyse_bus(messages, buses, n, responses);
+      if (stale[n] && buses[n]) analyse_bus(messages, buses, n, form, responses);
       stale[n] = false;
     }
     for (BusMessage& m : messages) {
-      const Value jitter = inherited(messages, responses, m);
-      if (!m.message || jitter <= m.message->jitter) continue;
-      m.message->jitter = round < most_rounds ? jitter : can::kNever;
+      if (!(m.*form)) continue;
+      const Value jitter = inherited(messages, responses, form, m);
+      if (jitter <= (m.*form)->jitter) continue;
+      (m.*form)->jitter = round < most_rounds ? jitter : can::kNever;
       stale[m.network] = true;
     }
   }
+}
+
+}  // namespace
+
+void inherit_jitter(std::vector<BusMessage>& messages, const Buses& buses) {
+  const auto is_whole = [](const BusMessage& m) { return m.held && m.outcome != Outcome::unfit; };
+  if (std::ranges::all_of(messages, is_whole)) return;
+  inherit(messages, buses, &BusMessage::message);
+  inherit(messages, buses, &BusMessage::sent);
 }
 
 }  // namespace mlcca::core

@@ -24,9 +24,15 @@ struct BusMessage {
   /// With the jitter of the way so far and the deadline that is left for this bus; nothing where
   /// the description does not say enough.
   std::optional<can::Message> message;
-  std::size_t set = 0;       ///< attribute set
-  bool granted = false;      ///< to everybody behind the bus
-  bool at_run_time = false;  ///< granted as far as is known: the gateway decides to somebody
+  /// The same with the jitter that it has beside what is let through, and of what is held the
+  /// deadline of that alone.
+  std::optional<can::Message> sent;
+  std::size_t set = 0;  ///< attribute set
+  /// The worst of what is decided about those behind the bus: fit is granted with certainty, to
+  /// everybody.
+  Outcome outcome = Outcome::fit;
+  bool held = false;         ///< granted to somebody, at best perhaps: the ledger holds it
+  bool let_through = false;  ///< it can really be on the bus: see let_through.hpp
   /// With nothing on the buses but what is granted, if this is: as of Schedule, kNever if not
   /// bounded, and the jitter with it.
   std::optional<Value> granted_response;
@@ -47,9 +53,10 @@ struct BusMessage {
 };
 
 /// Makes the jitter of what is refused that which it would have: as late as the bus before lets it
-/// be, with all messages on all buses. `messages` are in the order of BusMessages::take(). Whatever
-/// is granted is in time everywhere, so if everything is nothing changes. Not bounded there:
-/// can::kNever. `buses`: of each network, where analysed.
+/// be, in `message` with all messages on all buses, in `sent` with those that are let through.
+/// `messages` are in the order of BusMessages::take(). Whatever is granted is in time everywhere,
+/// so if everything is nothing changes. Not bounded there: can::kNever. `buses`: of each network,
+/// where analysed.
 void inherit_jitter(std::vector<BusMessage>& messages,
                     const std::vector<std::optional<can::Assumptions>>& buses);
 

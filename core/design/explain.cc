@@ -70,7 +70,7 @@ const std::string& asker(const Situation& s, const Verdict& v, const Row& row,
 std::string numbers_of(const System& system, const Row& row) {
   const Comparison& c = row.comparison;
   if (!c.known) return "none";
-  std::string text = format_value(system, row, c.provided);
+  std::string text = format_bound(system, row).bound;
   if (!row.is_user() && held_against(c.attribute) != c.attribute)
     text = std::string(info(held_against(c.attribute)).name) + " " + text;
   if (c.provided == kUnbounded && !row.is_user() && c.attribute == Attribute::omission)
@@ -100,6 +100,13 @@ bool follows_from_links(const System& system, const Row& row) {
   const AttributeSet& stated = network.provision;
   return network.mesh && network.mesh->per_hop.has(a) &&
          (!stated.has(a) || stated[a] != row.comparison.provided);
+}
+
+std::string no_path_hint(const Network& network) {
+  if (network.mesh->nodes.empty()) return "describe the nodes of the mesh";
+  if (!no_links_words(network).empty()) return kNoLinksHint;
+  return "state the links that lead there, each in its direction, or a source that knows them; "
+         "without a mesh-node an end may be at any node";
 }
 
 std::string echo_hint(const Verdict& v) {
@@ -138,12 +145,6 @@ std::string hop_hint(const System& system, const Row& row, const std::string& re
          " or better, ask less, or take another way";
 }
 
-/// The first row of it; nullptr: there is none.
-const Row* want_of_room(const Verdict& v) {
-  const auto found = std::ranges::find_if(v.rows, is_for_want_of_room);
-  return found == v.rows.end() ? nullptr : &*found;
-}
-
 /// FD frames on a bus that states no bit rate for their data phase: all such buses of the way.
 std::string data_rate_hint(const System& system, const Verdict& v, const Publisher& publisher) {
   std::string hint;
@@ -157,8 +158,9 @@ std::string data_rate_hint(const System& system, const Verdict& v, const Publish
       hint += (hint.empty() ? "add data-bitrate to the Bus of Network " : " and of Network ") +
               network.name;
   }
+  const AttributeSet& offered = attributes_in(publisher, v.set);
   const bool fits_classic =
-      attributes_in(publisher, v.set)[Attribute::max_payload] <= kClassicBytes;
+      offered.has(Attribute::max_payload) && offered[Attribute::max_payload] <= kClassicBytes;
   return fits_classic ? hint + ", or let the Binding have format=\"classic\"" : hint;
 }
 
@@ -247,10 +249,7 @@ void Explainer::add_obstacle(const Verdict& v) {
       f.hint = data_rate_hint(s_.system, v, publisher);
       break;
     case Obstacle::no_path:
-      f.hint = s_.system.networks[v.obstacle_at.index].mesh->nodes.empty()
-                   ? "describe the nodes of the mesh"
-                   : "state the links that lead there, each in its direction, or a source that "
-                     "knows them; without a mesh-node an end may be at any node";
+      f.hint = no_path_hint(s_.system.networks[v.obstacle_at.index]);
       break;
     case Obstacle::no_rate:
       f.hint =
@@ -321,8 +320,7 @@ void Explainer::add_run_time(const Verdict& v) {
       add(name + " " + format_value(s_.system, row, row.comparison.required));
   }
   if (const Row* const row = want_of_room(v)) {
-    add("whether " + name_of(s_.system, row->place) +
-        " has room for it beside what else is decided at run time");
+    add(open_room_words(s_.system, *row));
     point_to(row->place);
     if (row->against == Against::schedule && row->comparison.attribute != Attribute::omission)
       f.hint = late_hint(s_, *ledger_.schedule(row->place.index), v, *row);
@@ -339,12 +337,13 @@ void Explainer::add_run_time(const Verdict& v) {
            way_of(s_.system, v.route) + ": decided at run time (" + what + ")";
 }
 
-void Explainer::add_lower_set(std::size_t channel, std::size_t set) {
+void Explainer::add_lower_set(std::size_t channel, std::size_t set, Outcome outcome) {
   if (set == 0) return;
   const EventChannel& c = s_.system.channels[channel];
   new_finding(FindingId::lower_set, channel).text =
       "channel " + c.name + ": the attribute set of priority " + std::to_string(c.priority) +
-      " does not fit, that of priority " + std::to_string(c.lower[set - 1].priority) + " is used";
+      " does not fit, that of priority " + std::to_string(c.lower[set - 1].priority) +
+      (outcome == Outcome::run_time ? " would be used" : " is used");
 }
 
 void Explainer::add_open_set(std::size_t channel) {
@@ -385,8 +384,9 @@ void Explainer::add_row(const Verdict& v, const Row& row, std::size_t subscriber
   Finding& f = new_finding(id_of(row.against), v);
   const std::string& publisher = s_.members.publisher(v.publisher).name;
   f.attribute = attribute_name(system, row);
-  f.required = format_value(system, row, c.required);
-  f.provided = c.known ? format_value(system, row, c.provided) : "not provided";
+  const BoundWords words = format_bound(system, row);
+  f.required = c.known ? words.limit : format_value(system, row, c.required);
+  f.provided = c.known ? words.bound : "not provided";
   if (row.against == Against::hop || row.against == Against::overhearing) {
     f.place = row.place;
     f.has_place = true;
@@ -440,10 +440,10 @@ void Explainer::add_medium(const Verdict& v, const Row& row) {
   f.has_place = true;
   if (queue) f.frames_of = static_cast<std::uint32_t>(row.end);
   f.attribute = queue ? "queue-length" : info(c.attribute).name;
-  f.required =
-      queue ? std::to_string(row.reserved) + " frames" : format_value(c.attribute, c.required);
-  f.provided = queue ? std::to_string(row.room) + (row.room == 1 ? " frame" : " frames")
-                     : format_value(c.attribute, c.provided);
+  const BoundWords words = format_bound(c.attribute, c.provided, c.required);
+  f.required = queue ? std::to_string(row.reserved) + " frames" : words.limit;
+  f.provided =
+      queue ? std::to_string(row.room) + (row.room == 1 ? " frame" : " frames") : words.bound;
   if (row.against == Against::schedule) {
     f.text = "with " + publisher + ", " + schedule_text(s_.system, s_.members, row);
     if (queue)
@@ -470,8 +470,9 @@ void Explainer::add_capacity(const Verdict& v, const Row& row) {
   f.place = row.place;
   f.has_place = true;
   f.attribute = info(Attribute::bandwidth).name;
-  f.required = rate(row.comparison.required);
-  f.provided = rate(row.comparison.provided);
+  const BoundWords words = format_bound(s_.system, row);
+  f.required = words.limit;
+  f.provided = words.bound;
   const Value all = s_.system.provision_of(row.place)[Attribute::bandwidth];
   f.text = s_.members.publisher(v.publisher).name + " needs " + f.required + " on " + network;
   if (row.reserved == 0)

@@ -22,8 +22,9 @@ class Explainer {
 
   /// Nothing for a fit one, a note for one that is decided at run time.
   void add(const Verdict& verdict);
-  /// That a lower attribute set is used; nothing for the preferred one.
-  void add_lower_set(std::size_t channel, std::size_t set);
+  /// That a lower attribute set is used, or would be by what is decided at run time alone; nothing
+  /// for the preferred one.
+  void add_lower_set(std::size_t channel, std::size_t set, Outcome outcome);
   /// That the run time decides which attribute set is used.
   void add_open_set(std::size_t channel);
 

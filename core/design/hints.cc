@@ -15,6 +15,13 @@ std::string queue_hint(std::uint64_t frames, const std::string& why) {
   return less + ", or give the port of the gateway queue-length=\"" + needed + "\": " + why;
 }
 
+std::string address_words(const std::string& a, const std::string& b, std::uint32_t sender,
+                          const std::string& network) {
+  constexpr std::uint32_t address = 0xff;  // of can::Message::sender
+  return a + " and " + b + " claim one address on " + network + ", " +
+         std::to_string(sender & address) + ": no bound holds there";
+}
+
 std::string sender_hint(Profile profile) {
   const std::string hint =
       "let the events reach the bus once: over one gateway, or by the publisher";

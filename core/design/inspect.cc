@@ -178,12 +178,9 @@ class Inspector {
 
   void check_meshes() {
     for (std::size_t n = 0; n < s_.networks.size(); ++n) {
-      const auto& mesh = s_.networks[n].mesh;
-      if (!mesh || mesh->nodes.empty() || !mesh->links.empty() || !mesh->sources.empty()) continue;
-      add(FindingId::no_links, mesh->origin,
-          "no link of mesh " + s_.networks[n].name +
-              " can ever be known: it has nodes, and neither Link nor Source",
-          "add a <Source kind=\"…\"/> to its Mesh, or describe its links", kNone);
+      const std::string words = no_links_words(s_.networks[n]);
+      if (words.empty()) continue;
+      add(FindingId::no_links, s_.networks[n].mesh->origin, words, kNoLinksHint, kNone);
       out_.findings.back().place = {Place::Kind::network, n};
       out_.findings.back().has_place = true;
     }
@@ -231,9 +228,11 @@ class Inspector {
     if (result.outcome == Outcome::fit && result.set == 0 && !result.open_set) return;
     for (const Verdict& v : verdicts) explain.add(v);
     if (result.outcome == Outcome::unfit) return;
+    const bool any_fit =
+        std::ranges::any_of(verdicts, [](const Verdict& v) { return v.outcome == Outcome::fit; });
     // The note of what is decided at run time says enough where there is one.
     if (!result.open_set)
-      explain.add_lower_set(c, result.set);
+      explain.add_lower_set(c, result.set, any_fit ? Outcome::fit : Outcome::run_time);
     else if (result.outcome == Outcome::fit)
       explain.add_open_set(c);
   }

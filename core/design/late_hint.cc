@@ -6,6 +6,7 @@
 
 #include "core/can/level.hpp"
 #include "core/can/of_system.hpp"
+#include "core/design/hints.hpp"
 #include "core/model/text.hpp"
 #include "core/model/topology.hpp"
 #include "mlcca/arithmetic.hpp"
@@ -151,6 +152,24 @@ bool is_asked_too_much(const Situation& s, std::size_t network, const can::Timin
   return false;
 }
 
+// Another node that claims the newcomer's address; empty: none does.
+std::string address_hint(const Situation& s, const can::Schedule& bus, const Verdict& v,
+                         const Row& row, const can::Message& newcomer) {
+  constexpr std::uint32_t address = 0xff;  // of can::Message::sender
+  if (newcomer.sender == can::kNoSender) return {};
+  const Publisher& publisher = s.members.publisher(v.publisher);
+  for (const can::Message& m : bus.messages()) {
+    if (m.sender == can::kNoSender || ((m.sender ^ newcomer.sender) & address) != 0 ||
+        Ledger::is_of_other(m.key))
+      continue;
+    const Publisher& other = s.members.publisher(Ledger::publisher_of(m.key));
+    if ((other.place == row.place) == (publisher.place == row.place)) continue;
+    return address_words(publisher.name, other.name, m.sender, name_of(s.system, row.place)) +
+           "; give one of them another node";
+  }
+  return {};
+}
+
 // What helps where the messages together need more time than there is, or nothing.
 std::string overload_hint(const can::Schedule& bus, const std::optional<can::Message>& newcomer) {
   const std::uint64_t all =
@@ -173,6 +192,8 @@ std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdic
   };
   const std::string& late = s.members.publisher(row.end).name;
   const auto newcomer = message_of(v.publisher, v.set);
+  if (newcomer)
+    if (std::string hint = address_hint(s, bus, v, row, *newcomer); !hint.empty()) return hint;
   if (std::string hint = overload_hint(bus, newcomer); !hint.empty()) return hint;
   const auto own = row.end == v.publisher ? newcomer : message_of(row.end, v.set);
   if (own)

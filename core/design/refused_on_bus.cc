@@ -16,8 +16,8 @@ namespace {
 std::string harm_to(const can::Message& message, const can::Response& response) {
   if (!response.bounded) return " could wait without a bound";
   if (response.meets(message.deadline)) return " could lose frames in its queue";
-  return " could take " + format_value(Attribute::latency, response.response) + " of the " +
-         format_value(Attribute::latency, message.deadline);
+  const BoundWords words = format_bound(Attribute::latency, response.response, message.deadline);
+  return " could take " + words.bound + " of the " + words.limit;
 }
 
 /// What becomes of the first `held` messages, which are granted, when all are sent; empty: all are
@@ -46,10 +46,11 @@ std::string harm_of(const Members& members, const can::Schedule& bus,
 }  // namespace
 
 void RefusedOnBus::add(const Verdict& verdict) {
-  if (verdict.outcome != Outcome::unfit)
+  if (verdict.granted)
     granted_.insert(verdict.publisher);
   else
     refused_.try_emplace(verdict.publisher, verdict.set);
+  if (verdict.outcome == Outcome::run_time) perhaps_.insert(verdict.publisher);
 }
 
 void RefusedOnBus::report(const System& system, const Members& members, const Ledger& ledger,
@@ -95,12 +96,17 @@ void RefusedOnBus::report(const System& system, const Members& members, const ca
 
 /// `harm`: what the frames of the publishers do, from the name of the bus on.
 void RefusedOnBus::add(const Members& members, const std::vector<std::size_t>& senders,
-                       std::size_t network, const std::string& harm, std::vector<Finding>& to) {
+                       std::size_t network, const std::string& harm,
+                       std::vector<Finding>& to) const {
   const Publisher& sender = members.publisher(senders.front());
   std::string text = sender.name;
   if (senders.size() > 1) text += " and " + std::to_string(senders.size() - 1) + " more";
-  text += senders.size() == 1 ? " is refused, and no gate keeps its frames off "
-                              : " are refused, and no gate keeps their frames off ";
+  const bool one = senders.size() == 1;
+  if (std::ranges::all_of(senders, [&](std::size_t number) { return perhaps_.contains(number); }))
+    text += " may be refused";
+  else
+    text += one ? " is refused" : " are refused";
+  text += one ? ", and no gate keeps its frames off " : ", and no gate keeps their frames off ";
   Finding& f = to.emplace_back();
   f.id = FindingId::refused_on_bus;
   f.origin = sender.origin;

@@ -27,11 +27,12 @@ class RefusedOnBus {
  private:
   void report(const System& system, const Members& members, const can::Schedule& bus,
               std::size_t network, std::vector<Finding>& to) const;
-  static void add(const Members& members, const std::vector<std::size_t>& senders,
-                  std::size_t network, const std::string& harm, std::vector<Finding>& to);
+  void add(const Members& members, const std::vector<std::size_t>& senders, std::size_t network,
+           const std::string& harm, std::vector<Finding>& to) const;
 
   std::set<std::size_t> granted_;  ///< publishers to somebody: the bus has their frames
   std::map<std::size_t, std::size_t> refused_{};  ///< publishers, with their attribute sets
+  std::set<std::size_t> perhaps_;                 ///< those of them that the run time decides about
 };
 
 }  // namespace mlcca::core

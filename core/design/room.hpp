@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What rows say of room that channels share.
 #pragma once
+#include <algorithm>
+#include <string>
+
+#include "core/model/system.hpp"
+#include "core/model/text.hpp"
 #include "core/model/verdict.hpp"
 
 namespace mlcca::core {
@@ -12,6 +17,17 @@ namespace mlcca::core {
 /// What others hold is in the way.
 [[nodiscard]] inline bool is_for_want_of_room(const Row& row) {
   return is_unfit(row) && (row.against == Against::capacity || is_about_medium(row));
+}
+
+/// The first row of it; nullptr: there is none.
+[[nodiscard]] inline const Row* want_of_room(const Verdict& v) {
+  const auto found = std::ranges::find_if(v.rows, is_for_want_of_room);
+  return found == v.rows.end() ? nullptr : &*found;
+}
+/// Of what competes with best cases.
+[[nodiscard]] inline std::string open_room_words(const System& system, const Row& row) {
+  return "whether " + name_of(system, row.place) +
+         " has room for it beside what else is decided at run time";
 }
 
 }  // namespace mlcca::core

@@ -45,9 +45,25 @@ static_assert(std::ranges::all_of(kAttributeTable, [](const AttributeInfo& row) 
 
 const Reading& reading_of(Attribute a) { return *reading_of_unit(info(a).unit); }
 
-std::string with_unit(Value value, const Unit& unit) {
-  // Thousandths, or the last digit that a percentage of 1e-9 parts can have.
-  const Value step = unit.size >= 10000000 && unit.name == " %" ? 1 : unit.size / 1000;
+const Unit& unit_of(Attribute attribute, Value value) {
+  const auto units = reading_of(attribute).units;
+  for (const Unit& unit : units)
+    if (value >= unit.size) return unit;
+  return units.back();
+}
+
+/// Thousandths, or the last digit that a percentage of 1e-9 parts can have; or so much less.
+Value step_of(const Unit& unit, Value finer) {
+  return unit.name == " %" ? 1 : std::max<Value>(unit.size / 1000 / finer, 1);
+}
+
+Value rounded(Value value, Value step) {
+  const Value rest = value % step;
+  return value - rest + (rest + step / 2) / step * step;
+}
+
+std::string with_unit(Value value, const Unit& unit, Value finer = 1) {
+  const Value step = step_of(unit, finer);
   Value whole = value / unit.size;
   Value rest = value % unit.size;
   if (step > 1) {
@@ -71,10 +87,10 @@ std::string title(Attribute a) { return info(a).name; }
 
 std::string compared(const System& system, const Row& row, const std::string& place) {
   const Comparison& c = row.comparison;
-  std::string text =
-      attribute_name(system, row) + " " + format_value(system, row, c.required) + " required, ";
+  const BoundWords words = format_bound(system, row);
+  std::string text = attribute_name(system, row) + " " + words.limit + " required, ";
   if (!c.known) return text + place + " provides none";
-  text += place + " provides " + format_value(system, row, c.provided);
+  text += place + " provides " + words.bound;
   if (c.dynamic) return text + " at best, decided at run time and not known now";
   return text + " (" + format_margin(system, row) + ")";
 }
@@ -145,6 +161,8 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
     case Obstacle::no_path:
       if (const auto& mesh = system.networks[v.obstacle_at.index].mesh; mesh && mesh->nodes.empty())
         return "no nodes of " + at() + " are described: it is unknown where events enter and leave";
+      if (std::string words = no_links_words(system.networks[v.obstacle_at.index]); !words.empty())
+        return words;
       return "no links are known that lead through " + at();
     case Obstacle::no_rate:
       return "rate unknown: no source knows what the links that lead through " + at() + " carry";
@@ -204,10 +222,26 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
 
 std::string format_value(Attribute attribute, Value value) {
   if (value == kUnbounded) return "unbounded";
-  const auto units = reading_of(attribute).units;
-  for (const Unit& unit : units)
-    if (value >= unit.size) return with_unit(value, unit);
-  return with_unit(value, units.back());
+  return with_unit(value, unit_of(attribute, value));
+}
+
+BoundWords format_bound(Attribute attribute, Value bound, Value limit) {
+  if (bound == limit || bound == kUnbounded || limit == kUnbounded)
+    return {format_value(attribute, bound), format_value(attribute, limit)};
+  const Unit& of_bound = unit_of(attribute, bound);
+  const Unit& of_limit = unit_of(attribute, limit);
+  const auto differ = [&](Value finer) {
+    return rounded(bound, step_of(of_bound, finer)) != rounded(limit, step_of(of_limit, finer));
+  };
+  Value finer = 1;
+  while (!differ(finer)) finer *= 10;  // each step ends at 1
+  return {with_unit(bound, of_bound, finer), with_unit(limit, of_limit, finer)};
+}
+
+BoundWords format_bound(const System& system, const Row& row) {
+  const Comparison& c = row.comparison;
+  if (!row.is_user()) return format_bound(c.attribute, c.provided, c.required);
+  return {format_value(system, row, c.provided), format_value(system, row, c.required)};
 }
 
 std::string format_span(Value ns) {
@@ -317,6 +351,13 @@ const std::string& name_of(const System& system, Place place) {
                                             : system.gateways[place.index].name;
 }
 
+std::string no_links_words(const Network& network) {
+  const auto& mesh = network.mesh;
+  if (!mesh || mesh->nodes.empty() || !mesh->links.empty() || !mesh->sources.empty()) return {};
+  return "no link of mesh " + network.name +
+         " can ever be known: it has nodes, and neither Link nor Source";
+}
+
 std::string where(const System& system, const Members& members, const Verdict& verdict,
                   const Row& row) {
   switch (row.against) {
@@ -377,8 +418,9 @@ std::string schedule_text(const System& system, const Members& members, const Ro
            format_value(Attribute::latency, c.provided) +
            " there, and the rest of their way may take all that they are allowed";
   if (c.provided == kUnbounded) return frames + " could wait without a bound";
-  return frames + " could take " + format_value(Attribute::latency, c.provided) + " of the " +
-         format_value(Attribute::latency, c.required) + " they may take at most";
+  const BoundWords words = format_bound(Attribute::latency, c.provided, c.required);
+  return frames + " could take " + words.bound + " of the " + words.limit +
+         " they may take at most";
 }
 
 std::string reaction(const Verdict& verdict) {
@@ -396,16 +438,14 @@ std::string reason(const System& system, const Members& members, const Verdict& 
   if (v.obstacle != Obstacle::none) return obstacle_text(system, members, v, problem);
   const Row* row = deciding_row(v);
   if (row == nullptr) return "nothing is required of the route";
+  const BoundWords words = format_bound(system, *row);
   if (row->against == Against::capacity && !v.granted)
-    return format_value(Attribute::bandwidth, row->comparison.required) + " needed on " +
-           name_of(system, row->place) + ", " +
-           format_value(Attribute::bandwidth, row->comparison.provided) + " left (" +
-           format_value(Attribute::bandwidth, row->reserved) + " promised to others)";
+    return words.limit + " needed on " + name_of(system, row->place) + ", " + words.bound +
+           " left (" + format_value(Attribute::bandwidth, row->reserved) + " promised to others)";
   if (row->against == Against::schedule) return schedule_text(system, members, *row);
   if (row->against == Against::medium_time && !v.granted)
-    return format_value(Attribute::bandwidth, row->comparison.required) + " needed on " +
-           name_of(system, row->place) + ", whose links have time for " +
-           format_value(Attribute::bandwidth, row->comparison.provided);
+    return words.limit + " needed on " + name_of(system, row->place) +
+           ", whose links have time for " + words.bound;
   std::string place = where(system, members, v, *row);
   if (row->against == Against::end_to_end) place = "the route";
   if (row->against == Against::overhearing)

@@ -14,6 +14,15 @@ namespace mlcca::core {
 
 /// "50 ms", "400 kB/s", "0.5 %", "2", "unbounded": at most three decimals, rounded to the nearest.
 [[nodiscard]] std::string format_value(Attribute attribute, Value value);
+/// A bound and its limit as format_value has them, with as many decimals as it takes to see that
+/// one is not the other: "10.0004 ms" and "10 ms".
+struct BoundWords {
+  std::string bound;
+  std::string limit;
+};
+[[nodiscard]] BoundWords format_bound(Attribute attribute, Value bound, Value limit);
+/// Of a row: what is provided, and what is required.
+[[nodiscard]] BoundWords format_bound(const System& system, const Row& row);
 /// "1 d 2 h", "3 min 20 s", "4 s" of nanoseconds: the two largest units that it has, rounded down.
 [[nodiscard]] std::string format_span(Value ns);
 
@@ -43,6 +52,9 @@ namespace mlcca::core {
 [[nodiscard]] std::string name_of(const mesh::Source& source);
 
 [[nodiscard]] const std::string& name_of(const System& system, Place place);
+
+/// Of a mesh that has nodes, and neither links nor sources of them; empty: it is none.
+[[nodiscard]] std::string no_links_words(const Network& network);
 
 /// "a", "a and b", "a, b, c and 5 more": those publishers.
 [[nodiscard]] std::string names_of(const Members& members,

@@ -72,12 +72,14 @@ const Row* deciding_row(const Verdict& verdict) {
   if (!verdict.granted) return refusing_row(verdict);
   const Row* tightest = nullptr;
   for (const Row& row : verdict.rows) {
-    if (row.against != Against::end_to_end) continue;
+    if (row.against != Against::end_to_end || is_unfit(row)) continue;
     if (is_met_by_rule(row.comparison) || is_said_of_the_medium(verdict, row)) continue;
     if (tightest == nullptr || slack(row.comparison) < slack(tightest->comparison)) tightest = &row;
   }
-  if (tightest == nullptr && !verdict.rows.empty()) return &verdict.rows.front();
-  return tightest;
+  if (tightest != nullptr) return tightest;
+  // What does not fit of something that is granted is what others could have in its place.
+  const auto fit = std::ranges::find_if_not(verdict.rows, is_unfit);
+  return fit == verdict.rows.end() ? nullptr : &*fit;
 }
 
 AttributeSet reaction_terms(const Verdict& verdict) {

@@ -132,7 +132,7 @@ TEST(AdmissionTest, HoldsPeriodicTrafficAgainstTheComposedLatency) {
   const State state(system);
   EXPECT_FALSE(only_verdict(state).granted);
   EXPECT_EQ(why(state, only_verdict(state)),
-            "Deadline 50 ms required, the route provides 50 ms (1 ns too long)");
+            "Deadline 50 ms required, the route provides 50.000001 ms (1 ns too long)");
 }
 
 TEST(AdmissionTest, RefusesASlowerPublisherThanTheSubscriberNeeds) {
@@ -261,7 +261,7 @@ TEST(AdmissionTest, AddsTheJitterOfTheSourceToThatOfTheRoute) {
   const State state(system);
   EXPECT_FALSE(only_verdict(state).granted);
   EXPECT_EQ(why(state, only_verdict(state)),
-            "Jitter 5 ms required, the route provides 5 ms (1 ns too long)");
+            "Jitter 5 ms required, the route provides 5.000001 ms (1 ns too long)");
 }
 
 }  // namespace

@@ -47,7 +47,8 @@ TEST(BusMessagesTest, AGrantedEventIsOnEachBusOfItsWayAndInheritsJitter) {
   EXPECT_EQ(far.before->from, Flow::kOwn);
   EXPECT_EQ(far.before->added, kMs) << "of the bridge";
   for (const BusMessage& m : messages) {
-    EXPECT_TRUE(m.granted);
+    EXPECT_TRUE(m.held);
+    EXPECT_EQ(m.outcome, Outcome::fit);
     EXPECT_FALSE(m.in_vain);
     EXPECT_TRUE(m.unknown.empty());
     ASSERT_TRUE(m.message);
@@ -65,7 +66,7 @@ TEST(BusMessagesTest, WhatLeadsNowhereIsOnThePublishersBusAllTheSame) {
   ASSERT_EQ(messages.size(), 1U);
   EXPECT_EQ(messages[0].network, kSecondCan);
   EXPECT_EQ(messages[0].from, Flow::kOwn);
-  EXPECT_FALSE(messages[0].granted);
+  EXPECT_FALSE(messages[0].held);
   EXPECT_FALSE(messages[0].in_vain);
   EXPECT_FALSE(messages[0].granted_response);
   ASSERT_TRUE(messages[0].message);
@@ -85,7 +86,7 @@ TEST(BusMessagesTest, WhatIsRefusedOnTheFarBusIsOnTheNearOneToo) {
   system.subscribers[0].attributes.set(Attribute::deadline, 2 * kMs);
   const auto messages = messages_of(system);
   ASSERT_EQ(messages.size(), 2U);
-  for (const BusMessage& m : messages) EXPECT_FALSE(m.granted);
+  for (const BusMessage& m : messages) EXPECT_FALSE(m.held);
   EXPECT_TRUE(messages[0].in_vain || messages[1].in_vain) << "the response times decided it";
   ASSERT_TRUE(messages[0].message);
   EXPECT_EQ(messages[0].message->jitter, kFrame + kMs) << "of the first bus, and of the bridge";
@@ -99,7 +100,7 @@ TEST(BusMessagesTest, WhatIsNotSaidOfAHopIsNamed) {
   ASSERT_EQ(messages.size(), 2U);
   EXPECT_EQ(messages[0].unknown, std::vector{gateway(kBridge)});
   EXPECT_TRUE(messages[1].unknown.empty());
-  EXPECT_FALSE(messages[0].granted);
+  EXPECT_FALSE(messages[0].held);
 }
 
 TEST(BusMessagesTest, WhoStatesNoPeriodIsOnTheBusWithoutAMessage) {
@@ -109,7 +110,7 @@ TEST(BusMessagesTest, WhoStatesNoPeriodIsOnTheBusWithoutAMessage) {
   const auto messages = messages_of(system);
   ASSERT_EQ(messages.size(), 2U) << "on both buses of its way";
   for (const BusMessage& m : messages) {
-    EXPECT_FALSE(m.granted);
+    EXPECT_FALSE(m.held);
     EXPECT_FALSE(m.message);
   }
 }
@@ -122,7 +123,7 @@ TEST(BusMessagesTest, ForSeveralPlacesBehindABusTheMessageIsTheStrictest) {
   const auto messages = messages_of(system);
   ASSERT_EQ(messages.size(), 2U);
   ASSERT_TRUE(messages[1].message);
-  EXPECT_TRUE(messages[1].granted);
+  EXPECT_TRUE(messages[1].held);
   EXPECT_EQ(messages[1].message->deadline, 20 * kMs);
 }
 

@@ -35,6 +35,22 @@ TEST(TextTest, WritesValuesWithTheUnitAPersonWouldUse) {
   EXPECT_EQ(format_value(Attribute::max_payload, 8), "8 bytes");
 }
 
+TEST(TextTest, ABoundIsPrintedOtherwiseThanALimitThatItIsNot) {
+  const auto words = [](Attribute a, Value bound, Value limit) {
+    const BoundWords both = format_bound(a, bound, limit);
+    return both.bound + " of " + both.limit;
+  };
+  EXPECT_EQ(words(Attribute::latency, 8'000'000, 10'000'000), "8 ms of 10 ms");
+  EXPECT_EQ(words(Attribute::latency, 10'000'400, 10'000'000), "10.0004 ms of 10 ms");
+  EXPECT_EQ(words(Attribute::latency, 10'000'000, 9'999'999), "10 ms of 9.999999 ms");
+  EXPECT_EQ(words(Attribute::latency, 1'000'000'000, 999'999'999), "1 s of 999.999999 ms");
+  EXPECT_EQ(words(Attribute::latency, 10'000'400, 10'000'400), "10 ms of 10 ms");
+  EXPECT_EQ(words(Attribute::latency, kUnbounded, 10'000'400), "unbounded of 10 ms");
+  EXPECT_EQ(words(Attribute::bandwidth, 400'000'001, 400'000'000), "400.000001 MB/s of 400 MB/s");
+  EXPECT_EQ(words(Attribute::omission, 3, 2), "3 of 2");
+  EXPECT_EQ(words(Attribute::latency, 0, 1), "0 ns of 1 ns");
+}
+
 TEST(TextTest, WritesMarginsInWords) {
   const auto margin = [](Attribute a, Value required, Value provided) {
     return format_margin(compare(a, required, AttributeSet{}.set(a, provided)));

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <sstream>
 #include <string_view>
 
@@ -36,17 +37,35 @@ std::string named(std::string_view& text, std::string_view name, std::string_vie
   return std::string(cut(text, end));
 }
 
-/// A number of the twin as the C++ checker writes it for people.
-std::string in_words(const core::System& system, const std::string& attribute,
-                     const std::string& text) {
+std::optional<Value> number_of(const std::string& text) {
   Value value = 0;
-  if (text == "unbounded") return text;
-  if (std::from_chars(text.data(), text.data() + text.size(), value).ec != std::errc{}) return text;
-  for (std::size_t i = 0; i < kAttributes; ++i)
-    if (attribute == info(attribute_at(i)).name) return core::format_value(attribute_at(i), value);
+  if (text == "unbounded") return kUnbounded;
+  if (std::from_chars(text.data(), text.data() + text.size(), value).ec != std::errc{})
+    return std::nullopt;
+  return value;
+}
+
+/// Numbers of the twin as the C++ checker writes them for people.
+void put_in_words(const core::System& system, Key& key) {
+  const auto required = number_of(key.required);
+  const auto provided = number_of(key.provided);
+  const auto put = [&](const auto& words) {
+    if (required) key.required = words(*required);
+    if (provided) key.provided = words(*provided);
+  };
+  for (std::size_t i = 0; i < kAttributes; ++i) {
+    const Attribute a = attribute_at(i);
+    if (key.attribute != info(a).name) continue;
+    put([a](Value value) { return core::format_value(a, value); });
+    if (!required || !provided) return;
+    const core::BoundWords both = core::format_bound(a, *provided, *required);
+    key.required = both.limit;
+    key.provided = both.bound;
+    return;
+  }
   for (const auto& user : system.user_attributes)
-    if (attribute == user.name) return core::format_user_value(user, value);
-  return text;
+    if (key.attribute == user.name)
+      put([&user](Value value) { return core::format_user_value(user, value); });
 }
 
 /// "50 ns": the number without its unit.
@@ -209,8 +228,7 @@ Keys findings_of(core::System system) {
 Keys in_words(const core::System& system, const Keys& keys) {
   Keys out;
   for (Key key : keys) {
-    key.required = in_words(system, key.attribute, key.required);
-    key.provided = in_words(system, key.attribute, key.provided);
+    put_in_words(system, key);
     out.insert(std::move(key));
   }
   return out;

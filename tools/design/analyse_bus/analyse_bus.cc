@@ -11,12 +11,17 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <memory>
 #include <span>
 #include <string>
 
 #include "core/can/level.hpp"
+#include "core/can/sender.hpp"
+#include "core/design/hints.hpp"
+#include "core/design/let_through.hpp"
+#include "core/model/text.hpp"
 #include "tools/design/analyse_bus/bus.hpp"
 #include "tools/design/analyse_bus/write.hpp"
 #include "tools/design/say.hpp"
@@ -53,10 +58,11 @@ Buses read_input(const std::string& file, const BusOptions& options) {
   return read_table(text, file, options);
 }
 
-std::vector<core::can::Message> messages_of(const Bus& bus) {
+template <class Form>
+std::vector<core::can::Message> messages_of(const Bus& bus, Form form) {
   std::vector<core::can::Message> messages;
   messages.reserve(bus.messages.size());
-  for (const BusMessage& m : bus.messages) messages.push_back(m.message);
+  for (const BusMessage& m : bus.messages) messages.push_back(std::invoke(form, m));
   return messages;
 }
 
@@ -86,12 +92,26 @@ std::string unusable_words(const Bus& bus, const std::vector<core::can::Message>
   return {};
 }
 
+/// Two nodes that claim one address; empty: none do.
+std::string address_clash(const Bus& bus, const std::vector<core::can::Message>& sorted) {
+  for (std::size_t i = 0; i < sorted.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (shares_address(std::vector{sorted[k], sorted[i]}, 1))
+        return core::address_words(printable(bus.messages[k].name), printable(bus.messages[i].name),
+                                   sorted[i].sender, printable(bus.network)) +
+               ".";
+  return {};
+}
+
 /// Why something is not bounded, with the name of the message that is the reason; empty: nothing is
 /// unbounded. `sorted`: highest priority first.
 std::string unbounded_words(const AnalysedBus& analysed,
                             const std::vector<core::can::Message>& sorted) {
   const auto& bus = analysed.bus;
   const auto name = [&](std::size_t i) { return printable(bus.messages[i].name); };
+  const auto first = std::ranges::find(analysed.responses, false, &core::can::Response::bounded);
+  if (first == analysed.responses.end()) return {};
+  if (std::string words = address_clash(bus, sorted); !words.empty()) return words;
   if (std::string words = unusable_words(bus, sorted); !words.empty()) return words;
   for (std::size_t i = 0; i < sorted.size(); ++i)
     if (const auto late = sorted[i].jitter / sorted[i].period; late >= core::can::kMaxInstances)
@@ -102,16 +122,15 @@ std::string unbounded_words(const AnalysedBus& analysed,
           std::ranges::count(analysed.responses, false, &core::can::Response::bounded) > 1
               ? ": what it may win against is not bounded either"
               : "");
-  const auto first = std::ranges::find(analysed.responses, false, &core::can::Response::bounded);
-  if (first == analysed.responses.end()) return {};
   for (std::size_t i = 0; i < sorted.size(); ++i)
     if (const auto taken = sorted[i].transmission + sorted[i].pauses;
-        sorted[i].pauses != 0 && taken > sorted[i].period)
+        sorted[i].pauses != 0 && taken > sorted[i].period) {
+      const auto words = core::format_bound(Attribute::latency, taken, sorted[i].period);
       return fmt::format(
-          "{} is not bounded: its {} frames take up to {:.3f} ms with the pauses between them, and "
-          "the next event comes after {:.3f} ms.",
-          name(i), sorted[i].frames, static_cast<double>(taken) / 1e6,
-          static_cast<double>(sorted[i].period) / 1e6);
+          "{} is not bounded: its {} frames take up to {} with the pauses between them, and the "
+          "next event comes after {}.",
+          name(i), sorted[i].frames, words.bound, words.limit);
+    }
   constexpr std::uint64_t whole = 1'000'000;
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     const auto load = utilisation_ppm(bus.assumptions, std::span(sorted).first(i + 1));
@@ -154,6 +173,7 @@ struct Harm {
   bool lost = false;  ///< one would be in time, and its queue too short
 };
 
+/// `messages`: those that are let through, `fit` without the others.
 Harm harm_of_uncounted(const Bus& bus, std::vector<core::can::Message> messages,
                        const std::vector<bool>& fit) {
   if (bus.uncounted.empty()) return {};
@@ -173,6 +193,48 @@ Harm harm_of_uncounted(const Bus& bus, std::vector<core::can::Message> messages,
   return harm;
 }
 
+/// The same of a message that is not let through: it makes no other one unbounded.
+std::string unbounded_elsewhere(const Bus& bus) {
+  const auto found = std::ranges::find_if(
+      bus.messages, [](const BusMessage& m) { return !m.let_through && !m.unbounded_on.empty(); });
+  if (found == bus.messages.end()) return {};
+  return fmt::format("{} is not bounded here: it is not bounded on {}, from where it comes.",
+                     printable(found->name), printable(found->unbounded_on));
+}
+
+/// The same with those messages alone that are let through.
+AnalysedBus let_through(const AnalysedBus& all) {
+  AnalysedBus out;
+  out.bus = all.bus;
+  out.bus.messages.clear();
+  for (std::size_t i = 0; i < all.bus.messages.size(); ++i) {
+    if (!all.bus.messages[i].let_through) continue;
+    out.bus.messages.push_back(all.bus.messages[i]);
+    out.responses.push_back(all.responses[i]);
+    out.fit.push_back(all.fit[i]);
+  }
+  return out;
+}
+
+/// Of each message how it is beside what is let through.
+void analyse_messages(AnalysedBus& result) {
+  const Bus& bus = result.bus;
+  std::vector<core::can::Message> messages;
+  std::vector<bool> let_through;
+  for (const BusMessage& m : bus.messages) {
+    messages.push_back(m.sent());
+    let_through.push_back(m.let_through);
+  }
+  result.responses = core::responses_beside(bus.assumptions, messages, let_through);
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    const bool fit = fits(bus.assumptions, messages[i], result.responses[i]);
+    result.fit.push_back(fit);
+    if (!bus.messages[i].let_through) continue;
+    result.late = result.late || !result.responses[i].meets(messages[i].deadline);
+    result.schedulable = result.schedulable && fit;
+  }
+}
+
 AnalysedBus analysed(Bus bus, bool assign) {
   AnalysedBus result;
   if (!bus.why_not.empty()) {
@@ -183,23 +245,22 @@ AnalysedBus analysed(Bus bus, bool assign) {
   }
   std::ranges::stable_sort(bus.messages, {},
                            [](const BusMessage& m) { return m.message.priority; });
-  const auto messages = messages_of(bus);
-  result.responses = analyse(bus.assumptions, messages);
-  for (std::size_t i = 0; i < messages.size(); ++i) {
-    const bool fit = fits(bus.assumptions, messages[i], result.responses[i]);
-    result.fit.push_back(fit);
-    result.late = result.late || !result.responses[i].meets(messages[i].deadline);
-    result.schedulable = result.schedulable && fit && !bus.messages[i].in_vain;
-  }
-  const Harm harm = harm_of_uncounted(bus, messages, result.fit);
+  result.bus = std::move(bus);
+  analyse_messages(result);
+  if (std::ranges::any_of(result.bus.messages, &BusMessage::in_vain)) result.schedulable = false;
+  const AnalysedBus there = let_through(result);
+  const auto sent = messages_of(there.bus, &BusMessage::sent);
+  const Harm harm = harm_of_uncounted(there.bus, sent, there.fit);
   result.met_alone = !result.late && harm.late;
   result.kept_alone = harm.lost;
-  result.schedulable = result.schedulable && bus.unknown.empty() && !result.met_alone && !harm.lost;
-  result.load = utilisation_ppm(bus.assumptions, messages);
+  result.schedulable = result.schedulable && result.bus.sure && !result.met_alone && !harm.lost;
+  result.load = utilisation_ppm(there.bus.assumptions, sent);
+  result.why_unbounded = unbounded_words(there, sent);
+  if (result.why_unbounded.empty()) result.why_unbounded = unbounded_elsewhere(result.bus);
   result.assigned = assign;
-  if (assign) result.order = assign_priorities(bus.assumptions, messages);
-  result.bus = std::move(bus);
-  result.why_unbounded = unbounded_words(result, messages);
+  if (assign)
+    result.order =
+        assign_priorities(result.bus.assumptions, messages_of(result.bus, &BusMessage::message));
   return result;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/can/message.hpp"
+#include "mlcca/satisfies.hpp"
 
 namespace mlcca::tools::design {
 
@@ -15,12 +16,15 @@ struct BusMessage {
   std::string name;
   std::uint32_t id = 0;  ///< 11 or 29 bits
   bool extended = false;
-  bool tag_known = true;        ///< otherwise a broker deals it: `id` is the least that it can be
-  std::uint64_t bytes = 0;      ///< payload of one frame; of a described publisher, of one event
-  std::string where;            ///< "file:line" of a table or a description
-  std::string node;             ///< of a table: whose FIFO its frames wait in, or empty
-  std::optional<bool> granted;  ///< of a description: whether check grants it
-  bool at_run_time = false;  ///< what check grants as far as is known, and leaves to the run time
+  bool tag_known = true;  ///< otherwise a broker deals it: `id` is the least that it can be
+  /// Payload of one frame; of a described publisher, of one event. Nothing: not stated.
+  std::optional<std::uint64_t> bytes;
+  std::string where;               ///< "file:line" of a table or a description
+  std::string node;                ///< of a table: whose FIFO its frames wait in, or empty
+  std::optional<bool> granted;     ///< of a description: whether check grants it, with certainty
+  Outcome outcome = Outcome::fit;  ///< what check says of it
+  bool held = true;         ///< of a description: check grants it, or would where best cases hold
+  bool let_through = true;  ///< it can really be on the bus: core/design/let_through.hpp
   /// Of what is granted: the response with what else is, and what of it is this bus's; ns.
   std::optional<std::uint64_t> granted_response;
   std::uint64_t granted_on_bus = 0;
@@ -31,7 +35,11 @@ struct BusMessage {
   bool from_elsewhere = false;  ///< a gateway sends it on: its jitter follows from the way before
   std::string unbounded_on;     ///< bus on the way before where it is not bounded, so that its
                                 ///< jitter here is kNever
-  core::can::Message message;
+  core::can::Message message;   ///< as it is with all messages on all buses
+  /// As it is beside what is let through; nothing: the same.
+  std::optional<core::can::Message> beside;
+
+  [[nodiscard]] const core::can::Message& sent() const { return beside ? *beside : message; }
 };
 
 struct Bus {
@@ -39,10 +47,11 @@ struct Bus {
   std::vector<std::string> why_not;  ///< it is not analysed, and has no messages: sentences
   core::can::Assumptions assumptions;
   std::vector<BusMessage> messages;
-  /// What is not stated although the bounds depend on it, and which publishers are left out:
-  /// sentences.
+  /// What is not stated although bounds depend on it, and what is left out: sentences.
   std::vector<std::string> unknown;
   std::vector<std::string> left_out;
+  /// Nothing is unknown of what is let through: bounds hold.
+  bool sure = true;
   /// Of what is left out: what it sends here if it does; nothing where the description does not say
   /// enough.
   std::vector<std::optional<core::can::Message>> uncounted;

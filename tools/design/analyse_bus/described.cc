@@ -13,6 +13,7 @@
 #include "core/model/medium.hpp"
 #include "core/model/text.hpp"
 #include "core/profiles/profile.hpp"
+#include "description/kinds.hpp"
 #include "description/read.hpp"
 #include "tools/design/analyse_bus/bus.hpp"
 
@@ -95,15 +96,11 @@ class DescribedBuses {
       return;
     }
     bus.assumptions = *inspected_.assumptions[n];
-    check_formats(n, bus);
     for (const core::BusMessage& m : inspected_.messages)
       if (m.network == n) add_message(bus, m);
     name_ways(bus);
-    std::ranges::move(problems_of(bus.messages, network.name), std::back_inserter(bus.why_not));
-    // Without any of its messages there is nothing to say of a bus.
-    if (bus.messages.empty()) std::ranges::move(lacking_, std::back_inserter(bus.why_not));
-    for (const std::string& text : std::exchange(lacking_, {}))
-      bus.unknown.push_back(text + "; it counts as nothing");
+    std::ranges::move(clashes_on(n, bus), std::back_inserter(bus.why_not));
+    add_lacking(bus);
     for (const core::Finding& f : inspection_.findings) {
       if (f.id == core::FindingId::unused_publisher && is_on(f.publisher, n)) {
         bus.left_out.push_back(f.text);
@@ -116,6 +113,17 @@ class DescribedBuses {
             fmt::format("{}: {}: {}", where(f.origin), core::code_of(f.id), f.text));
     }
     buses_.push_back(std::move(bus));
+  }
+
+  /// What may not be on a bus together, in the words of check where it says that.
+  [[nodiscard]] std::vector<std::string> clashes_on(std::size_t n, const Bus& bus) const {
+    auto clashes = problems_of(bus.messages, bus.network);
+    std::vector<std::string> said;
+    for (const core::Finding& f : inspection_.findings)
+      if (f.id == core::FindingId::sender_twice && f.has_place &&
+          f.place == Place{Place::Kind::network, n})
+        said.push_back(at(f.origin, core::code_of(f.id) + ": " + f.text));
+    return clashes.empty() || said.empty() ? clashes : said;
   }
 
   [[nodiscard]] bool is_on(std::size_t publisher, std::size_t network) const {
@@ -131,24 +139,18 @@ class DescribedBuses {
     return message;
   }
 
-  void check_formats(std::size_t n, Bus& bus) const {
-    for (const core::Finding& f : inspection_.findings)
-      if (f.id == core::FindingId::no_data_rate && f.has_place &&
-          f.place == Place{Place::Kind::network, n})
-        bus.why_not.push_back(at(f.origin, f.text + ": " + f.hint));
-    if (!bus.why_not.empty() || bus.assumptions.timing.data_bitrate != 0) return;
-    // The check names the first such bus of a way alone.
-    const core::Network& network = system_.networks[n];
-    for (const core::BusMessage& m : inspected_.messages) {
-      if (m.network != n) continue;
-      const std::size_t channel = system_.publishers[m.publisher].channel;
-      const core::Binding* const binding = network.binding_of(channel);
-      if (binding == nullptr || binding->format == core::FrameFormat::classic) continue;
-      bus.why_not.push_back(at(
-          network.origin, fmt::format("frames of channel {} are not all classic, and {} has no bit "
-                                      "rate for their data phase: state it with --data-bitrate",
-                                      system_.channels[channel].name, network.name)));
-      return;
+  /// What is not known of messages. Without any message there is nothing to say of a bus.
+  void add_lacking(Bus& bus) {
+    for (const auto& [text, let_through] : std::exchange(lacking_, {})) {
+      if (bus.messages.empty()) {
+        bus.why_not.push_back(text);
+      } else if (let_through) {
+        bus.unknown.push_back(text + "; it counts as nothing");
+        bus.sure = false;
+      } else {
+        bus.left_out.push_back(text +
+                               "; mlccactl check refuses it, and it does not come to this bus");
+      }
     }
   }
 
@@ -157,7 +159,10 @@ class DescribedBuses {
     const core::Network& network = system_.networks[from.network];
     const core::Binding* binding = network.binding_of(p.channel);
     if (!from.message || binding == nullptr) {
-      lacking_.push_back(at(p.origin, why_not(p, network, binding)));
+      const bool of_network = lacks_data_rate(network, binding);
+      lacking_.emplace_back(
+          at(of_network ? network.origin : p.origin, why_not(p, network, binding)),
+          from.let_through);
       return;
     }
     const AttributeSet& offered = core::attributes_in(p, from.set);
@@ -169,10 +174,11 @@ class DescribedBuses {
     m.id = identifier->id;
     m.extended = identifier->extended;
     m.tag_known = !binding->waits_for_tag();
-    m.bytes = offered.has(Attribute::max_payload) ? offered[Attribute::max_payload]
-                                                  : core::frame_bytes(*binding);
-    m.granted = from.granted;
-    m.at_run_time = from.at_run_time;
+    if (offered.has(Attribute::max_payload)) m.bytes = offered[Attribute::max_payload];
+    m.granted = from.outcome == Outcome::fit;
+    m.outcome = from.outcome;
+    m.held = from.held;
+    m.let_through = from.let_through;
     if (from.granted_response && *from.granted_response != core::can::kNever) {
       m.granted_response = from.granted_response;
       m.granted_on_bus = *from.granted_response - from.granted_jitter;
@@ -181,9 +187,12 @@ class DescribedBuses {
     m.in_vain = from.in_vain;
     m.from_elsewhere = from.from != core::Flow::kOwn;
     m.message = *from.message;
+    m.beside = from.sent;
     m.unbounded_on = unbounded_before(from);
     m.message.key = core::Ledger::key_of({from.publisher, from.network, from.from});
+    if (m.beside) m.beside->key = m.message.key;
     froms_.push_back(from.from);
+    if (from.let_through && !from.unknown.empty()) bus.sure = false;
     for (const Place place : from.unknown)
       bus.unknown.push_back(fmt::format("how long {} delays events of {} is not known{}",
                                         core::name_of(system_, place), p.name,
@@ -191,11 +200,17 @@ class DescribedBuses {
     bus.messages.push_back(std::move(m));
   }
 
+  [[nodiscard]] static bool lacks_data_rate(const core::Network& network,
+                                            const core::Binding* binding) {
+    return binding != nullptr && binding->format != core::FrameFormat::classic &&
+           network.bus.data_bitrate == 0;
+  }
+
   /// The first bus on the way where it is not bounded, if its jitter has no bound because of that.
   [[nodiscard]] std::string unbounded_before(const core::BusMessage& from) const {
     std::string name;
     for (const core::BusMessage* m = &from;
-         m != nullptr && m->message && m->before && m->message->jitter == core::can::kNever;
+         m != nullptr && m->sent && m->before && m->sent->jitter == core::can::kNever;
          m = message_before(*m))
       name = system_.networks[m->before->network].name;
     return name;
@@ -254,6 +269,11 @@ class DescribedBuses {
     if (binding == nullptr)
       return fmt::format("channel {} has no Binding on network {}: its frames are not known",
                          channel, network.name);
+    if (lacks_data_rate(network, binding))
+      return fmt::format(
+          "frames of channel {} are not all classic, and {} has no bit rate for their data phase: "
+          "state it with --data-bitrate",
+          channel, network.name);
     if (!p.attributes.has(Attribute::period))
       return fmt::format(
           "publisher {} states no Period: how often it sends on network {} must be "
@@ -272,8 +292,9 @@ class DescribedBuses {
   const BusOptions& options_;
   core::Inspection inspection_;
   core::InspectedBuses inspected_;
-  std::vector<std::size_t> froms_;    ///< of all messages, in their order
-  std::vector<std::string> lacking_;  ///< of messages of the bus that are not known
+  std::vector<std::size_t> froms_;  ///< of all messages, in their order
+  /// Of messages of the bus that are not known: what, and whether they are let through.
+  std::vector<std::pair<std::string, bool>> lacking_;
   std::vector<Bus> buses_;
   std::vector<std::string> problems_;
 };
@@ -284,7 +305,8 @@ Buses read_description(const std::string& file, const BusOptions& options) {
   auto examined = description::examine({file}, {}, description::Users::any);
   if (!examined.problems.empty() || !examined.readable) {
     Buses none;
-    for (const auto& problem : examined.problems) none.problems.push_back(to_string(problem));
+    for (const auto& problem : description::shortened(examined.problems))
+      none.problems.push_back(to_string(problem));
     return none;
   }
   examined.system.sort_bindings();

@@ -308,7 +308,7 @@ class TableReader {
     message.priority = core::can::arbitration(m.id, m.extended);
     message.longest_frame = message.last_frame =
         frame_time(bus_.assumptions.timing, {.extended = m.extended, .fd = fd},
-                   static_cast<unsigned>(m.bytes));
+                   static_cast<unsigned>(*m.bytes));
     message.transmission = message.frames * message.longest_frame;
     bus_.messages.push_back(std::move(m));
   }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <ranges>
@@ -47,17 +48,19 @@ enum class Fate : std::uint8_t {
   not_bounded,
   queue_too_short,
   refused,
-  refused_by_check
+  refused_by_check,
+  run_time,  ///< check leaves it to the run time whether it takes the place of others
 };
 
 Fate fate_of(const AnalysedBus& analysed, std::size_t i) {
   const BusMessage& m = analysed.bus.messages[i];
   const core::can::Response& r = analysed.responses[i];
+  if (m.outcome == Outcome::run_time && !m.held) return Fate::run_time;
   if (!r.bounded) return Fate::not_bounded;
-  if (!r.meets(m.message.deadline)) return Fate::late;
+  if (!r.meets(m.sent().deadline)) return Fate::late;
   if (!analysed.fit[i]) return Fate::queue_too_short;
   if (m.in_vain) return Fate::refused;
-  return m.granted.value_or(true) ? Fate::met : Fate::refused_by_check;
+  return m.outcome == Outcome::unfit ? Fate::refused_by_check : Fate::met;
 }
 
 /// The queue of a gateway; null for a node's own, and for a FIFO whose length is not stated.
@@ -85,6 +88,8 @@ std::string verdict_of(const AnalysedBus& analysed, std::size_t i) {
       return "refused for others";
     case Fate::refused_by_check:
       return "refused by check";
+    case Fate::run_time:
+      return "at run time, in place of others";
   }
   return {};
 }
@@ -108,59 +113,88 @@ std::string_view word_of(Fate fate) {
       return "not-bounded";
     case Fate::queue_too_short:
       return "queue-too-short";
+    case Fate::run_time:
+      return "run-time";
     case Fate::refused:
       break;
   }
   return "refused";
 }
 
+std::string_view word_of(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::fit:
+      return "fit";
+    case Outcome::run_time:
+      return "run-time";
+    case Outcome::unfit:
+      break;
+  }
+  return "unfit";
+}
+
 bool has_short_queue(const AnalysedBus& analysed) {
   for (std::size_t i = 0; i < analysed.responses.size(); ++i)
     if (const auto* queue = queue_of(analysed, i);
-        queue != nullptr && analysed.responses[i].bounded &&
+        queue != nullptr && analysed.bus.messages[i].let_through && analysed.responses[i].bounded &&
         analysed.responses[i].queued_frames > queue->length)
       return true;
   return false;
 }
 
-/// What the two response times of a described bus assume, where the table shows both.
+/// What the response times of a described bus assume, where that shows.
 std::string assumed_text(const AnalysedBus& analysed) {
   bool differs = false;
+  bool dropped = false;
   bool late_though_granted = false;
   for (std::size_t i = 0; i < analysed.responses.size(); ++i) {
     const BusMessage& m = analysed.bus.messages[i];
     differs = differs || !checked_of(m, analysed.responses[i]).empty();
-    late_though_granted = late_though_granted || (m.granted.value_or(false) && m.granted_response &&
-                                                  !analysed.responses[i].meets(m.message.deadline));
+    dropped = dropped || !m.let_through;
+    late_though_granted = late_though_granted || (m.held && m.granted_response &&
+                                                  !analysed.responses[i].meets(m.sent().deadline));
   }
   std::string text;
   if (differs)
     text +=
-        "Response us: every message of the table sends. Check us: only those send that mlccactl "
-        "check grants, and the message of the row.\n";
+        "Response us: what mlccactl check grants sends, and whatever else the bus's own nodes "
+        "send. "
+        "Check us: only what it grants, and the message of the row.\n";
   if (late_though_granted)
     text +=
-        "mlccactl check grants a message that is late here: it counts what it refuses as silent. "
-        "Gates drop what comes from other networks, and no gate keeps off the bus what its own "
-        "nodes send.\n";
+        "mlccactl check grants a message that is late here: it counts what it refuses as silent, "
+        "and no gate keeps off the bus what its own nodes send.\n";
+  if (dropped)
+    text +=
+        "What is refused and comes from elsewhere is dropped before this bus: its times are as if "
+        "it came.\n";
   return text;
 }
 
 std::string messages(std::size_t n) { return n == 1 ? "1 message" : fmt::format("{} messages", n); }
 
+/// What becomes of the deadlines of what is let through.
+std::string deadlines_of(const AnalysedBus& analysed) {
+  const auto& all = analysed.bus.messages;
+  if (!all.empty() && std::ranges::none_of(all, &BusMessage::let_through))
+    return "nothing is let through";
+  if (analysed.late) return "a deadline can be missed";
+  if (!analysed.bus.sure) return "whether every deadline is met is not known";
+  return "every deadline is met";
+}
+
 /// What the bus as a whole does, behind its load.
 std::string summary_of(const AnalysedBus& analysed) {
   const bool queue = has_short_queue(analysed);
-  std::string text = analysed.late ? "a deadline can be missed" : "every deadline is met";
-  if (!analysed.late && !analysed.bus.unknown.empty())
-    text = "whether every deadline is met is not known";
+  std::string text = deadlines_of(analysed);
   if (analysed.met_alone) text += " only while what is not counted is silent";
   if (queue)
     text += ", and frames can be lost in a queue that is too short";
   else if (analysed.kept_alone)
     text += ", and no frame is lost in a queue only while what is not counted is silent";
   if (const auto refused = refused_by_check(analysed); refused != 0)
-    text += fmt::format(", but mlccactl check refuses {}", messages(refused));
+    text += fmt::format(", {} mlccactl check refuses {}", analysed.late || queue ? "and" : "but",
+                        messages(refused));
   return text;
 }
 
@@ -216,6 +250,17 @@ std::string sentences(std::string_view title, const std::vector<std::string>& al
   return text;
 }
 
+/// Of which events it is not stated how long they are.
+std::string sizes_text(const Bus& bus) {
+  std::vector<std::string> names;
+  for (const BusMessage& m : bus.messages)
+    if (!m.bytes) names.push_back(m.name);
+  return sentences(
+      "No MaxPayload is stated of these; their events count as one frame, the longest "
+      "of the Binding:",
+      names);
+}
+
 std::string bus_text(const AnalysedBus& analysed, Color color) {
   const Bus& bus = analysed.bus;
   std::string text;
@@ -232,16 +277,17 @@ std::string bus_text(const AnalysedBus& analysed, Color color) {
                {""}});
   for (std::size_t i = 0; i < bus.messages.size(); ++i) {
     const BusMessage& m = bus.messages[i];
+    const core::can::Message& sent = m.sent();
     const core::can::Response& r = analysed.responses[i];
     const Style style = fate_of(analysed, i) == Fate::met ? Style::plain : Style::bad;
     table.add({{m.name},
                {identifier_of(m)},
-               {in_us(m.message.longest_frame)},
-               {m.message.jitter == 0 ? "" : in_us(m.message.jitter)},
+               {in_us(sent.longest_frame)},
+               {sent.jitter == 0 ? "" : in_us(sent.jitter)},
                {checked_of(m, r)},
                {r.bounded ? in_us(r.response) : "-", style},
-               {in_us(m.message.deadline)},
-               {r.bounded ? slack_of(m.message.deadline, r.response) : "-", style},
+               {in_us(sent.deadline)},
+               {r.bounded ? slack_of(sent.deadline, r.response) : "-", style},
                {verdict_of(analysed, i), style}});
   }
   if (table.empty())
@@ -257,6 +303,7 @@ std::string bus_text(const AnalysedBus& analysed, Color color) {
         fmt::format(", {} in the data phase", print_bitrate(bus.assumptions.timing.data_bitrate));
   text += fmt::format(": {}\n", summary_of(analysed));
   text += assumed_text(analysed);
+  text += sizes_text(bus);
   if (!analysed.why_unbounded.empty()) text += analysed.why_unbounded + "\n";
   text +=
       sentences("Not known:", bus.unknown) + sentences("Not counted:", bus.left_out) +
@@ -272,23 +319,25 @@ std::string bus_text(const AnalysedBus& analysed, Color color) {
 
 Json message_json(const AnalysedBus& analysed, std::size_t i) {
   const BusMessage& m = analysed.bus.messages[i];
+  const core::can::Message& sent = m.sent();
   const core::can::Response& r = analysed.responses[i];
   Json out{{"name", m.name},
            {"id", m.tag_known ? Json(m.id) : Json(nullptr)},
            {"extended", m.extended},
-           {"bytes", m.bytes},
-           {"frames", m.message.frames},
-           {"frame_time_us", as_us(m.message.longest_frame)},
+           {"bytes", m.bytes ? Json(*m.bytes) : Json(nullptr)},
+           {"frames", sent.frames},
+           {"frame_time_us", as_us(sent.longest_frame)},
            {"response_us", nullptr},
-           {"deadline_us", us_or_null(m.message.deadline)},
+           {"deadline_us", us_or_null(sent.deadline)},
            {"slack_us", nullptr},
-           {"period_us", as_us(m.message.period)},
-           {"jitter_us", us_or_null(m.message.jitter)},
+           {"period_us", as_us(sent.period)},
+           {"jitter_us", us_or_null(sent.jitter)},
            {"schedulable", static_cast<bool>(analysed.fit[i])},
            {"verdict", word_of(fate_of(analysed, i))}};
   if (m.granted) {
     out["granted"] = *m.granted;
-    out["at_run_time"] = m.at_run_time;
+    out["outcome"] = word_of(m.outcome);
+    out["let_through"] = m.let_through;
   }
   if (m.granted_response) {
     out["granted_response_us"] = as_us(*m.granted_response);
@@ -305,18 +354,17 @@ Json message_json(const AnalysedBus& analysed, std::size_t i) {
     if (has_length(*queue)) out["queue"]["length"] = queue->length;
   }
   if (r.bounded) {
-    out["on_bus_us"] = as_us(r.response - m.message.jitter);
+    out["on_bus_us"] = as_us(r.response - sent.jitter);
     out["response_us"] = as_us(r.response);
-    out["slack_us"] = m.message.deadline >= r.response ? as_us(m.message.deadline - r.response)
-                                                       : -as_us(r.response - m.message.deadline);
+    out["slack_us"] = sent.deadline >= r.response ? as_us(sent.deadline - r.response)
+                                                  : -as_us(r.response - sent.deadline);
   }
   return out;
 }
 
 Json bus_json(const AnalysedBus& analysed) {
   const Bus& bus = analysed.bus;
-  Json out = Json::object();
-  if (!bus.network.empty()) out["network"] = bus.network;
+  Json out{{"network", bus.network.empty() ? Json(nullptr) : Json(bus.network)}};
   if (!bus.why_not.empty()) {
     out["schedulable"] = false;
     out["not_analysed"] = bus.why_not;
@@ -349,10 +397,8 @@ Json bus_json(const AnalysedBus& analysed) {
 }  // namespace
 
 std::size_t refused_by_check(const AnalysedBus& analysed) {
-  std::size_t n = 0;
-  for (std::size_t i = 0; i < analysed.responses.size(); ++i)
-    if (fate_of(analysed, i) == Fate::refused_by_check) ++n;
-  return n;
+  return static_cast<std::size_t>(
+      std::ranges::count(analysed.bus.messages, Outcome::unfit, &BusMessage::outcome));
 }
 
 std::string write_text(const std::vector<AnalysedBus>& buses, Color color) {
@@ -365,16 +411,10 @@ std::string write_text(const std::vector<AnalysedBus>& buses, Color color) {
 }
 
 std::string write_json(const std::vector<AnalysedBus>& buses) {
-  Json out;
-  if (buses.size() == 1) {
-    out = bus_json(buses.front());
-  } else {
-    out["schedulable"] = true;
-    out["networks"] = Json::array();
-    for (const AnalysedBus& bus : buses) {
-      if (!bus.schedulable) out["schedulable"] = false;
-      out["networks"].push_back(bus_json(bus));
-    }
+  Json out{{"schedulable", true}, {"networks", Json::array()}};
+  for (const AnalysedBus& bus : buses) {
+    if (!bus.schedulable) out["schedulable"] = false;
+    out["networks"].push_back(bus_json(bus));
   }
   return out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

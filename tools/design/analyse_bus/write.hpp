@@ -14,9 +14,9 @@ namespace mlcca::tools::design {
 
 struct AnalysedBus {
   Bus bus;                                     ///< messages in the order of arbitration
-  std::vector<core::can::Response> responses;  ///< of these
+  std::vector<core::can::Response> responses;  ///< of these, beside what is let through
   std::vector<bool> fit;                       ///< in time, with room in the queue
-  bool late = false;                           ///< one of them is, or is not bounded
+  bool late = false;                           ///< one that is let through is, or is not bounded
   bool met_alone = false;     ///< none is, but one would be if what is not counted sends
   bool kept_alone = false;    ///< a queue that is long enough would not be if that sends
   bool schedulable = true;    ///< all fit, as far as is known, and check refuses none for the bus
@@ -26,7 +26,7 @@ struct AnalysedBus {
   std::optional<std::vector<std::size_t>> order;  ///< highest priority first, if there is one
 };
 
-/// Messages that are in time here, and that check refuses for something that is no matter of time.
+/// Messages that check refuses, whatever for.
 [[nodiscard]] std::size_t refused_by_check(const AnalysedBus& analysed);
 
 std::string write_text(const std::vector<AnalysedBus>& buses, Color color);

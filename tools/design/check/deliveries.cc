@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "core/admission/route_check.hpp"
+#include "core/design/room.hpp"
 #include "core/model/text.hpp"
 
 namespace mlcca::tools::design {
@@ -58,6 +59,11 @@ std::optional<core::Place> refused_at(const core::Verdict& v) {
 void add_margin(const core::System& system, const core::Members& members, const core::Verdict& v,
                 ReportedDelivery& to) {
   const core::Row* const row = v.granted ? core::deciding_row(v) : nullptr;
+  const core::Row* const room = core::want_of_room(v);
+  if (v.outcome == Outcome::run_time && !v.granted && room != nullptr) {
+    to.margin = core::open_room_words(system, *room);
+    return;
+  }
   if (row == nullptr) {
     to.margin = core::reason(system, members, v);
     return;
@@ -70,7 +76,7 @@ void add_margin(const core::System& system, const core::Members& members, const 
 /// Its frames on the bus at that place of the route.
 bool is_on_its_way(const core::System& system, const core::BusMessage& m,
                    const ReportedDelivery& d) {
-  if (!m.granted || m.publisher != d.publisher_number) return false;
+  if (!m.held || m.publisher != d.publisher_number) return false;
   for (std::size_t hop = 0; hop < d.route.size(); ++hop)
     if (d.route[hop] == core::Place{core::Place::Kind::network, m.network} &&
         core::flow_on(system, d.publisher_number, d.route, hop).from == m.from)
@@ -103,23 +109,31 @@ ReportedDelivery in_words(const core::System& system, const core::Members& membe
   return out;
 }
 
-void consider(const core::System& system, std::span<const core::BusMessage* const> messages,
+void consider(const core::System& system, std::span<const core::SentMessage* const> messages,
               ReportedDelivery& delivery) {
   if (delivery.outcome == Outcome::unfit) return;
-  for (const core::BusMessage* const m : messages) {
-    if (!m->message || !m->granted_response || !is_on_its_way(system, *m, delivery)) continue;
+  for (const core::SentMessage* const sent : messages) {
+    const core::BusMessage& m = *sent->message;
+    if (!is_on_its_way(system, m, delivery)) continue;
+    const std::string& bus = system.networks[m.network].name;
+    if (!sent->response.meets(m.sent->deadline)) {
+      delivery.share = 0;
+      delivery.margin = fmt::format(
+          "Deadline, response times on {}: in time only while what is refused there is silent",
+          bus);
+      return;
+    }
     Comparison c;
     c.attribute = Attribute::deadline;
     c.outcome = Outcome::fit;
     c.known = true;
-    c.required = m->message->deadline;
-    c.provided = *m->granted_response;
-    if (c.provided > c.required) continue;
+    c.required = m.sent->deadline;
+    c.provided = sent->response.response;
     const Value share = core::slack(c);
     if (share >= delivery.share) continue;
     delivery.share = share;
-    delivery.margin = fmt::format("Deadline, response times on {}: {}",
-                                  system.networks[m->network].name, core::format_margin(c));
+    delivery.margin =
+        fmt::format("Deadline, response times on {}: {}", bus, core::format_margin(c));
   }
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/design/bus_messages.hpp"
+#include "core/design/inspect.hpp"
 #include "core/model/members.hpp"
 #include "core/model/system.hpp"
 #include "core/model/verdict.hpp"
@@ -35,8 +36,9 @@ struct ReportedDelivery {
 ReportedDelivery in_words(const core::System& system, const core::Members& members,
                           const core::Verdict& verdict);
 
-/// A grant may have a smaller margin on one of the buses of its way: they are known at last.
-void consider(const core::System& system, std::span<const core::BusMessage* const> messages,
+/// A grant may have a smaller margin on one of the buses of its way: they are known at last, with
+/// what is sent there though it is refused.
+void consider(const core::System& system, std::span<const core::SentMessage* const> messages,
               ReportedDelivery& delivery);
 
 }  // namespace mlcca::tools::design

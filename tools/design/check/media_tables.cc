@@ -4,10 +4,15 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/can/analysis.hpp"
 #include "core/can/of_system.hpp"
+#include "core/design/let_through.hpp"
+#include "core/mesh/roles.hpp"
 #include "core/model/text.hpp"
 #include "tools/design/check/tables.hpp"
 #include "tools/escape.hpp"
@@ -22,30 +27,52 @@ std::string time_text(Value ns) {
   return ns == core::can::kNever ? "no bound" : core::format_value(Attribute::latency, ns);
 }
 
-/// Verdict, response and what is left of the deadline, as cells.
+/// Verdict, response, deadline and what is left of it, as cells.
 struct Response {
   std::string verdict;
   std::string time;
+  std::string deadline;
   std::string left;
 };
 
-Response response_of(const core::BusMessage& m) {
-  if (!m.message)
-    return {verdict({"?", "not analysed: the description does not say enough", "run-time"}), "",
+Said said_of_held(const core::BusMessage& m, const core::can::Response& r,
+                  const core::can::Assumptions& bus) {
+  if (!r.meets(m.sent->deadline)) return {"✕", "late while what is refused here is sent", "unfit"};
+  if (!fits(bus, *m.sent, r))
+    return {"✕", "may be lost in its queue while what is refused here is sent", "unfit"};
+  if (m.outcome == Outcome::run_time) return {"◌", "in time, if it is granted", "run-time"};
+  return {"✓", "in time", "fit"};
+}
+
+/// Of what is refused or left to the run time.
+Said said_of_other(const core::BusMessage& m) {
+  if (m.outcome == Outcome::run_time)
+    return {"◌", "decided at run time, in place of others", "run-time"};
+  if (m.refused_response) return {"✕", "late", "unfit"};
+  return {"✕", m.in_vain ? "others would be late" : "refused for another reason", "unfit"};
+}
+
+/// `r`: beside what is let through.
+Response response_of(const core::BusMessage& m, const core::can::Response& r,
+                     const core::can::Assumptions& bus) {
+  if (!m.sent)
+    return {verdict({"?", "not analysed: the description does not say enough", "run-time"}), "", "",
             ""};
-  const auto response = m.granted ? m.granted_response : m.refused_response;
   Response out;
-  if (m.granted)
-    out.verdict = verdict({"✓", "in time", "fit"});
-  else if (m.refused_response)
-    out.verdict = verdict({"✕", "late", "unfit"});
-  else
-    out.verdict =
-        verdict({"✕", m.in_vain ? "others would be late" : "refused for another reason", "unfit"});
+  out.verdict = verdict(m.held ? said_of_held(m, r, bus) : said_of_other(m));
+  const Value deadline = m.sent->deadline;
+  out.deadline = time_text(deadline);
+  // What check refuses it for, where it does not come to the bus and so has no other time there.
+  std::optional<Value> response = m.refused_response;
+  if (m.let_through) response = r.bounded ? r.response : core::can::kNever;
   if (!response) return out;
-  out.time = time_text(*response);
-  if (*response == core::can::kNever) return out;
-  const Value deadline = m.message->deadline;
+  if (*response == core::can::kNever) {
+    out.time = time_text(*response);
+    return out;
+  }
+  const auto words = core::format_bound(Attribute::latency, *response, deadline);
+  out.time = words.bound;
+  out.deadline = words.limit;
   out.left = *response <= deadline ? time_text(deadline - *response) + " to spare"
                                    : time_text(*response - deadline) + " too late";
   return out;
@@ -72,12 +99,28 @@ std::string way_in(const core::System& system, const core::BusMessage& m) {
   return {};
 }
 
+/// What the load of a bus is the load of.
+std::string counted_words(const std::vector<const core::BusMessage*>& messages) {
+  bool refused = false;
+  bool unknown = false;
+  for (const core::BusMessage* m : messages) {
+    refused = refused || (m->let_through && !m->held && m->sent);
+    unknown = unknown || (m->let_through && !m->sent);
+  }
+  std::string words = "what is granted";
+  if (refused) words += " and what its own nodes send though it is refused";
+  if (unknown) words += "; how much others of them send is not known";
+  return words;
+}
+
 std::string bus_table(const SystemReport& report, std::size_t n) {
   const core::System& system = report.system;
   const core::Network& network = system.networks[n];
-  const core::NetworkLoad& load = report.inspection.networks[n];
   Rows rows("Bus " + html_text(network.name),
             {"Message", "Identifier", "In time", "Response, at most", "Deadline", "Left"});
+  std::map<const core::BusMessage*, core::can::Response> responses;
+  for (const core::SentMessage& sent : core::sent_beside(report.buses, n))
+    responses[sent.message] = sent.response;
   std::vector<const core::BusMessage*> messages;
   for (const core::BusMessage& m : report.buses.messages)
     if (m.network == n) messages.push_back(&m);
@@ -88,24 +131,21 @@ std::string bus_table(const SystemReport& report, std::size_t n) {
   for (const core::BusMessage* m : messages) {
     if (!rows.wants_more()) continue;
     const auto& publisher = system.publishers[m->publisher];
-    const Response response = response_of(*m);
+    const Response response = response_of(*m, responses[m], *report.buses.assumptions[n]);
     rows.add({html_text(system.channels[publisher.channel].name) + " <span class=\"quiet\">of " +
                   html_text(publisher.name) + "</span>" + way_in(system, *m),
               "<code>" + identifier_text(system, *m) + "</code>", response.verdict, response.time,
-              m->message ? time_text(m->message->deadline) : "", response.left},
-             m->granted ? "fit" : "unfit");
+              response.deadline, response.left},
+             m->held ? "fit" : "unfit");
   }
-  const bool refused = std::ranges::any_of(messages, [](const auto* m) { return !m->granted; });
   const auto above =
-      fmt::format("<p class=\"load\">{} of the time of the bus at {} for what is granted{}{}</p>\n",
-                  meter(load.time_ppm.value_or(0), kWholeTime), print_bitrate(network.bus.bitrate),
+      fmt::format("<p class=\"load\">{} of the time of the bus at {} for {}{}</p>\n",
+                  meter(core::let_through_ppm(report.buses, n).value_or(0), kWholeTime),
+                  print_bitrate(network.bus.bitrate), counted_words(messages),
                   network.bus.background == 0
                       ? ""
                       : fmt::format(", {:.2f} % of it taken by others",
-                                    static_cast<double>(network.bus.background) / 10'000),
-                  refused ? "; what is refused is not counted, and a sender on the bus itself "
-                            "takes time of it all the same"
-                          : "");
+                                    static_cast<double>(network.bus.background) / 10'000));
   auto html = rows.html(above);
   if (!html.empty()) return html;
   return fmt::format("<div class=\"card\">\n<h3>Bus {}</h3>\n{}<p>No message is on it.</p></div>\n",
@@ -127,11 +167,14 @@ std::string mesh_table(const SystemReport& report, std::size_t n) {
                 percent(limit - std::min(limit, domain.time_ppm))});
   auto html = rows.html();
   if (!html.empty()) return html;
+  const char* const taken = core::mesh::is_measured(*network.mesh)
+                                ? "How much is taken of it is known when its links are measured, "
+                                  "at run time"
+                                : "What fits takes nothing of it";
   return fmt::format(
-      "<div class=\"card\">\n<h3>Medium time of {}</h3>\n<p>What fits takes nothing of it; at most "
-      "{} "
-      "of each domain may be taken.</p>\n</div>\n",
-      html_text(network.name), percent(limit));
+      "<div class=\"card\">\n<h3>Medium time of {}</h3>\n<p>{}; at most {} of each domain may be "
+      "taken.</p>\n</div>\n",
+      html_text(network.name), taken, percent(limit));
 }
 
 }  // namespace

@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <span>
 #include <unordered_set>
 #include <utility>
 
+#include "core/design/let_through.hpp"
 #include "core/model/members.hpp"
 #include "core/model/text.hpp"
 #include "description/read.hpp"
@@ -88,8 +90,11 @@ core::Inspection decide(SystemReport& report, const core::InspectProgress& progr
           report.deliveries.push_back(in_words(report.system, members, verdict));
       },
       &report.buses);
-  std::map<std::size_t, std::vector<const core::BusMessage*>> by_publisher;
-  for (const core::BusMessage& m : report.buses.messages) by_publisher[m.publisher].push_back(&m);
+  std::vector<core::SentMessage> sent;
+  for (std::size_t n = 0; n < report.buses.assumptions.size(); ++n)
+    std::ranges::copy(core::sent_beside(report.buses, n), std::back_inserter(sent));
+  std::map<std::size_t, std::vector<const core::SentMessage*>> by_publisher;
+  for (const core::SentMessage& one : sent) by_publisher[one.message->publisher].push_back(&one);
   for (ReportedDelivery& d : report.deliveries)
     if (const auto own = by_publisher.find(d.publisher_number); own != by_publisher.end())
       consider(report.system, own->second, d);

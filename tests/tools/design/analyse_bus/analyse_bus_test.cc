@@ -16,7 +16,7 @@ constexpr const char* kDavis =
 TEST_F(AnalyseBusTest, AMissedDeadlineIsExitStatusOneAndMessagesAreInTheOrderOfIdentifiers) {
   const auto done = slow(table(kDavis), {"--json"});
   EXPECT_EQ(done.status, 1);
-  const Json out = Json::parse(done.out);
+  const Json out = bus_of(done.out);
   EXPECT_EQ(out["bitrate"], 125000);
   EXPECT_FALSE(out["schedulable"].get<bool>());
   // 1 ms in 2.5 ms, and twice 1 ms in 3.5 ms
@@ -53,7 +53,7 @@ TEST_F(AnalyseBusTest, AllInTimeIsExitStatusZero) {
 TEST_F(AnalyseBusTest, AnIdentifierOf11BitsGoesBeforeOneOf29WithTheSameStart) {
   const auto done = slow(
       table("far,0x4000000,true,8,100000,100000,0\nnear,0x100,0,8,100000,100000,0\n"), {"--json"});
-  const Json out = Json::parse(done.out);
+  const Json out = bus_of(done.out);
   EXPECT_EQ(out["messages"][0]["name"], "near");
   EXPECT_EQ(out["messages"][1]["name"], "far");
   // 160 bits of 8 us; 135 bits go before
@@ -64,7 +64,7 @@ TEST_F(AnalyseBusTest, AnIdentifierOf11BitsGoesBeforeOneOf29WithTheSameStart) {
 TEST_F(AnalyseBusTest, UnboundedIsNull) {
   const auto done = slow(table("A,1,0,7,1000,1000,0\nB,2,0,7,5000,5000,0\n"), {"--json"});
   EXPECT_EQ(done.status, 1);
-  EXPECT_TRUE(Json::parse(done.out)["messages"][1]["response_us"].is_null());
+  EXPECT_TRUE(bus_of(done.out)["messages"][1]["response_us"].is_null());
 }
 
 TEST_F(AnalyseBusTest, UnknownSendersBackgroundAndFaultsCount) {
@@ -72,7 +72,7 @@ TEST_F(AnalyseBusTest, UnknownSendersBackgroundAndFaultsCount) {
   const auto response = [&](const std::vector<std::string>& options) {
     auto all = options;
     all.emplace_back("--json");
-    return Json::parse(slow(path, all).out)["messages"][0]["response_us"].get<double>();
+    return bus_of(slow(path, all).out)["messages"][0]["response_us"].get<double>();
   };
   EXPECT_EQ(response({}), 1000);
   EXPECT_EQ(response({"--unknown-senders"}), 1000 + 1280);
@@ -87,12 +87,12 @@ TEST_F(AnalyseBusTest, AnOrderIsFoundWhereThereIsOne) {
       table("slow,1,0,7,20000,20000,0\nfast,2,0,7,5000,2000,0\nlast,3,0,7,20000,20000,0\n");
   const auto given = slow(path, {"--json", "--assign"});
   EXPECT_EQ(given.status, 1);
-  EXPECT_EQ(Json::parse(given.out)["assignment"][0], "fast");
+  EXPECT_EQ(bus_of(given.out)["assignment"][0], "fast");
   EXPECT_NE(slow(path, {"--assign"}).out.find("deadlines are met:\n  fast\n"), std::string::npos);
   const auto none =
       slow(table("a,1,0,7,20000,1500,0\nb,2,0,7,20000,1500,0\n"), {"--json", "--assign"});
-  EXPECT_TRUE(Json::parse(none.out)["assignment"].is_null());
-  EXPECT_FALSE(Json::parse(none.out).contains("assignment_may_exist"));
+  EXPECT_TRUE(bus_of(none.out)["assignment"].is_null());
+  EXPECT_FALSE(bus_of(none.out).contains("assignment_may_exist"));
   const auto fragments = slow(file("fragments.csv",
                                    "name,id,extended,bytes,period_us,deadline_us,frames\n"
                                    "a,1,0,7,20000,1900,2\nb,2,0,7,20000,1900,1\n"),
@@ -113,7 +113,7 @@ TEST_F(AnalyseBusTest, TablesMayHaveCommentsBlankLinesAnyOrderAndFurtherColumns)
                          "0x10, \"a, b\", 64, false, 0.5, 9000.25, 10000, 1, 2\r\n");
   const auto done = analyse(path, {"--bitrate", "500000", "--data-bitrate", "2000000", "--json"});
   ASSERT_EQ(done.status, 0) << done.error << done.out;
-  const Json m = Json::parse(done.out)["messages"][0];
+  const Json m = bus_of(done.out)["messages"][0];
   EXPECT_EQ(m["name"], "a, b") << "a comma in quotes is one of the name";
   EXPECT_EQ(m["id"], 16);
   EXPECT_EQ(m["frames"], 2);
@@ -200,7 +200,7 @@ TEST_F(AnalyseBusTest, WhoLeavesOthersUnboundedIsNamed) {
       "last,3,0,8,10000,10000,0\n");
   const auto done = slow(path, {"--json"});
   EXPECT_EQ(done.status, 1);
-  const Json out = Json::parse(done.out);
+  const Json out = bus_of(done.out);
   EXPECT_NE(out["not_bounded"].get<std::string>().find("With full the messages up to there take"),
             std::string::npos)
       << out;
@@ -230,7 +230,7 @@ TEST_F(AnalyseBusTest, ColumnsMayBeLeftOutAndSeparatedAsElsewhere) {
 TEST_F(AnalyseBusTest, QuotesInQuotesAreTwo) {
   const auto done = slow(table("\"5\"\" wheel # 1, left\",1,0,7,2500,2500,0 # a\n"), {"--json"});
   ASSERT_EQ(done.status, 0) << done.error;
-  EXPECT_EQ(Json::parse(done.out)["messages"][0]["name"], "5\" wheel # 1, left");
+  EXPECT_EQ(bus_of(done.out)["messages"][0]["name"], "5\" wheel # 1, left");
   const auto path = table("\"open,1,0,7,2500,2500,0\n");
   EXPECT_NE(slow(path).error.find(path + ":2: quotes are not right"), std::string::npos);
 }
@@ -273,7 +273,7 @@ TEST_F(AnalyseBusTest, FramesOfANodeMayWaitInOneFifo) {
            "C,3,0,7,100000,\nD,4,0,7,100000,door\n");
   const auto done = slow(path, {"--json"});
   ASSERT_EQ(done.status, 0) << done.error << done.out;
-  const Json out = Json::parse(done.out);
+  const Json out = bus_of(done.out);
   // Blocked by nothing below D; D came first, and what wins against D goes before that: A, C.
   EXPECT_EQ(message_of(out, "B")["response_us"], 4000);
   EXPECT_EQ(message_of(out, "B")["node"], "door");

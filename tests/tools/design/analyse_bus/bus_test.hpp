@@ -31,6 +31,13 @@ class AnalyseBusTest : public test::CheckTest {
   }
 };
 
+/// The one bus of an answer.
+inline Json bus_of(const std::string& out) {
+  const Json all = Json::parse(out);
+  EXPECT_EQ(all.at("networks").size(), 1U) << out;
+  return all["networks"][0];
+}
+
 /// The message of that name; null if there is none.
 inline const Json& message_of(const Json& bus, const std::string& name) {
   for (const Json& m : bus["messages"])

@@ -31,8 +31,7 @@ TEST_F(AnalyseBusTest, AJitterWithoutBoundIsNoNumberAndTheBusThatMakesItIsNamed)
   EXPECT_EQ(text.status, 1) << text.error;
   EXPECT_FALSE(text.out.contains("18446744073")) << text.out;
   EXPECT_TRUE(
-      text.out.contains("Because of p nothing is bounded that it may win against: it is not "
-                        "bounded on n0, from where it comes."))
+      text.out.contains("p is not bounded here: it is not bounded on n0, from where it comes."))
       << text.out;
   const Json out = Json::parse(analyse(path, {"--json"}).out);
   EXPECT_TRUE(out["networks"][1]["messages"][0]["jitter_us"].is_null()) << out;
@@ -75,7 +74,7 @@ TEST_F(AnalyseBusTest, ATagThatNobodyKnowsIsNotShownAsAnIdentifier) {
   const auto text = analyse(path);
   EXPECT_TRUE(text.out.contains("tag not known")) << text.out << text.error;
   EXPECT_FALSE(text.out.contains("0x1f404000")) << text.out;
-  const Json out = Json::parse(analyse(path, {"--json"}).out);
+  const Json out = bus_of(analyse(path, {"--json"}).out);
   EXPECT_TRUE(message_of(out, "p0")["id"].is_null());
   EXPECT_EQ(message_of(out, "p1")["id"], 0x1f404071);
   const auto checked = test::run({"check", path}).out;
@@ -130,30 +129,6 @@ TEST_F(AnalyseBusTest, APublisherWithoutAPeriodIsNotKnownBesideTheOthers) {
   EXPECT_TRUE(done.out.contains("p1 ")) << done.out;
 }
 
-/// A publisher on the far bus sends by the identifier that the gateway sends by; and somebody asks
-/// more than the near one offers.
-TEST_F(AnalyseBusTest, TwoSendersOfAnIdentifierAreNamedByCheckWhateverElseIsWrong) {
-  auto text =
-      two_buses(attribute("Period", time_value(100)) + payload_of_7(), "<Bus bitrate=\"250000\"/>");
-  text.insert(text.find("<Subscriber"),
-              "<Publisher name=\"other\" channel=\"speed\" network=\"far\"><Attributes>" +
-                  attribute("Period", time_value(50)) + payload_of_7() +
-                  "</Attributes></Publisher>\n");
-  text.insert(text.find("<Attributes>", text.find("<Subscriber")) + 12,
-              attribute("Period", time_value(50)));
-  const auto path = file("clash.xml", text);
-  const auto checked = test::run({"check", path}).out;
-  EXPECT_TRUE(checked.contains("MLCCA020")) << checked;
-  EXPECT_TRUE(
-      checked.contains("MLCCA018: events of channel speed reach far over publisher other (line 7) "
-                       "and over gateway bridge (line 5): two senders of one identifier"))
-      << checked;
-  const auto done = analyse(path);
-  EXPECT_EQ(done.status, 1) << done.error;
-  EXPECT_TRUE(done.out.contains("Network far\nNot analysed:\n")) << done.out;
-  EXPECT_TRUE(done.out.contains("Network near\nMessage")) << done.out;
-}
-
 /// Channels over a gateway whose queue on the far bus has that length.
 std::string many_over_a_queue(unsigned length) {
   std::string text;
@@ -177,6 +152,54 @@ std::string many_over_a_queue(unsigned length) {
                          "<Port network=\"far\" queue-length=\"" +
                          std::to_string(length) +
                          "\"><Interface name=\"can1\"/></Port></Gateway>\n" + ends);
+}
+
+/// Of one channel of several frames are FD frames, and the bus states no bit rate for their data.
+TEST_F(AnalyseBusTest, OneBindingWithoutABitRateForItsDataLeavesTheOthersAnalysed) {
+  auto text = many_over_a_queue(20);
+  const auto at = text.find("<Binding channel=\"c3\"");
+  text.insert(at + 9, "format=\"fd\" ");
+  const auto path = file("fd.xml", text);
+  const auto done = analyse(path, {"--json"});
+  EXPECT_EQ(done.status, 1) << done.error;
+  const Json near = Json::parse(done.out)["networks"][0];
+  EXPECT_EQ(near["messages"].size(), 8U) << near;
+  EXPECT_TRUE(message_of(near, "p3").is_null());
+  EXPECT_EQ(near["schedulable"], false) << "nobody knows how long frames of p3 are";
+  ASSERT_EQ(near["unknown"].size(), 1U);
+  EXPECT_TRUE(near["unknown"][0].get<std::string>().contains(
+      "frames of channel c3 are not all classic, and near has no bit rate for their data phase: "
+      "state it with --data-bitrate; it counts as nothing"))
+      << near;
+  const Json far = Json::parse(done.out)["networks"][1];
+  EXPECT_EQ(far["messages"].size(), 9U) << "there its frames are classic, and it does not come";
+  EXPECT_EQ(message_of(far, "p3")["let_through"], false);
+  EXPECT_EQ(message_of(far, "p0")["verdict"], "met");
+  EXPECT_EQ(analyse(path, {"--data-bitrate", "1M"}).status, 0);
+}
+
+/// A publisher on the far bus sends by the identifier that the gateway sends by; and somebody asks
+/// more than the near one offers.
+TEST_F(AnalyseBusTest, TwoSendersOfAnIdentifierAreNamedByCheckWhateverElseIsWrong) {
+  auto text =
+      two_buses(attribute("Period", time_value(100)) + payload_of_7(), "<Bus bitrate=\"250000\"/>");
+  text.insert(text.find("<Subscriber"),
+              "<Publisher name=\"other\" channel=\"speed\" network=\"far\"><Attributes>" +
+                  attribute("Period", time_value(50)) + payload_of_7() +
+                  "</Attributes></Publisher>\n");
+  text.insert(text.find("<Attributes>", text.find("<Subscriber")) + 12,
+              attribute("Period", time_value(50)));
+  const auto path = file("clash.xml", text);
+  const auto checked = test::run({"check", path}).out;
+  EXPECT_TRUE(checked.contains("MLCCA020")) << checked;
+  EXPECT_TRUE(
+      checked.contains("MLCCA018: events of channel speed reach far over publisher other (line 7) "
+                       "and over gateway bridge (line 5): two senders of one identifier"))
+      << checked;
+  const auto done = analyse(path);
+  EXPECT_EQ(done.status, 1) << done.error;
+  EXPECT_TRUE(done.out.contains("Network far\nNot analysed:\n")) << done.out;
+  EXPECT_TRUE(done.out.contains("Network near\nMessage")) << done.out;
 }
 
 TEST_F(AnalyseBusTest, TheLengthThatAQueueNeedsForAllIsWhatTheHintSays) {
