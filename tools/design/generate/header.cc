@@ -24,6 +24,7 @@ namespace {
 using core::Place;
 
 constexpr Value kMostOmissions = 0xffffffff;  // of mlcca::Omission
+constexpr std::string_view kEmptyList = "mlcca::AttributeList<>";
 
 const char* word_of(der::Role role) {
   return role == der::Role::publisher ? "Publisher" : "Subscriber";
@@ -51,14 +52,6 @@ const char* word_of(Composition composition) {
       break;
   }
   return "smallest";
-}
-
-/// "" where there is one set, else "Priority5" or "PriorityMinus5".
-std::string set_suffix(const std::vector<EndSet>& sets, std::size_t i) {
-  if (i == 0) return {};
-  const int priority = sets[i].priority;
-  return fmt::format("Priority{}{}", priority < 0 ? "Minus" : "",
-                     priority < 0 ? -priority : priority);
 }
 
 class Writer {
@@ -214,12 +207,18 @@ class Writer {
 
   void places() {
     std::set<Place> needed = {unit_.place};
-    each_hop([&](const Pair&, const RouteHop& hop) { needed.insert(hop.place); });
+    std::set<Place> used;
+    each_hop([&](const Pair&, const RouteHop& hop) {
+      needed.insert(hop.place);
+      if (hop.gives.provision == system_.provision_of(hop.place)) used.insert(hop.place);
+    });
     for (const auto place : needed) {
       const auto& name = core::name_of(system_, place);
       const auto type = names_.take(type_name(name));
       const auto text = listed(name, system_.provision_of(place), user_of(place));
       places_.emplace(place, type);
+      // What states nothing is named where that is compared.
+      if (text == kEmptyList && !used.contains(place)) continue;
       add("/// What {} {} provides.\nstruct {} {{\n  using provision = {};\n}};\n\n",
           word_of(place), comment_text(name), type, text);
     }
@@ -338,7 +337,7 @@ class Writer {
   }
 
   [[nodiscard]] std::string list(std::optional<End> end, std::size_t set) const {
-    if (!end) return "mlcca::AttributeList<>";
+    if (!end) return std::string(kEmptyList);
     const auto& types = types_.at({end->role, end->index});
     return types[std::min(set, types.size() - 1)] + "::attributes";
   }

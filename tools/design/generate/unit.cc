@@ -97,6 +97,13 @@ std::vector<EndSet> sets_of(const core::System& system, End end) {
   });
 }
 
+std::string set_suffix(const std::vector<EndSet>& sets, std::size_t i) {
+  if (i == 0) return {};
+  const int priority = sets[i].priority;
+  return fmt::format("Priority{}{}", priority < 0 ? "Minus" : "",
+                     priority < 0 ? -priority : priority);
+}
+
 Result<std::vector<Unit>> units_of(const core::System& system,
                                    const std::vector<std::string>& only) {
   auto units = Collector(system).units();

@@ -40,6 +40,8 @@ std::size_t channel_of(const core::System& system, End end);
 core::Place place_of(const core::System& system, End end);
 /// All of them, priorities falling; at least one.
 std::vector<EndSet> sets_of(const core::System& system, End end);
+/// Of a name: "" for the first of them, else "Priority5" or "PriorityMinus5".
+std::string set_suffix(const std::vector<EndSet>& sets, std::size_t i);
 
 /// Of every component and place that has ends, in the order of the description; of those named
 /// `only`, if there are any. The error says which name is not known, or has no ends.

@@ -27,6 +27,14 @@ TEST(GenerateComputedTest, WhatADeadlineAllowsIsNotPresentedAsResponseTimes) {
       << header;
 }
 
+/// What the bus gives is computed for each channel: nothing names what it states itself.
+TEST(GenerateComputedTest, WhatStatesNothingAndIsNotNamedIsLeftOut) {
+  const auto header = header_of(on_a_bus("500000", one_more(true, true)));
+  EXPECT_FALSE(header.contains("AttributeList<>")) << header;
+  EXPECT_FALSE(header.contains("struct Bus {")) << header;
+  EXPECT_TRUE(header.contains("struct BusFor")) << header;
+}
+
 TEST(GenerateComputedTest, OfAChannelThatIsRefusedForSomethingElseTheyAreResponseTimes) {
   auto text = on_a_bus("500000", one_more(true, true));
   // The bus states no Omission, so none is promised.

@@ -163,8 +163,7 @@ TEST(GenerateTest, WhatABusGivesIsComputedAndSaysFromWhat) {
   const auto out = generated(folder, on_a_bus());
   const auto header = content_of(out + "/bus_channels.hpp");
   for (const char* text :
-       {"struct Bus {\n  using provision = mlcca::AttributeList<>;\n};",
-        "/// What network \"bus\" gives events of channel \"stop\".\n"
+       {"/// What network \"bus\" gives events of channel \"stop\".\n"
         "/// Computed: Latency, Jitter, Period, MaxPayload,\n"
         "/// from 500 kbit/s and the response times of all messages that are granted.\n"
         "struct BusForStop {\n  using provision = mlcca::AttributeList<\n"
