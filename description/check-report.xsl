@@ -58,6 +58,14 @@
     </Left>
   </xsl:template>
 
+  <!-- The current node is what states a Bandwidth. -->
+  <xsl:template name="sum-left">
+    <xsl:variable name="name" select="normalize-space(@name)"/>
+    <Left id="MLCCA034" hop="{$name}" attribute="Bandwidth">
+      <xsl:value-of select="concat('note MLCCA034: hop ', $name, ', attribute Bandwidth: what all channels need together is not added up: not decided here, left to mlccactl check&#10;')"/>
+    </Left>
+  </xsl:template>
+
   <!-- A requirement that only mlccactl check can hold against what it computes. -->
   <xsl:template name="undecided">
     <xsl:param name="publisher"/>

@@ -10,7 +10,8 @@
     MLCCA010  a subscription has no publisher
     MLCCA020  a publisher does not offer the traffic that a subscriber asks of it
     MLCCA021  a network or gateway of the connection does not fulfil what the two ask together
-    MLCCA034  a note: what a CAN bus or a mesh gives is computed, and is not decided here
+    MLCCA034  a note: what a CAN bus or a mesh gives is computed, and is not decided here; nor is what
+              all channels together need of a Bandwidth
     MLCCA038 to MLCCA041  notes on what is hardly meant
   The connection is the network that both sit on, or the Route that is declared between their
   places. Left to "mlccactl check": routes as a whole, others who hear the events, capacity, bindings,
@@ -33,7 +34,8 @@
   - An event of several CAN frames (FAMOUSO fragments): a bound above 0 on lost frames bounds no
     events. Its PacketLoss, which is larger than that of a frame, is taken for a best case.
   - Of a channel's attribute sets the first, by priority, in which nothing is found counts. If there
-    is none, the findings are those of the preferred set.
+    is none, the findings are those of the preferred set, unless a lower one may serve somebody: then
+    mlccactl check may use that, and a note says so.
 -->
 <xsl:stylesheet version="1.0" xmlns:xsl="http://www.w3.org/1999/XSL/Transform"
                 xmlns:xi="http://www.w3.org/2001/XInclude" xmlns:t="urn:mlcca:table"
@@ -118,6 +120,8 @@
     </xsl:variable>
     <xsl:variable name="left">
       <xsl:apply-templates select="//EventChannel" mode="left"/>
+      <xsl:apply-templates select="System/Network" mode="sum"/>
+      <xsl:apply-templates select="System/Gateway" mode="sum"/>
       <xsl:apply-templates select="//EventChannel" mode="sense"/>
       <xsl:apply-templates select="System/Gateway/Port" mode="sense"/>
     </xsl:variable>
@@ -276,7 +280,8 @@
         </xsl:for-each>
       </xsl:for-each>
     </xsl:if>
-    <xsl:if test="$open and string($found) and $rank &lt; count(Attributes)">
+    <xsl:variable name="is-last" select="$rank &gt;= count(Attributes)"/>
+    <xsl:if test="$open and string($found) and not($is-last)">
       <xsl:call-template name="check-in-best-set">
         <xsl:with-param name="open" select="true()"/>
         <xsl:with-param name="publishers" select="$publishers"/>
@@ -285,18 +290,108 @@
         <xsl:with-param name="rank" select="$rank + 1"/>
       </xsl:call-template>
     </xsl:if>
-    <xsl:if test="not($open) and string($found)">
-      <xsl:variable name="lower">
-        <xsl:if test="$rank &lt; count(Attributes)">
-          <xsl:call-template name="check-in-best-set">
-            <xsl:with-param name="publishers" select="$publishers"/>
-            <xsl:with-param name="subscribers" select="$subscribers"/>
-            <xsl:with-param name="bindings" select="$bindings"/>
-            <xsl:with-param name="rank" select="$rank + 1"/>
+    <xsl:variable name="lower">
+      <xsl:if test="not($open) and string($found) and not($is-last)">
+        <xsl:call-template name="check-in-best-set">
+          <xsl:with-param name="publishers" select="$publishers"/>
+          <xsl:with-param name="subscribers" select="$subscribers"/>
+          <xsl:with-param name="bindings" select="$bindings"/>
+          <xsl:with-param name="rank" select="$rank + 1"/>
+        </xsl:call-template>
+      </xsl:if>
+    </xsl:variable>
+    <!-- No set has none. The first one is that of mlccactl check unless a lower one serves more. -->
+    <xsl:variable name="served">
+      <xsl:if test="string($found) and (($open and $is-last and $rank &gt; 1) or ($rank = 1 and string($lower)))">
+        <xsl:call-template name="served-in-lower-set">
+          <xsl:with-param name="publishers" select="$publishers"/>
+          <xsl:with-param name="subscribers" select="$subscribers"/>
+          <xsl:with-param name="bindings" select="$bindings"/>
+        </xsl:call-template>
+      </xsl:if>
+    </xsl:variable>
+    <xsl:choose>
+      <xsl:when test="$open"><xsl:copy-of select="$served"/></xsl:when>
+      <xsl:when test="not(string($served)) and ($is-last or string($lower))"><xsl:copy-of select="$found"/></xsl:when>
+    </xsl:choose>
+  </xsl:template>
+
+  <!-- A note for each publisher and subscriber of whom nothing is found in a set but the preferred one:
+       all subscribers at one place are served, or none. -->
+  <xsl:template name="served-in-lower-set">
+    <xsl:param name="publishers"/>
+    <xsl:param name="subscribers"/>
+    <xsl:param name="bindings"/>
+    <xsl:param name="rank" select="2"/>
+    <xsl:param name="said" select="'|'"/>
+    <xsl:variable name="id">
+      <xsl:for-each select="Attributes">
+        <xsl:sort select="translate(@priority, '+', '')" data-type="number" order="descending"/>
+        <xsl:if test="position() = $rank"><xsl:value-of select="generate-id()"/></xsl:if>
+      </xsl:for-each>
+    </xsl:variable>
+    <xsl:variable name="channel" select="."/>
+    <xsl:variable name="failing">
+      <xsl:text>|</xsl:text>
+      <xsl:for-each select="$publishers">
+        <xsl:variable name="publisher" select="."/>
+        <xsl:for-each select="$subscribers">
+          <xsl:variable name="found">
+            <xsl:call-template name="check-pair">
+              <xsl:with-param name="channel" select="$channel"/>
+              <xsl:with-param name="set" select="$channel/Attributes[generate-id() = $id]"/>
+              <xsl:with-param name="publisher" select="$publisher"/>
+              <xsl:with-param name="subscriber" select="."/>
+              <xsl:with-param name="bindings" select="$bindings"/>
+            </xsl:call-template>
+          </xsl:variable>
+          <xsl:if test="string($found)">
+            <xsl:value-of select="concat(generate-id($publisher), ' ')"/>
+            <xsl:apply-templates select="." mode="place"/>
+            <xsl:text>|</xsl:text>
+          </xsl:if>
+        </xsl:for-each>
+      </xsl:for-each>
+    </xsl:variable>
+    <xsl:variable name="now">
+      <xsl:for-each select="$publishers">
+        <xsl:variable name="publisher" select="."/>
+        <xsl:for-each select="$subscribers">
+          <xsl:variable name="place"><xsl:apply-templates select="." mode="place"/></xsl:variable>
+          <xsl:if test="not(contains($failing, concat('|', generate-id($publisher), ' ', $place, '|')))">
+            <xsl:value-of select="concat(generate-id($publisher), ' ', generate-id(), '|')"/>
+          </xsl:if>
+        </xsl:for-each>
+      </xsl:for-each>
+    </xsl:variable>
+    <xsl:for-each select="$publishers">
+      <xsl:variable name="publisher" select="."/>
+      <xsl:for-each select="$subscribers">
+        <xsl:variable name="key" select="concat('|', generate-id($publisher), ' ', generate-id(), '|')"/>
+        <xsl:if test="contains(concat('|', $now), $key) and not(contains($said, $key))">
+          <xsl:call-template name="left">
+            <xsl:with-param name="publisher" select="$publisher"/>
+            <xsl:with-param name="subscriber" select="."/>
+            <xsl:with-param name="text" select="'no attribute set is right for all, and a lower one may be used for this: not decided here, left to mlccactl check'"/>
           </xsl:call-template>
         </xsl:if>
-      </xsl:variable>
-      <xsl:if test="$rank &gt;= count(Attributes) or string($lower)"><xsl:copy-of select="$found"/></xsl:if>
+      </xsl:for-each>
+    </xsl:for-each>
+    <xsl:if test="$rank &lt; count(Attributes)">
+      <xsl:call-template name="served-in-lower-set">
+        <xsl:with-param name="publishers" select="$publishers"/>
+        <xsl:with-param name="subscribers" select="$subscribers"/>
+        <xsl:with-param name="bindings" select="$bindings"/>
+        <xsl:with-param name="rank" select="$rank + 1"/>
+        <xsl:with-param name="said" select="concat($said, $now)"/>
+      </xsl:call-template>
+    </xsl:if>
+  </xsl:template>
+
+  <!-- A Bandwidth is held against each channel alone. -->
+  <xsl:template match="Network | Gateway" mode="sum">
+    <xsl:if test="Provision[@bandwidth or Attribute[normalize-space(Name) = 'Bandwidth']]">
+      <xsl:call-template name="sum-left"/>
     </xsl:if>
   </xsl:template>
 

@@ -117,6 +117,17 @@ TEST(Twin, SaysWhichConnectionsItDoesNotCheck) {
       "mlccactl check\n0 findings\n");
 }
 
+TEST(Twin, SaysWhereALowerSetMayServeSomebodyAndWhatItDoesNotAddUp) {
+  EXPECT_EQ(
+      output_of(kCheck + std::string("tests/description/twin/cases/sets-partly.xml")),
+      "note MLCCA034: publisher p, subscriber s: no attribute set is right for all, and a lower "
+      "one may be used for this: not decided here, left to mlccactl check\n"
+      "note MLCCA034: hop n, attribute Bandwidth: what all channels need together is not added "
+      "up: not decided here, left to mlccactl check\n"
+      "note MLCCA034: hop m, attribute Bandwidth: what all channels need together is not added "
+      "up: not decided here, left to mlccactl check\n0 findings\n");
+}
+
 TEST(Twin, SaysWhatItDoesNotDecideWhereNothingElseIsFound) {
   const auto note = [](const std::string& what) {
     return "note MLCCA034: publisher q, subscriber t, hop bus, attribute " + what +
