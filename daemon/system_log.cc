@@ -28,6 +28,8 @@ constexpr std::array kKinds{
     KindInfo{"granted", "36505939845e4576b62c8f50eff44cfa"},
     KindInfo{"refused", "a761365c7d7649f79e98dc3442aa1d7a"},
     KindInfo{"withdrawn", "08b8e094cb174563a6171d269dba6874"},
+    KindInfo{"revoked", "b1f4d7a92c0e4e638a57c3d06f9e2b84"},
+    KindInfo{"network-down", "e05c2b7d41fa4b96935d8c6a07f31e42"},
     KindInfo{"switched", "349a04610aa34f5dbd79b55781cb57a0"},
     KindInfo{"rerouted", "e7c1a84d52f043b6930d7be164a2f85c"},
     KindInfo{"released", "07140c11d56b4440bad6cc08ff7d96aa"},
@@ -65,6 +67,8 @@ const char* verdict_of(Kind kind) {
       return "granted";
     case Kind::refused:
     case Kind::withdrawn:
+    case Kind::revoked:
+    case Kind::network_down:
     case Kind::released:
       return "refused";
     default:

@@ -21,6 +21,8 @@ enum class Kind : std::uint8_t {
   granted,
   refused,
   withdrawn,
+  revoked,       ///< withdrawn by an operator
+  network_down,  ///< withdrawn because a network is not available
   switched,
   rerouted,  ///< a delivery that is granted takes another way
   released,
@@ -41,7 +43,7 @@ enum class Kind : std::uint8_t {
   trouble,
 };
 
-/// "granted", as in events of the control protocol.
+/// "granted", as in events of the control protocol for who wants exact kinds.
 [[nodiscard]] const char* name_of(Kind kind);
 [[nodiscard]] std::optional<Kind> kind_named(std::string_view name);
 /// "started, stopped, …"
@@ -67,8 +69,7 @@ struct Note {
   std::uint64_t frames = 0;                    ///< of dropping and excess: since the last report
   std::uint64_t late = 0;                      ///< of late: events since the last report
   std::uint64_t longest_ns = 0;                ///< and the longest time of one of them
-  std::string network_down =
-      {};  ///< of withdrawn: the network that is not available, if it is that
+  std::string network_down = {};          ///< of network_down: the network that is not available
   std::optional<control::Actor> by = {};  ///< the client that asked for it
 };
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 #include <utility>
 #include <vector>
@@ -31,6 +32,17 @@ std::string advice_lines(const control::Audit& audit) {
   return out;
 }
 
+/// For how long nothing would have been dropped.
+std::string clean_words(const control::Audit& audit) {
+  constexpr std::uint64_t second = 1'000'000'000;
+  if (audit.clean_ns >= second)
+    return fmt::format("for {} nothing would have been dropped", core::format_span(audit.clean_ns));
+  const bool any = std::ranges::any_of(audit.findings,
+                                       [](const control::Finding& f) { return f.would_drop != 0; });
+  return any ? "within the last second something would have been dropped"
+             : "nothing would have been dropped in the second since it is counted";
+}
+
 }  // namespace
 
 std::string render(const control::Audit& audit, Color color) {
@@ -38,8 +50,7 @@ std::string render(const control::Audit& audit, Color color) {
   std::string out = styled(audits ? "AUDIT MODE: nothing is dropped" : "enforcing",
                            audits ? Style::bad : Style::good, color) +
                     fmt::format("; counted since {}\n", print_second(audit.since_unix_s));
-  const std::string clean = core::format_span(audit.clean_ns);
-  if (audits) out += fmt::format("for {} nothing would have been dropped", clean);
+  if (audits) out += clean_words(audit);
   if (audit.when_clean_ns != 0)
     out +=
         fmt::format("; the gates enforce after {} without", core::format_span(audit.when_clean_ns));

@@ -277,8 +277,7 @@ std::optional<Exit> ask_back(const Options& options, const control::Channels& ch
     return print_error(
         options, control::ErrorKind::invalid,
         "no person can be asked to confirm this (no terminal, or --json): state --yes");
-  fmt::print(stderr, "{}", what_stops(channels, name, options.error_color));
-  fmt::print(stderr, "Withdraw it? [y/N] ");
+  fmt::print(stderr, "{}Withdraw it? [y/N] ", what_stops(channels, name, options.error_color));
   std::array<char, 16> answer{};
   const bool read = std::fgets(answer.data(), answer.size(), stdin) != nullptr;
   const std::string_view said(answer.data());
@@ -289,12 +288,16 @@ std::optional<Exit> ask_back(const Options& options, const control::Channels& ch
 
 /// On a connection of its own: an answer may take longer than the daemon keeps an idle one.
 Exit ask_withdraw(const Options& options, const Arguments& arguments) {
-  if (!arguments.yes) {
+  // A program that reads JSON is told by the reply.
+  if (!arguments.yes || !options.json) {
     const auto now = reply_to(options, control::ExplainRequest{arguments.channel});
     if (!now) return now.error();
     const auto* channels = std::get_if<control::Channels>(&now->body);
     if (channels == nullptr) return print_reply<control::WithdrawRequest>(options, *now);
-    if (const auto ended = ask_back(options, *channels, arguments.channel)) return *ended;
+    if (arguments.yes)
+      fmt::print(stderr, "{}", what_stops(*channels, arguments.channel, options.error_color));
+    else if (const auto ended = ask_back(options, *channels, arguments.channel))
+      return *ended;
   }
   return ask(options, control::WithdrawRequest{arguments.channel});
 }
@@ -333,7 +336,7 @@ Exit print_bandwidth(const Options& options, const Arguments& arguments) {
 Exit monitor(const Options& options, const Arguments&) {
   auto client = control::Client::connect(options.socket, options.patience);
   if (!client) return print_error(options, control::ErrorKind::world, client.error().text);
-  const auto reply = client->call({0, control::MonitorRequest{}});
+  const auto reply = client->call({0, control::MonitorRequest{.exact_kinds = true}});
   if (!reply) return print_error(options, control::ErrorKind::world, reply.error().text);
   if (const auto* error = std::get_if<control::Error>(&reply->body))
     return print_error(options, *error);

@@ -43,7 +43,8 @@ Cell verdict_cell(bool granted) {
 
 Style style_of_event(std::string_view kind) {
   if (kind == "granted" || kind == "restored" || kind == "reinstated") return Style::good;
-  if (kind == "refused" || kind == "withdrawn" || kind == "lapsed" || kind == "missing")
+  if (kind == "refused" || kind == "withdrawn" || kind == "revoked" || kind == "network-down" ||
+      kind == "lapsed" || kind == "missing")
     return Style::bad;
   if (kind == "dropping" || kind == "excess" || kind == "lagged" || kind == "mode" ||
       kind == "switched" || kind == "rerouted" || kind == "gateway" || kind == "binding")
@@ -92,7 +93,7 @@ std::string describe(const control::MediumUse& use) {
   if (!use.nodes.empty()) parts.push_back("path " + way(use.nodes));
   if (use.paper_rate != 0) {
     parts.push_back(by_the_links(use) + " by the links");
-    parts.push_back(bytes_per_second(use.available) + " left");
+    parts.push_back(bytes_per_second(use.available) + " left with what it holds itself");
     if (!use.limiting_domain.empty()) parts.back() += " in " + use.limiting_domain;
   }
   return fmt::format("{}", fmt::join(parts, ", "));

@@ -25,10 +25,13 @@ std::vector<control::Channel> ChannelReports::report(
   for (const core::Verdict* v : verdicts) {
     const auto rules =
         core::gate_state(scene_.state->system(), scene_.state->members(), *v, scene_.self);
-    out.push_back(channel_report(*scene_.state, *v, gates_.frames(rules, entries)));
+    control::Channel& channel =
+        out.emplace_back(channel_report(*scene_.state, *v, gates_.frames(rules, entries)));
+    channel.counts_shared = std::ranges::any_of(rules, [&](const core::GateRule& rule) {
+      return std::ranges::find(entries, rule.entry) != entries.end();
+    });
     if (!v->granted) continue;
     auto supervision = health_.supervision_of(*v, rules, shared);
-    control::Channel& channel = out.back();
     channel.troubles = health_.troubles_of(*v, rules, shared, supervision);
     channel.watch = std::move(supervision.watch);
     set_not_supervised(channel, std::move(supervision.lacking));

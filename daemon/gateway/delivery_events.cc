@@ -16,9 +16,10 @@
 namespace mlcca {
 namespace {
 
-/// Empty: it is refused for another reason.
-std::string network_down_of(const core::System& system, const core::Verdict& v) {
-  return v.obstacle == core::Obstacle::unavailable ? core::name_of(system, v.obstacle_at) : "";
+/// What became of a delivery that was granted and is not any more.
+Kind withdrawal_of(const core::Verdict& v) {
+  if (v.obstacle == core::Obstacle::withdrawn) return Kind::revoked;
+  return v.obstacle == core::Obstacle::unavailable ? Kind::network_down : Kind::withdrawn;
 }
 
 }  // namespace
@@ -49,8 +50,9 @@ void DeliveryEvents::verdict(Kind kind, const core::Verdict& v, const std::strin
                                     scene_.state->members().publisher(v.publisher).place),
               .publisher = scene_.state->members().publisher(v.publisher).name,
               .admissions = admissions_of(v),
-              .network_down = kind == Kind::withdrawn ? network_down_of(scene_.state->system(), v)
-                                                      : std::string()});
+              .network_down = kind == Kind::network_down
+                                  ? core::name_of(scene_.state->system(), v.obstacle_at)
+                                  : std::string()});
 }
 
 void DeliveryEvents::silence(const core::Verdict& v, const gate_event& event,
@@ -121,7 +123,7 @@ void DeliveryEvents::outcome(const Granted& before, const Reported& reported) {
       const auto known_before = reported.find({subject, delivery});
       if (known_before != reported.end() && known_before->second == as_reported(*scene_.state, v))
         continue;
-      const Kind not_granted = was ? Kind::withdrawn : Kind::refused;
+      const Kind not_granted = was ? withdrawal_of(v) : Kind::refused;
       verdict(v.granted ? Kind::granted : not_granted, v, verdict_line(*scene_.state, v));
       pulse_();
     }
@@ -155,7 +157,7 @@ void DeliveryEvents::changes(const std::vector<core::Change>& changes) {
       const core::Verdict* old = core::same_delivery(change.before, v);
       const bool was = old != nullptr && old->granted;
       if (v.granted && !was) verdict(Kind::granted, v, verdict_line(*scene_.state, v));
-      if (!v.granted && was) verdict(Kind::withdrawn, v, verdict_line(*scene_.state, v));
+      if (!v.granted && was) verdict(withdrawal_of(v), v, verdict_line(*scene_.state, v));
       if (v.granted && was && v.set != old->set)
         verdict(Kind::switched, v, switch_line(*scene_.state, v, old->set));
       else if (v.granted && was && v.route != old->route)

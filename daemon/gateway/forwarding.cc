@@ -102,11 +102,11 @@ std::expected<std::vector<CanRule>, std::string> rules_of(const core::Transit& t
     return std::unexpected(
         fmt::format("can-gw makes no {} frames of {} ones", format_of(out), format_of(in)));
   // What one side leaves open and the other does not: remote frames, which simply stay behind, or
-  // whether events are split, or what else a profile leaves to the sender.
+  // whether events go in fragments, or what else a profile leaves to the sender.
   if (((in.mask ^ out.mask) & ~core::kRemoteFlag) != 0)
     return std::unexpected(
         std::string("can-gw carries frames as they are, and only one of the buses has events "
-                    "split into frames, or leaves that part of the identifier to the sender"));
+                    "in several fragments, or leaves that part of the identifier to the sender"));
   CanRule rule;
   rule.from = from;
   rule.to = to;

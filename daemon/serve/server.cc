@@ -36,6 +36,11 @@ Standing standing_of(const Peer& peer) {
   return peer.may_change ? Standing::member : Standing::other;
 }
 
+/// Of a kind that only those know who ask for exact kinds.
+bool is_withdrawal(const control::Event& event) {
+  return event.kind == "revoked" || event.kind == "network-down";
+}
+
 }  // namespace
 
 Server::Server(sd_event* loop, Fd listening, gid_t group, AnswerTo answer)
@@ -276,9 +281,17 @@ void Server::wake_when_due() {
 
 void Server::publish(const control::Event& event) {
   if (sessions_.empty()) return;
-  const std::string encoded = control::encode(control::Reply{0, event});
+  const std::string exact = control::encode(control::Reply{0, event});
+  std::string for_programs;
+  if (is_withdrawal(event)) {
+    control::Event named = event;
+    named.kind = "withdrawn";
+    for_programs = control::encode(control::Reply{0, std::move(named)});
+  }
   for (auto& [fd, session] : sessions_)
-    if (session->wants(event)) session->send_event(encoded);
+    if (session->wants(event))
+      session->send_event(for_programs.empty() || session->wants_exact_kinds() ? exact
+                                                                               : for_programs);
 }
 
 void Server::release(const Result<void>& done) {

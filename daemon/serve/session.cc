@@ -86,7 +86,10 @@ void Session::step() {
   if (!has_work_) return;
   active_ = monotonic_ns();
   const control::Request& asked = **request;
-  if (std::holds_alternative<control::MonitorRequest>(asked.body)) monitoring_ = true;
+  if (const auto* monitor = std::get_if<control::MonitorRequest>(&asked.body)) {
+    monitoring_ = true;
+    exact_kinds_ = monitor->exact_kinds;
+  }
   if (std::holds_alternative<control::AnnounceRequest>(asked.body)) announcing_ = true;
   take(server_.answer_(asked, peer_), asked.slices);
 }

@@ -35,6 +35,7 @@ class Session {
   [[nodiscard]] const Peer& peer() const { return peer_; }
   [[nodiscard]] int fd() const { return socket_.get(); }
   [[nodiscard]] bool wants(const control::Event& event) const;
+  [[nodiscard]] bool wants_exact_kinds() const { return exact_kinds_; }
   void send_event(const std::string& encoded);
   /// Sends what was held, or an error for each answer that must not be given.
   void release(const Result<void>& done);
@@ -110,6 +111,7 @@ class Session {
   std::set<std::uint64_t> followed_;  // subjects
   std::uint64_t active_;
   bool monitoring_ = false;
+  bool exact_kinds_ = false;
   bool announcing_ = false;  ///< it has announced a channel, perhaps in vain
   bool closing_ = false;
   bool in_line_ = false;

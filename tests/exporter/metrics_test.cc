@@ -53,6 +53,23 @@ std::string page_of(const Answers& answers, const Most& most = {}) {
   return exporter::page(answers, most, {}, 0.25);
 }
 
+/// Counters of one slot are in two series then: who adds them up can see that.
+TEST(ExporterPage, SaysWhoseCountersAreThoseOfSeveralPublishers) {
+  auto a = delivery("c", true);
+  a.counts_shared = true;
+  a.passed = 40;
+  auto b = a;
+  b.publisher = "q";
+  const auto page = page_of(answers_with({a, b, delivery("alone", true)}));
+  const auto of = [](const std::string& channel, const std::string& publisher) {
+    return "mlcca_delivery_shared{channel=\"" + channel + "\",publisher=\"" + publisher +
+           "\",from=\"a\",to=\"b\"} ";
+  };
+  EXPECT_TRUE(has(page, of("c", "p") + "1")) << page;
+  EXPECT_TRUE(has(page, of("c", "q") + "1"));
+  EXPECT_TRUE(has(page, of("alone", "p") + "0"));
+}
+
 TEST(ExporterPage, KnowsNothingWithoutADaemon) {
   Answers answers;
   answers.reports.networks.emplace();

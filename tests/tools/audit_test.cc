@@ -42,6 +42,15 @@ class AuditReport : public ::testing::Test {
   control::Audit audit_ = test::full_audit();
 };
 
+TEST_F(AuditReport, SaysInWordsThatSomethingWouldHaveBeenDroppedJustNow) {
+  audit_.clean_ns = 400'000'000;
+  EXPECT_TRUE(render(audit_, Color::no)
+                  .contains("within the last second something would have been dropped; the gates"));
+  audit_.findings.clear();
+  EXPECT_TRUE(render(audit_, Color::no)
+                  .contains("nothing would have been dropped in the second since it is counted"));
+}
+
 TEST_F(AuditReport, ListsWhatWasRefusedAndWhatADescriptionWouldNeed) {
   const std::string expected = R"(AUDIT MODE: nothing is dropped; counted since 2023-11-14 22:13:20
 for 3 h nothing would have been dropped; the gates enforce after 1 d without

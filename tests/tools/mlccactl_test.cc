@@ -354,7 +354,7 @@ TEST(MlccactlTest, ExitsWith0WhenGrantedAnd1WhenRefused) {
 }
 
 TEST(MlccactlTest, WithdrawsAndReinstatesWhatIsNamed) {
-  EXPECT_EQ(request_of({"withdraw", "a", "--yes"}),
+  EXPECT_EQ(request_of({"withdraw", "a", "--yes", "--json"}),
             (control::Request{1, control::WithdrawRequest{"a"}}));
   EXPECT_EQ(request_of({"reinstate", "a"}), (control::Request{1, control::ReinstateRequest{"a"}}));
 }

@@ -53,6 +53,15 @@ TEST(TopRatesTest, ARateIsTheDifferenceOverTheTime) {
   EXPECT_DOUBLE_EQ(rows[0].used.value(), 1);  // 20 a second of one each 50 ms
 }
 
+/// Between two programs no gate counts its frames.
+TEST(TopRatesTest, EventsThatCrossNoGateAreCountedWhereTheyAreWatched) {
+  control::Channel c = delivery("beat", 0, 0);
+  c.watch = control::Watch{.period_ns = 50'000'000, .events = 100};
+  const auto before = sample(10, {c});
+  c.watch->events = 140;
+  EXPECT_DOUBLE_EQ(rows_by_subject(&before, sample(12, {c})).at(0).rate.value(), 20);
+}
+
 TEST(TopRatesTest, TheFirstPollHasNoRates) {
   const auto rows = rows_by_subject(nullptr, sample(10, {delivery("beat", 100, 7)}));
   EXPECT_FALSE(rows.at(0).rate);
@@ -360,9 +369,9 @@ TEST(TopOrderTest, EveryColumnHasAWord) {
 
 TEST(TopLayoutTest, NumbersFitTheirColumns) {
   const std::vector<std::pair<double, std::string>> expected = {
-      {0, "0"},          {0.25, "0.25"}, {9.994, "9.99"}, {9.996, "10"},   {99.94, "99.9"},
-      {99.96, "100"},    {1250, "1250"}, {9999, "9999"},  {9999.6, "10k"}, {12'500, "12.5k"},
-      {999'400, "999k"}, {1e6, "1000k"}, {2.5e7, "25M"},  {1e18, "99999G"}};
+      {0, "0"},          {0.004, "<.01"},   {0.25, "0.25"}, {9.994, "9.99"}, {9.996, "10"},
+      {99.94, "99.9"},   {99.96, "100"},    {1250, "1250"}, {9999, "9999"},  {9999.6, "10k"},
+      {12'500, "12.5k"}, {999'400, "999k"}, {1e6, "1000k"}, {2.5e7, "25M"},  {1e18, "99999G"}};
   for (const auto& [value, text] : expected) EXPECT_EQ(short_number(value), text) << value;
   EXPECT_EQ(short_number(std::nullopt), "-");
   EXPECT_EQ(short_time(0.0125), "12.5ms");

@@ -114,6 +114,9 @@ void add_deliveries(const control::Channels& channels, const Most& most, LeftOut
                   "How many things are wrong with what was granted.");
   Family supervised("mlcca_delivery_supervised", "gauge",
                     "Whether the silence of this heart-beat would be reported.");
+  Family shared("mlcca_delivery_shared", "gauge",
+                "Whether its publisher looks like others to the gate: frames and events of all of "
+                "them are counted for each, so that a sum over publishers counts them again.");
   Family withdrawn("mlcca_delivery_withdrawn", "gauge",
                    "Whether an operator has withdrawn the channel.");
   Family passed("mlcca_delivery_frames_passed_total", "counter", "Frames that passed.");
@@ -133,6 +136,7 @@ void add_deliveries(const control::Channels& channels, const Most& most, LeftOut
     for (const auto* one : d.channels) wrong += one->troubles.size();
     troubles.add(labels, wrong);
     supervised.add(labels, d.all([](const Channel& one) { return one.not_supervised.empty(); }));
+    shared.add(labels, std::ranges::any_of(d.channels, &Channel::counts_shared));
     withdrawn.add(labels, c.withdrawn);
     passed.add(labels, d.sum(&Channel::passed));
     dropped.add(labels, d.sum(&Channel::dropped));
@@ -141,8 +145,8 @@ void add_deliveries(const control::Channels& channels, const Most& most, LeftOut
     if (const auto* watch = watch_of(d)) watches.add(labels, *watch);
     if (c.granted) responses.add(labels, c.media);
   }
-  for (const auto* family : {&granted, &set, &troubles, &supervised, &withdrawn, &passed, &dropped,
-                             &excess, &would_drop})
+  for (const auto* family : {&granted, &set, &troubles, &supervised, &shared, &withdrawn, &passed,
+                             &dropped, &excess, &would_drop})
     family->append_to(page);
   watches.append_to(page);
   responses.response.append_to(page);

@@ -194,6 +194,8 @@ Heading heading_of(const control::Status& status) {
 std::string short_number(std::optional<double> value) {
   if (!value) return "-";
   double v = *value;
+  constexpr double least = 0.005;  // what is less would be 0 with two decimals
+  if (v > 0 && v < least) return "<.01";
   constexpr std::array<std::string_view, 4> units = {"", "k", "M", "G"};
   std::size_t unit = 0;
   while (v >= 9999.5 && unit + 1 < units.size()) {

@@ -278,6 +278,15 @@ void add_deliveries(const Sample& now, const std::vector<Row>& deliveries, Row& 
   row.place = fmt::format("{} of {}", granted, all);
 }
 
+/// Of events that cross no gate, such as from a program to a program, no frame is counted.
+std::optional<double> frame_rate(const Interval& interval, const Counts* before,
+                                 const control::Channel& c) {
+  auto rate = interval.rate(before == nullptr ? nullptr : &before->passed, c.passed);
+  if (c.watch)
+    raise(rate, interval.rate(before == nullptr ? nullptr : &before->events, c.watch->events));
+  return rate;
+}
+
 }  // namespace
 
 std::vector<Row> rows_by_subject(const Sample* before, const Sample& now) {
@@ -288,12 +297,12 @@ std::vector<Row> rows_by_subject(const Sample* before, const Sample& now) {
   for (const auto& c : now.channels.channels) {
     Row row = delivery(c);
     const Counts* old = find(counted, key_of(c));
-    row.rate = interval.rate(old == nullptr ? nullptr : &old->passed, c.passed);
+    row.rate = frame_rate(interval, old, c);
     row.drops = drop_rate(interval, now, old, counts_of(c));
     if (c.granted) {
       row.reserved = reserved_for(c, held);
       const auto period = period_of(c);
-      // A split event is several frames.
+      // An event in several fragments is several frames.
       const auto events =
           c.watch ? interval.rate(old == nullptr ? nullptr : &old->events, c.watch->events)
                   : row.rate;

@@ -21,7 +21,7 @@ Response withdraw(Context& context, const Asker& /*asker*/,
     return failed(done.error().text);
   const std::string line = fmt::format(
       "withdrawn: everything of {0} is refused until 'mlccactl reinstate {0}'", withdrawn.name);
-  context.log.warning(Kind::withdrawn, line,
+  context.log.warning(Kind::revoked, line,
                       {.subject = withdrawn.subject, .channel = withdrawn.name});
   return control::Done{line};
 }

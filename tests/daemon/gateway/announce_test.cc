@@ -261,7 +261,7 @@ TEST_F(Announce, AWithdrawalNamesTheNetworkThatIsDown) {
   const std::string second = bench_.state().system().networks[1].name;
   bench_.kernel.interfaces[second].up = false;
   bench_.daemon().links_changed();
-  const auto withdrawn = std::ranges::find(bench_.published, "withdrawn", &control::Event::kind);
+  const auto withdrawn = std::ranges::find(bench_.published, "network-down", &control::Event::kind);
   ASSERT_NE(withdrawn, bench_.published.end());
   EXPECT_EQ(withdrawn->network_down, second);
   EXPECT_EQ(withdrawn->publisher, "lever");
@@ -270,7 +270,8 @@ TEST_F(Announce, AWithdrawalNamesTheNetworkThatIsDown) {
   bench_.daemon().links_changed();
   bench_.published.clear();
   bench_.ask(control::WithdrawRequest{.channel = "c0"});
-  const auto by_hand = std::ranges::find(bench_.published, "withdrawn", &control::Event::kind);
+  EXPECT_EQ(std::ranges::count(bench_.published, "withdrawn", &control::Event::kind), 0);
+  const auto by_hand = std::ranges::find(bench_.published, "revoked", &control::Event::kind);
   ASSERT_NE(by_hand, bench_.published.end());
   EXPECT_EQ(by_hand->network_down, "");
 }

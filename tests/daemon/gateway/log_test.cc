@@ -127,7 +127,7 @@ TEST(Kinds, HaveOneNameInTheManualPagesAndInTheSchema) {
   for (const Kind kind : all_kinds()) {
     const std::string name = name_of(kind);
     std::string entry = name;
-    entry.resize(11, ' ');
+    entry.resize(13, ' ');
     EXPECT_NE(daemon.find("\n" + entry + message_id_of(kind) + "\n"), std::string::npos) << name;
     EXPECT_NE(client.find(name), std::string::npos) << name;
     EXPECT_NE(schema.find(name), std::string::npos) << name;
