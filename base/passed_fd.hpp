@@ -42,7 +42,8 @@ inline std::optional<Fd> receive_fd(const Fd& socket) {
   message.msg_iov = &data;
   message.msg_iovlen = 1;
   message.msg_control = control.data();
-  // Without the padding, in which there is room for a second one. The kernel closes what has no room.
+  // Without the padding, in which there is room for a second one. The kernel closes what has no
+  // room.
   message.msg_controllen = CMSG_LEN(sizeof(int));
   const auto size = ::recvmsg(socket.get(), &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
   if (size < 0 && (errno == EAGAIN || errno == EINTR)) return std::nullopt;

@@ -34,28 +34,29 @@ Result<void> make_sender(const Fd& socket) {
   return {};
 }
 
-bool CanSocket::have_socket() {
-  if (socket_) return true;
+CanSocket::State CanSocket::find_socket() {
+  if (socket_) return State::ready;
   if (!way_) {
     Fd own(::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW));
     if (own && make_sender(own)) {
       socket_ = std::move(own);
-      return true;
+      return State::ready;
     }
     auto helper = connect_to_helper(helper_, "mlcca-can.socket");
-    if (!helper) return false;
+    if (!helper) return State::missing;
     way_ = std::move(helper->socket);
   }
   std::optional<Fd> passed = receive_fd(way_);
-  if (!passed) return false;  // it has not answered yet
+  if (!passed) return State::awaited;
   way_.reset();
-  if (!*passed || !make_sender(*passed)) return false;
+  if (!*passed || !make_sender(*passed)) return State::missing;
   socket_ = std::move(*passed);
-  return true;
+  return State::ready;
 }
 
 bool CanSocket::send(std::uint32_t ifindex, const can_frame& frame) {
-  if (!have_socket()) return false;
+  const State state = find_socket();
+  if (state != State::ready) return state == State::missing;
   sockaddr_can to{};
   to.can_family = AF_CAN;
   to.can_ifindex = static_cast<int>(ifindex);

@@ -19,11 +19,12 @@ class CanSocket final : public CanSender {
   /// `helper`: where mlcca-can is reached.
   explicit CanSocket(std::string helper = "/run/mlcca/can") : helper_(std::move(helper)) {}
 
-  /// False: there is no socket yet; the next call sees whether there is one.
+  /// False: mlcca-can has been asked for a socket and has not answered yet.
   bool send(std::uint32_t ifindex, const can_frame& frame) override;
 
  private:
-  bool have_socket();
+  enum class State : std::uint8_t { ready, awaited, missing };
+  State find_socket();
 
   std::string helper_;
   Fd way_;     ///< to mlcca-can, which has been asked

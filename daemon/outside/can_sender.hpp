@@ -16,7 +16,7 @@ class CanSender {
   CanSender& operator=(CanSender&&) = delete;
   virtual ~CanSender() = default;
 
-  /// Does not wait. False: it cannot send yet. A frame that an interface does not take now is lost.
+  /// Does not wait. False: it will be able to send soon. A frame that cannot be sent is lost.
   virtual bool send(std::uint32_t ifindex, const can_frame& frame) = 0;
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What mlccad takes from mlcca-can. This kernel may have no CAN: that a frame leaves is for a guest.
+// What mlccad takes from mlcca-can. This kernel may have no CAN: that a frame leaves is for a
+// guest.
 #include "daemon/net/can_socket.hpp"
 
 #include <fcntl.h>
@@ -143,7 +144,7 @@ TEST_F(Helper, IsAskedOnceUntilItAnswersAndAgainAfterAWrongAnswer) {
   ASSERT_TRUE(first);
   EXPECT_FALSE(accept()) << "it was asked twice";
   ASSERT_TRUE(send_fd(first.get(), Fd(::open("/dev/null", O_RDONLY | O_CLOEXEC))));
-  EXPECT_FALSE(can.send(1, {}));
+  EXPECT_TRUE(can.send(1, {})) << "the frame is lost";
   EXPECT_FALSE(can.send(1, {}));
   EXPECT_TRUE(accept()) << "it is asked again";
 }
@@ -151,7 +152,7 @@ TEST_F(Helper, IsAskedOnceUntilItAnswersAndAgainAfterAWrongAnswer) {
 TEST_F(Helper, MayBeMissing) {
   if (has_can()) return;
   CanSocket can(path() + "-of-nobody");
-  EXPECT_FALSE(can.send(1, {}));
+  EXPECT_TRUE(can.send(1, {})) << "the frame is lost";
 }
 
 }  // namespace
