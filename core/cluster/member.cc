@@ -237,6 +237,14 @@ Member::Standing Member::standing(Value now) const {
   return now < take_from_ ? Standing::waiting : Standing::joined;
 }
 
+std::string Member::why_no_description() const {
+  const auto& current = view_.records().current;
+  if (current.mod == 0) return "no description is in force yet";
+  if (current.value && current.value->digest == identity_.digest)
+    return "the description is not in force before all gateways are in it";
+  return "the description in force is another one";
+}
+
 std::string Member::why_not(Value now) const {
   switch (standing(now)) {
     case Standing::off:
@@ -249,7 +257,7 @@ std::string Member::why_not(Value now) const {
     case Standing::waiting:
       return "the store was restored: leases from before have not ended yet";
     case Standing::other_digest:
-      return "the description in force is another one";
+      return why_no_description();
     case Standing::draining:
       return "this gateway is being drained";
     case Standing::joined:
@@ -377,7 +385,7 @@ Value Member::next_time(Value now) const {
   at(chain_.next_time(now));
   at(view_.next_event(now));
   at(admissions_.next_time(now));
-  at(rollouts_.next_time(view_));
+  at(rollouts_.next_time(view_, now));
   at(take_from_);
   if (phase_ != Phase::joined) return next;
   at(chain_.valid_until());

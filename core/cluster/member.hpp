@@ -78,12 +78,15 @@ class Member {
   /// on_time() is due; take_txns() after it.
   [[nodiscard]] Value next_time(Value now) const;
   [[nodiscard]] const View& view() const { return view_; }
+  [[nodiscard]] std::size_t self() const { return identity_.gateway; }
   [[nodiscard]] Standing standing(Value now) const;
   [[nodiscard]] const std::string& problem() const { return problem_; }
   [[nodiscard]] const Journalled& journalled() const { return journal_; }
   [[nodiscard]] Role role() const { return election_.role(); }
   /// It is granted and open on the whole way.
   [[nodiscard]] bool holds(std::uint64_t id) const { return admissions_.granted(id); }
+  /// The store has something of it, may have, or is to have.
+  [[nodiscard]] bool knows(std::uint64_t id) const { return admissions_.knows(id); }
 
   /// All that it acts on, for a checker.
   template <class Visit>
@@ -106,6 +109,7 @@ class Member {
   [[nodiscard]] bool has_gone_back() const;
   [[nodiscard]] bool same_epoch() const;
   [[nodiscard]] bool digest_in_force() const;
+  [[nodiscard]] std::string why_no_description() const;
   [[nodiscard]] bool caught_up() const { return view_.revision() >= chain_.base(); }
   [[nodiscard]] Beat beat(Value now) const;
   [[nodiscard]] bool beat_wanted(Value now) const;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/cluster/lease.hpp"
 #include "mlcca/arithmetic.hpp"
 
 namespace mlcca::core::cluster {
@@ -71,6 +72,11 @@ void Rollouts::step(const View& view, Value now, std::vector<Event>& events) {
                                  .open = current->open});
   }
   judge(view, events);
+  const auto& current = records.current.value;
+  if (!current || current->open || !all_in(view, now))
+    left_at_.reset();
+  else if (!left_at_)
+    left_at_ = now;
 }
 
 std::optional<Work> Rollouts::propose(const View& view, const Codec& codec) {
@@ -155,19 +161,32 @@ std::optional<Work> Rollouts::decide(const View& view, const Codec& codec, Value
   return work;
 }
 
-/// When all have left the former description.
-std::optional<Work> Rollouts::open(const View& view, const Codec& codec) {
+/// All have left the former description: those that are waited for, and whoever else is there.
+bool Rollouts::all_in(const View& view, Value now) {
   const auto& record = view.records().current;
-  if (!record.value || record.value->open) return std::nullopt;
-  Current current = *record.value;
-  for (const std::string& name : current.waits) {
-    const auto g = view.keys().gateway(name);
-    if (!g) return std::nullopt;
-    const auto& beat = view.records().members[*g].beat;
-    if (!beat || beat->digest != current.digest || beat->generation != current.generation ||
-        beat->applied < record.mod)
-      return std::nullopt;
+  const Current& current = *record.value;
+  const auto is_in = [&](std::size_t g) {
+    const auto& beat = view.records().members[g].beat;
+    return beat && beat->digest == current.digest && beat->generation == current.generation &&
+           beat->applied >= record.mod;
+  };
+  if (!std::ranges::all_of(current.waits, [&](const std::string& name) {
+        const auto g = view.keys().gateway(name);
+        return g && is_in(*g);
+      }))
+    return false;
+  for (std::size_t g = 0; g < view.keys().gateways(); ++g) {
+    const Alive alive = view.alive(g, now);
+    if (alive != Alive::absent && alive != Alive::fenced && !is_in(g)) return false;
   }
+  return true;
+}
+
+/// When no frame of the former description waits in a queue any more.
+std::optional<Work> Rollouts::open(const View& view, const Codec& codec, Value now) {
+  if (!left_at_ || now < queues_empty_at(*left_at_)) return std::nullopt;
+  const auto& record = view.records().current;
+  Current current = *record.value;
   current.open = true;
   return Work{.kind = Work::Kind::decide,
               .compares = {{.key = view.keys().current(), .revision = record.mod}},
@@ -179,20 +198,26 @@ std::optional<Work> Rollouts::next_work(const View& view, const Codec& codec, Va
     return Work{.kind = Work::Kind::judge,
                 .compares = {{.key = view.keys().next(), .revision = ballot_->next}},
                 .puts = {{.key = view.keys().rollout_vote(self_), .value = codec.write(*ballot_)}}};
+  if (view.revision() < not_before_) return std::nullopt;
   if (auto work = propose(view, codec)) return work;
   if (auto work = decide(view, codec, now)) return work;
-  return open(view, codec);
+  return open(view, codec, now);
 }
 
 void Rollouts::on_done(const Done& done, std::vector<Event>& events) {
   const bool settled = done.fate == Done::Fate::done || done.fate == Done::Fate::conflict;
+  const bool refuted = done.fate == Done::Fate::conflict;
   switch (done.work.kind) {
     case Work::Kind::chunk:
       if (done.fate == Done::Fate::done) chunk_ = done.work.number + 1;
       break;
+    case Work::Kind::decide:
+      if (refuted) not_before_ = done.revision;
+      break;
     case Work::Kind::propose:
+      if (refuted) not_before_ = done.revision;
       if (settled) staged_.reset();
-      if (done.fate == Done::Fate::conflict)
+      if (refuted)
         events.emplace_back(NotRolledOut{.why = "another description is being rolled out"});
       break;
     case Work::Kind::judge:
@@ -204,7 +229,8 @@ void Rollouts::on_done(const Done& done, std::vector<Event>& events) {
   }
 }
 
-std::optional<Value> Rollouts::next_time(const View& view) const {
+std::optional<Value> Rollouts::next_time(const View& view, Value now) const {
+  if (left_at_ && queues_empty_at(*left_at_) > now) return queues_empty_at(*left_at_);
   const auto& next = view.records().next;
   if (next.mod == 0 || !next.value) return std::nullopt;
   const bool ours = next.value->by == view.keys().gateway_name(self_);

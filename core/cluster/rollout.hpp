@@ -27,13 +27,13 @@ class Rollouts {
   void step(const View& view, Value now, std::vector<Event>& events);
   void on_done(const Done& done, std::vector<Event>& events);
   [[nodiscard]] std::optional<Work> next_work(const View& view, const Codec& codec, Value now);
-  [[nodiscard]] std::optional<Value> next_time(const View& view) const;
+  [[nodiscard]] std::optional<Value> next_time(const View& view, Value now) const;
 
   /// All that it acts on, for a checker.
   template <class Visit>
   void visit_state(Visit&& visit) const {
     visit(staged_, chunk_, current_seen_, next_seen_, judged_, next_since_, proposed_, why_,
-          ballot_);
+          ballot_, left_at_, not_before_);
   }
 
  private:
@@ -46,7 +46,8 @@ class Rollouts {
 
   [[nodiscard]] std::optional<Work> propose(const View& view, const Codec& codec);
   [[nodiscard]] std::optional<Work> decide(const View& view, const Codec& codec, Value now);
-  [[nodiscard]] static std::optional<Work> open(const View& view, const Codec& codec);
+  [[nodiscard]] std::optional<Work> open(const View& view, const Codec& codec, Value now);
+  [[nodiscard]] static bool all_in(const View& view, Value now);
   [[nodiscard]] static Tally tally(const View& view, const Next& next, Work& work);
   void judge(const View& view, std::vector<Event>& events);
 
@@ -58,6 +59,9 @@ class Rollouts {
   std::optional<Digest> proposed_;
   std::string why_;  ///< it was given up
   std::optional<RolloutVote> ballot_;
+  /// Since when all are known to have left the former description; nothing: not all.
+  std::optional<Value> left_at_;
+  std::int64_t not_before_ = 0;  ///< the view must be as new: what was tried was refuted there
 };
 
 }  // namespace mlcca::core::cluster

@@ -60,7 +60,7 @@ struct TxnResult {
   std::uint64_t id = 0;
   Outcome outcome = Outcome::unsure;
   std::int64_t revision = 0;     ///< of the store when it answered; the transaction's, if committed
-  std::vector<Entry> read = {};  ///< of a conflict; a key that is not there has none
+  std::vector<Entry> read = {};  ///< of a conflict; a key that is not there is `gone`
   std::string why;
 };
 

@@ -37,6 +37,8 @@ struct StoreStub {
       for (const std::string& key : txn.else_get)
         if (const auto it = entries.find(key); it != entries.end())
           result.read.push_back(it->second);
+        else
+          result.read.push_back({.key = key, .value = {}, .gone = true});
       return result;
     }
     write(txn.puts, txn.deletes);
