@@ -85,8 +85,11 @@ bool is_part(const std::string& path) {
   return std::ranges::find(system_parts(), root, &Child::name) != system_parts().end();
 }
 
-Description read(const std::string& path, Users users) {
-  return only_without_problems(examine({path}, {}, users));
+Description read(const std::string& path, Users users, Sha256::Digest* digest) {
+  Stages stages(path);
+  const bool valid = parse_files(std::span(&path, 1), Root::system, stages.problems(),
+                                 stages.receiver(), {}, digest);
+  return only_without_problems(stages.finish(valid, users));
 }
 
 Description read_memory(std::string_view xml, const std::string& name, const std::string& base,

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/sha256.hpp"
 #include "core/design/findings.hpp"
 #include "core/model/system.hpp"
 
@@ -59,7 +60,9 @@ Examined examine(const std::vector<std::string>& paths, const Progress& progress
 bool is_part(const std::string& path);
 
 /// The System of the file `path` and what it includes; any problem is an error. See examine().
-Description read(const std::string& path, Users users = Users::of_this_machine);
+/// `digest`, where there is one, gets that of the contents of the files: the same on all machines.
+Description read(const std::string& path, Users users = Users::of_this_machine,
+                 Sha256::Digest* digest = nullptr);
 
 /// The same for a text; `name` stands for the file in problems and origins. Includes are looked up
 /// in the folder `base`, or refused if that is empty.

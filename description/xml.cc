@@ -24,14 +24,17 @@ constexpr std::uint64_t kReportedStep = std::uint64_t{1} << 20U;  // of progress
 
 class Document {
  public:
-  Document(Root root, Problems& problems, const Receiver& receiver, const Progress& progress)
+  Document(Root root, Problems& problems, const Receiver& receiver, const Progress& progress,
+           bool hashes = false)
       : problems_(problems),
         progress_(progress),
         builder_(root, problems, receiver,
-                 [this](std::string_view href, core::Origin at) { include(href, at); }) {}
+                 [this](std::string_view href, core::Origin at) { include(href, at); }),
+        hashes_(hashes) {}
 
   bool read_files(std::span<const std::string> paths);
   bool read_text(std::string_view xml, const std::string& base);
+  [[nodiscard]] Sha256::Digest digest() const;
 
  private:
   /// A file that is being read.
@@ -51,6 +54,8 @@ class Document {
   Problems& problems_;
   const Progress& progress_;
   Builder builder_;
+  bool hashes_;
+  std::vector<Sha256::Digest> digests_;  ///< of the files, in the order in which they were opened
   std::vector<OpenFile> open_;
   std::size_t opened_ = 0;   ///< files so far
   std::uint64_t total_ = 0;  ///< bytes in them, as far as it is known
@@ -100,13 +105,32 @@ void Document::parse(Source& source, OpenFile file) {
   const auto number = problems_.add_file(file.path);
   open_.push_back(std::move(file));
   builder_.begin_file(number);
+  const std::size_t at = digests_.size();
+  Sha256 hash;
+  if (hashes_) {
+    digests_.emplace_back();
+    source.hash_into(&hash);
+  }
   const bool whole = source.size() <= source.start().size();
   if (const auto wrong = wrong_start(source.start(), whole))
     builder_.fail({.file = number, .line = 1}, "", *wrong, FindingId::not_xml);
   else
     parse_document(source, number, builder_, [this](std::size_t bytes) { return account(bytes); });
+  source.hash_into(nullptr);
+  if (hashes_) digests_[at] = hash.digest();
   builder_.end_file();
   open_.pop_back();
+}
+
+/// Names of files do not count: they differ between machines.
+Sha256::Digest Document::digest() const {
+  Sha256 all;
+  for (const Sha256::Digest& one : digests_)
+    for (const std::uint8_t octet : one) {
+      const auto c = static_cast<char>(octet);
+      all.add({&c, 1});
+    }
+  return all.digest();
 }
 
 void Document::read_file(const std::string& path) {
@@ -179,8 +203,11 @@ bool Document::read_text(std::string_view xml, const std::string& base) {
 }  // namespace
 
 bool parse_files(std::span<const std::string> paths, Root root, Problems& problems,
-                 const Receiver& receiver, const Progress& progress) {
-  return Document(root, problems, receiver, progress).read_files(paths);
+                 const Receiver& receiver, const Progress& progress, Sha256::Digest* digest) {
+  Document document(root, problems, receiver, progress, digest != nullptr);
+  const bool right = document.read_files(paths);
+  if (digest != nullptr) *digest = document.digest();
+  return right;
 }
 
 bool parse_text(std::string_view xml, const std::string& base, Problems& problems,

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/sha256.hpp"
 #include "description/grammar.hpp"
 #include "description/problems.hpp"
 
@@ -87,9 +88,11 @@ enum class Root : std::uint8_t { system, system_or_part };
 /// Parses paths[0], what it includes, and then the further paths as parts of the same System, all
 /// against the schema. Refuses a DTD, an encoding other than UTF-8, an inclusion of anything but a
 /// local file, and what exceeds the limits above. True if nothing was wrong. paths[0] must be
-/// the file that `problems` was made for.
+/// the file that `problems` was made for. `digest`, where there is one, gets that of the contents
+/// of all files, in the order in which they are opened; it says something if nothing was wrong.
 bool parse_files(std::span<const std::string> paths, Root root, Problems& problems,
-                 const Receiver& receiver, const Progress& progress);
+                 const Receiver& receiver, const Progress& progress,
+                 Sha256::Digest* digest = nullptr);
 
 /// The same for one text. Files are included relative to the folder `base`, or refused if that is
 /// empty.

@@ -352,5 +352,24 @@ TEST_F(Examine, ChecksAPartAlone) {
             "namespace");
 }
 
+/// Of s.xml in a folder.
+Sha256::Digest digest_of(const std::string& file) {
+  Sha256::Digest digest{};
+  EXPECT_TRUE(read(file, Users::any, &digest)) << file;
+  return digest;
+}
+
+TEST_F(Include, WhatIsReadHasOneDigestWhereverItIs) {
+  const std::string whole = system_of(include("parts/c.xml"));
+  for (const std::string folder : {"a", "b", "c"}) {
+    file(folder + "/s.xml", whole);
+    file(folder + "/parts/c.xml", channel("one", folder == "c" ? 2 : 1));
+  }
+  EXPECT_EQ(digest_of(path("a/s.xml")), digest_of(path("b/s.xml")));
+  EXPECT_NE(digest_of(path("a/s.xml")), digest_of(path("c/s.xml"))) << "what is included counts";
+  file("b/s.xml", whole + "<!-- -->\n");
+  EXPECT_NE(digest_of(path("a/s.xml")), digest_of(path("b/s.xml")));
+}
+
 }  // namespace
 }  // namespace mlcca::description
