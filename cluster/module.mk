@@ -2,6 +2,8 @@
 CURL_LIBS := $(shell $(PKG_CONFIG) --libs libcurl 2>/dev/null)
 # mlccad's end of the socket, and the words that both ends use.
 $(eval $(call library,clusterlink,daemon/cluster/wire.cc daemon/cluster/link.cc))
+# What the values of the store say, for mlccad alone.
+$(eval $(call library,clustercodec,daemon/cluster/codec.cc))
 $(eval $(call library,cluster,$(filter-out cluster/main.cc,$(wildcard cluster/*.cc))))
 CLUSTER_ARCHIVES := $O/libcluster.a $O/libclusterlink.a $O/libsources.a
 CLUSTER_LIBS := $(CURL_LIBS) -lsystemd

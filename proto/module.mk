@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # The structs of the control protocol and of the journal's entries, made of their schemas.
 PROTO_FILES := $(wildcard proto/mlcca/v1/*.proto)
-CONTROL_HEADERS := $(foreach folder,control daemon/store,$(addprefix $O/made/$(folder)/,messages.hpp oneofs.inc fields.hpp))
+CONTROL_HEADERS := $(foreach folder,control daemon/store daemon/cluster,$(addprefix $O/made/$(folder)/,messages.hpp oneofs.inc fields.hpp))
 # $(call schema,FOLDER,FILE)
 define schema
 $O/made/$1/fields.hpp $O/made/$1/oneofs.inc: $O/made/$1/messages.hpp ;
@@ -12,6 +12,7 @@ $O/made/$1/messages.hpp: proto/protoc-gen-mlcca $(PROTO_FILES)
 endef
 $(eval $(call schema,control,control))
 $(eval $(call schema,daemon/store,journal))
+$(eval $(call schema,daemon/cluster,cluster))
 
 # What protobuf itself makes of it: tests hold ours against that.
 $O/gen/%.pb.cc $O/gen/%.pb.h: proto/%.proto

@@ -17,19 +17,6 @@ bool stands_for_itself(char c) {
          c == '_' || c == '-';
 }
 
-std::string encoded(std::string_view name) {
-  std::string out;
-  for (const char c : name) {
-    if (stands_for_itself(c)) {
-      out += c;
-      continue;
-    }
-    out += '%';
-    out += hex_of({&c, 1});
-  }
-  return out;
-}
-
 /// The parts of a key; none if there are more than a key has.
 std::size_t split(std::string_view text, std::array<std::string_view, 4>& words) {
   std::size_t count = 0;
@@ -67,6 +54,19 @@ std::string hex_of(std::string_view octets) {
     const auto octet = static_cast<std::uint8_t>(c);
     out += kHexDigits[octet >> 4U];
     out += kHexDigits[octet & 0xfU];
+  }
+  return out;
+}
+
+std::string encoded(std::string_view name) {
+  std::string out;
+  for (const char c : name) {
+    if (stands_for_itself(c)) {
+      out += c;
+      continue;
+    }
+    out += '%';
+    out += hex_of({&c, 1});
   }
   return out;
 }

@@ -91,6 +91,8 @@ class Keys {
   std::vector<bool> beside_;
 };
 
+/// A name as it is in a key.
+[[nodiscard]] std::string encoded(std::string_view name);
 /// 64 hexadecimal digits.
 [[nodiscard]] std::string hex_of(std::string_view octets);
 
