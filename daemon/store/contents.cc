@@ -59,6 +59,7 @@ struct Apply {
     else
       to.contradicted.insert_or_assign(key_of(entry), entry);
   }
+  void operator()(const Membership& entry) const { to.membership = entry; }
 };
 
 struct Inverse {
@@ -116,6 +117,10 @@ struct Inverse {
     }
     if (old->second == entry) return std::nullopt;
     return old->second;
+  }
+  Answer operator()(const Membership& entry) const {
+    if (of.membership == entry) return std::nullopt;
+    return of.membership;
   }
 };
 

@@ -80,6 +80,8 @@ struct Contents {
   std::map<std::uint64_t, std::string> enforced;
   /// By network and subject; never of empty words.
   std::map<std::pair<std::string, std::uint64_t>, Contradicted> contradicted;
+  /// As what the gateway is a member of a cluster; nothing is in it where it is in none.
+  Membership membership;
   /// The next admission gets this id; ids are never used twice.
   std::uint64_t next_id = 1;
   bool operator==(const Contents&) const = default;

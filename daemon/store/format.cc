@@ -54,6 +54,7 @@ struct IsAlive {
   bool operator()(const Gated& entry) const { return entry.ifindex != 0; }
   bool operator()(const Enforced& entry) const { return !entry.slots.empty(); }
   bool operator()(const Contradicted& entry) const { return !entry.how.empty(); }
+  bool operator()(const Membership& entry) const { return entry != Membership{}; }
 };
 
 /// What is admitted is an Admit request and nothing else.
@@ -126,6 +127,7 @@ std::string snapshot(std::uint64_t salt, const Contents& contents) {
   for (const auto& [identity, gated] : contents.gated) add(gated);
   for (const auto& [subject, slots] : contents.enforced) add(Enforced{subject, slots});
   for (const auto& [key, contradicted] : contents.contradicted) add(contradicted);
+  if (is_alive(contents.membership)) add(contents.membership);
   return batch(salt, 0, count, std::move(entries));
 }
 

@@ -182,7 +182,8 @@ Result<void> Journal::append(const Entry& entry) {
       return fail("an admission that is no Admit request cannot be stored");
     if (id == 0 || id == ~std::uint64_t{0})
       return fail("an admission cannot have the id " + std::to_string(id));
-    if (id < contents_.next_id && contents_.admissions.find(id) == nullptr)
+    if (id < contents_.next_id && contents_.admissions.find(id) == nullptr &&
+        !expected_.contains(id))
       return fail("the id " + std::to_string(id) + " was used before");
   }
   auto back = contents_.inverse(entry);

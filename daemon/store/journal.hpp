@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,6 +47,9 @@ class Journal {
   /// Into memory only. Refuses an entry or batch that is too large, an Admitted that is no Admit
   /// request, and an id of the past. An entry that changes nothing is not written.
   Result<void> append(const Entry& entry);
+
+  /// An admission of that id may be appended after those of later ones.
+  void expect(std::uint64_t id) { expected_.insert(id); }
 
   /// One write and one fdatasync for everything since the last commit. On failure all of it is
   /// undone, in memory and on disk, and the error says so; the journal can be used again, unless
@@ -119,6 +123,8 @@ class Journal {
   std::uint32_t count_ = 0;        ///< of them
   std::vector<Entry> undo_;        ///< of the same, oldest first
   std::uint64_t former_next_ = 1;  ///< next_id before them
+
+  std::set<std::uint64_t> expected_;  ///< ids that were set aside
 
   bool tail_unknown_ = false;        ///< bytes of a failed commit may stand behind end_
   bool directory_unsynced_ = false;  ///< a crash could bring the former file back

@@ -91,7 +91,7 @@ std::string some_text(FuzzedDataProvider& in) {
 }
 
 Entry some_entry(FuzzedDataProvider& in) {
-  switch (in.ConsumeIntegralInRange(0, 7)) {
+  switch (in.ConsumeIntegralInRange(0, 8)) {
     case 0: {
       control::Admit admit;
       admit.channel = some_text(in);
@@ -118,6 +118,10 @@ Entry some_entry(FuzzedDataProvider& in) {
     case 6:
       return Contradicted{some_text(in), in.ConsumeIntegralInRange<std::uint64_t>(0, 3),
                           in.ConsumeIntegral<std::uint16_t>(), some_text(in)};
+    case 7:
+      return Membership{some_octets(in), in.ConsumeIntegral<std::uint64_t>(),
+                        in.ConsumeIntegral<std::uint64_t>(), in.ConsumeIntegral<std::uint64_t>(),
+                        some_octets(in)};
     default:
       return Enforced{in.ConsumeIntegralInRange<std::uint64_t>(0, 3), some_octets(in)};
   }

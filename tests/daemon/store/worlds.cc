@@ -45,7 +45,7 @@ class Model {
 
   Entry step() {
     for (;;) {
-      const std::uint32_t choice = pick(13);
+      const std::uint32_t choice = pick(14);
       if (choice < 4) return admit();
       if (choice < 6 && !living_.empty()) return remove();
       if (choice == 6) return release();
@@ -53,6 +53,7 @@ class Model {
       if (choice == 10) return gate();
       if (choice == 11) return enforce();
       if (choice == 12) return contradict();
+      if (choice == 13) return join();
       if (choice > 7) return grant();
     }
   }
@@ -66,6 +67,7 @@ class Model {
     for (const Gated& g : gated_) out.gated[g.identity] = g;
     for (const Enforced& e : enforced_) out.enforced[e.subject] = e.slots;
     for (const Contradicted& c : contradicted_) out.contradicted[{c.network, c.subject}] = c;
+    out.membership = membership_;
     out.next_id = next_;
     return out;
   }
@@ -146,6 +148,18 @@ class Model {
     return contradicted_.back();
   }
 
+  /// Another one each time.
+  Entry join() {
+    const bool leaves = membership_.incarnation != 0 && pick(3) == 0;
+    membership_ = leaves ? Membership{}
+                         : Membership{.epoch = text(),
+                                      .epoch_revision = pick(3),
+                                      .incarnation = ++subjects_,
+                                      .seen_revision = pick(1000),
+                                      .voted_digest = text()};
+    return membership_;
+  }
+
   std::mt19937 random_;
   std::size_t largest_;
   std::vector<Admitted> living_;
@@ -154,6 +168,7 @@ class Model {
   std::vector<Gated> gated_;
   std::vector<Enforced> enforced_;
   std::vector<Contradicted> contradicted_;
+  Membership membership_;
   std::uint64_t next_ = 1;
   std::uint64_t subjects_ = 0;
 };
