@@ -37,8 +37,8 @@ Result<Loop> Loop::open(sd_event* raw, Controller& gateway, const RealOutside& o
   sigemptyset(&handled);
   for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&handled, signal);
   ::sigprocmask(SIG_BLOCK, &handled, nullptr);
-  if (e >= 0) e = sd_event_add_signal(raw, nullptr, SIGTERM, nullptr, nullptr);
-  if (e >= 0) e = sd_event_add_signal(raw, nullptr, SIGINT, nullptr, nullptr);
+  if (e >= 0) e = sd_event_add_signal(raw, nullptr, SIGTERM, on_end, s);
+  if (e >= 0) e = sd_event_add_signal(raw, nullptr, SIGINT, on_end, s);
   if (e >= 0) e = sd_event_add_signal(raw, nullptr, SIGHUP, on_hangup, s);
   if (e >= 0) e = sd_event_add_io(raw, nullptr, outside.links_fd(), EPOLLIN, on_links, s);
   if (e >= 0) e = sd_event_add_io(raw, nullptr, outside.reports_fd(), EPOLLIN, on_events, s);
@@ -136,6 +136,13 @@ int Loop::on_work(sd_event_source* source, int, std::uint32_t, void* self) noexc
   return 0;
 }
 
+/// At once, or when what is reserved is given back; who asks twice does not wait for that.
+int Loop::on_end(sd_event_source*, const signalfd_siginfo*, void* self) noexcept {
+  auto& s = *static_cast<Sources*>(self);
+  if (std::exchange(s.ends, true) || s.gateway.begin_stop()) sd_event_exit(s.event, 0);
+  return 0;
+}
+
 int Loop::on_hangup(sd_event_source*, const signalfd_siginfo*, void* self) noexcept {
   static_cast<Sources*>(self)->gateway.reload();
   return 0;
@@ -146,6 +153,7 @@ int Loop::after_turn(sd_event_source*, void* self) noexcept {
   if (std::exchange(s.links_dirty, false)) s.gateway.links_changed();
   if (std::exchange(s.identities_dirty, false)) s.gateway.identities_changed();
   s.gateway.act();
+  if (s.ends && s.gateway.may_stop()) sd_event_exit(s.event, 0);
   return 0;
 }
 

@@ -38,6 +38,7 @@ class Loop {
     bool links_dirty = false;
     bool identities_dirty = false;
     bool ready_sent = false;
+    bool ends = false;           ///< it was asked to
     std::uint64_t watchdog = 0;  ///< µs between signs of life for the service manager; 0: none
     Fd always;                   ///< can always be read: in line with the sockets of clients
     Source work;                 ///< of always: a part of a round in each turn that it is on
@@ -51,6 +52,7 @@ class Loop {
   static int on_round(sd_event_source* source, std::uint64_t now, void* self) noexcept;
   static int on_work(sd_event_source*, int, std::uint32_t, void* self) noexcept;
   static int on_watchdog(sd_event_source* source, std::uint64_t now, void* self) noexcept;
+  static int on_end(sd_event_source*, const signalfd_siginfo*, void* self) noexcept;
   static int on_hangup(sd_event_source*, const signalfd_siginfo*, void* self) noexcept;
   static int after_turn(sd_event_source*, void* self) noexcept;
 

@@ -215,6 +215,10 @@ int run(const Options& options) {
   }
   RealOutside world(options, journal, std::move(*control), std::move(*links), net::udev_facts,
                     events.get());
+  if (const auto started = world.start_cluster(); !started) {
+    world.outside().control.close_all();
+    return give_up(journal, started.error().text);
+  }
   Controller gateway(options, world.outside());
   gateway.hold(std::move(*alone));
   if (const auto problem = gateway.start()) {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/options.hpp"
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <optional>
 
 #include "base/number.hpp"
@@ -23,6 +26,15 @@ std::optional<std::uint64_t> parse_time(const std::string& text) {
   return std::nullopt;
 }
 
+// As core::cluster has them.
+constexpr std::uint64_t kLeastLease = 2'000'000'000;
+constexpr std::uint64_t kMostLease = 3'600'000'000'000;
+
+/// What cannot be looked up may be there.
+bool is_absent(const std::string& file) {
+  return ::access(file.c_str(), F_OK) < 0 && (errno == ENOENT || errno == ENOTDIR);
+}
+
 }  // namespace
 
 Parsed parse_options(int argc, char** argv) {
@@ -31,6 +43,7 @@ Parsed parse_options(int argc, char** argv) {
   std::string grace = "10s";
   std::string start_limit = "30s";
   std::string read_limit = "60s";
+  std::string lease = "10s";
   const auto is_time = [](const std::string& text) {
     return parse_time(text) ? std::string()
                             : "a time such as 10s or 500ms, 0 or forever (not " + text + ")";
@@ -64,6 +77,23 @@ Parsed parse_options(int argc, char** argv) {
                                  : is_time(text);
       })
       ->capture_default_str();
+  app.add_option(
+         "--cluster-settings", o.cluster_settings,
+         "settings of mlcca-cluster: where there is that file, this gateway shares networks "
+         "with others")
+      ->capture_default_str();
+  app.add_option("--cluster-socket", o.cluster_socket, "socket of mlcca-cluster")
+      ->capture_default_str();
+  app.add_option("--lease", lease,
+                 "how long what it has reserved of shared networks lasts without the store: 2s to "
+                 "3600s")
+      ->check([](const std::string& text) {
+        const auto ns = parse_time(text);
+        return ns && *ns >= kLeastLease && *ns <= kMostLease
+                   ? std::string()
+                   : "a time from 2s to 3600s (not " + text + ")";
+      })
+      ->capture_default_str();
   app.add_option("--read-limit", read_limit,
                  "how long a description may take to be read, with look-ups of its users: 60s, "
                  "500ms")
@@ -93,6 +123,8 @@ Parsed parse_options(int argc, char** argv) {
   if (const auto ns = parse_time(grace)) o.grace_ns = *ns;
   if (const auto ns = parse_time(start_limit)) o.start_limit_ns = *ns;
   if (const auto ns = parse_time(read_limit)) o.read_limit_ns = *ns;
+  if (const auto ns = parse_time(lease)) o.lease_ns = *ns;
+  o.in_cluster = !is_absent(o.cluster_settings);
   o.close_mode = close->count() > 0;
   std::erase(o.close, "");  // what CLI11 makes of none
   return parsed;

@@ -23,7 +23,12 @@ struct Options {
   /// How long a description may take to be read; what hangs (a look-up of a user, a file system)
   /// is given up then.
   std::uint64_t read_limit_ns = 60'000'000'000;
-  std::vector<std::string> close;  ///< close these interfaces and exit
+  /// Of mlcca-cluster: where that file is, this gateway is one of a cluster.
+  std::string cluster_settings = "/etc/mlcca/cluster.conf";
+  std::string cluster_socket = "/run/mlcca/cluster";
+  bool in_cluster = false;
+  std::uint64_t lease_ns = 10'000'000'000;  ///< for which a gateway of a cluster may be silent
+  std::vector<std::string> close;           ///< close these interfaces and exit
   bool close_mode = false;
   /// Where gate.conf and conf.d name the interfaces that are meant.
   std::optional<std::string> named_in;

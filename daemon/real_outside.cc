@@ -32,6 +32,13 @@ RealOutside::RealOutside(Options options, SystemLog log, enforce::Control contro
           }),
       reading_(loop) {}
 
+Result<void> RealOutside::start_cluster() {
+  if (!options_.in_cluster) return {};
+  cluster_.emplace(loop_,
+                   cluster::SocketLink::Options{.socket = options_.cluster_socket, .hello = {}});
+  return cluster_->start();
+}
+
 Outside RealOutside::outside() {
   return {.gates = ports_,
           .control = control_,
@@ -43,7 +50,8 @@ Outside RealOutside::outside() {
           .log = log_,
           .read = [options = options_] { return read_description(options); },
           .can_rules = std::make_unique<net::KernelCanRules>(),
-          .loop = loop_};
+          .loop = loop_,
+          .cluster = cluster_ ? &*cluster_ : nullptr};
 }
 
 }  // namespace mlcca

@@ -4,7 +4,10 @@
 #pragma once
 #include <systemd/sd-event.h>
 
+#include <optional>
+
 #include "base/clock.hpp"
+#include "daemon/cluster/link.hpp"
 #include "daemon/gateway/controller.hpp"
 #include "daemon/gateway/event_log.hpp"
 #include "daemon/gateway/reading.hpp"
@@ -24,6 +27,8 @@ class RealOutside {
   RealOutside(Options options, SystemLog log, enforce::Control control, net::Links links,
               net::FactsOf facts_of, sd_event* loop);
 
+  /// Before outside(): the way to the store, where this gateway is one of a cluster.
+  [[nodiscard]] Result<void> start_cluster();
   /// For one controller.
   [[nodiscard]] Outside outside();
   [[nodiscard]] EventLog& log() { return log_; }
@@ -41,6 +46,7 @@ class RealOutside {
   net::CanSocket can_;
   Ports ports_;
   Reading reading_;
+  std::optional<cluster::SocketLink> cluster_;
 };
 
 }  // namespace mlcca

@@ -29,6 +29,7 @@ constexpr std::uint64_t kGrace = 500'000'000;        // ns behind the patience o
 constexpr std::uint64_t kLongestPause = 32'000'000;  // µs
 constexpr std::uint64_t kStable = 60'000'000'000;    // ns after which a failure is the first
 constexpr std::uint64_t kRound = 500'000;            // µs
+constexpr std::uint64_t kNanosInAMicro = 1'000;
 
 }  // namespace
 
@@ -41,6 +42,12 @@ Result<void> SocketLink::start() {
 }
 
 void SocketLink::on_message(std::function<void(ClusterMessage)> call) { call_ = std::move(call); }
+
+void SocketLink::introduce(std::string cluster, std::string gateway) {
+  options_.hello = {.cluster = std::move(cluster), .gateway = std::move(gateway)};
+}
+
+void SocketLink::wait(std::uint64_t ns) { sd_event_run(loop_, ns / kNanosInAMicro); }
 
 void SocketLink::send(const Txn& txn) {
   auto& under_way = under_way_[txn.id];

@@ -35,9 +35,11 @@ class SocketLink final : public ClusterLink {
 
   [[nodiscard]] Result<void> start();
 
+  void introduce(std::string cluster, std::string gateway) override;
   void send(const core::cluster::Txn& txn) override;
   void follow(std::vector<std::string> prefixes) override;
   void on_message(std::function<void(ClusterMessage)> call) override;
+  void wait(std::uint64_t ns) override;
 
  private:
   struct Queued {

@@ -178,6 +178,7 @@ Result<void> Admissions::release(const std::vector<core::AdmissionId>& gone,
   }
   // A gate that refuses denies as a whole, and the log says so: they are released all the same.
   static_cast<void>(turn_.settle(forget(gone)));
+  gone_(gone);
   tags_.leave_unused();
   return {};
 }
@@ -188,6 +189,7 @@ void Admissions::take_back(const std::vector<core::AdmissionId>& lost) {
                  fmt::format("admission {} was never granted: it could not be written down", id),
                  {.admissions = {id}});
   static_cast<void>(turn_.settle(forget(lost)));
+  gone_(lost);
   tags_.leave_unused();
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -78,6 +79,10 @@ class Admissions {
   }
   void renew(core::AdmissionId id) { leases_.renew(id, clock_.monotonic_ns()); }
 
+  /// Called with admissions that are over, once their gates are closed.
+  void on_gone(std::function<void(const std::vector<core::AdmissionId>&)> gone) {
+    gone_ = std::move(gone);
+  }
   /// Takes admissions back, also those that are left out: on disk first, then in the kernel. After
   /// an error nothing has changed.
   Result<void> release(const std::vector<core::AdmissionId>& gone, const std::string& why);
@@ -102,6 +107,7 @@ class Admissions {
   Leases leases_;
   LeftOut left_out_;
   LeftOut reported_;  ///< as of the latest report_left_out()
+  std::function<void(const std::vector<core::AdmissionId>&)> gone_ = [](const auto&) {};
   std::map<core::AdmissionId, std::set<std::uint64_t>> held_;  ///< by which connections
 };
 

@@ -10,6 +10,7 @@
 #include "core/model/progress.hpp"
 #include "core/model/text.hpp"
 #include "daemon/gateway/in_time.hpp"
+#include "daemon/gateway/requests/adopted.hpp"
 #include "daemon/gateway/requests/table.hpp"
 
 namespace mlcca {
@@ -39,6 +40,7 @@ Controller::Controller(Options options, Outside outside)
             else
               outside_.log.info(Kind::interface, line, {.network = network});
           }),
+      membership_(make_membership()),
       safeguards_(outside_.control, outside_.log, options_.bpf_root),
       reloads_({options_, outside_.read, outside_.reading, outside_.clock, outside_.gates, scene_,
                 outside_.log, deliveries_, delivery_health_, drops_, recorder_, turn_, admissions_,
@@ -53,12 +55,15 @@ Controller::Controller(Options options, Outside outside)
                 pulse_}),
       health_({scene_, outside_.gates, outside_.control, outside_.links, meshes_, recorder_,
                forwarding_, safeguards_, reloads_, tags_, admissions_, delivery_health_, presence_,
-               outside_.clock}),
+               outside_.clock, membership_.get()}),
       aside_(outside_.loop) {
   outside_.gates.on_step(pulse_);
   turn_.add(buses_);
   turn_.add(tags_);
   turn_.on_lost([this](const auto& lost) { admissions_.take_back(lost); });
+  on_commit([](const auto&) {});
+  if (membership_)
+    admissions_.on_gone([this](const auto& gone) { membership_->admissions_gone(gone); });
   turn_.on_changed([this](const core::Change& change) {
     drops_.verdicts_changed(change);
     delivery_health_.restart(change.channel);
@@ -108,16 +113,41 @@ std::optional<StartError> Controller::read_what_was() {
   if (!left_out) return left_out.error();
   scene_.state = std::move(described->state);
   scene_.self = described->self;
+  scene_.digest = described->digest;
   admissions_.set_left_out(std::move(*left_out));
   reloads_.note_loaded();
   if (const auto& cut = recorder_.recovered()) outside_.log.notice(Kind::trouble, *cut);
   admissions_.remember();
-  context_.emplace(Context{
-      options_,    outside_.clock, outside_.gates, outside_.control, scene_,      outside_.log,
-      deliveries_, turn_,          recorder_,      admissions_,      tags_,       gate_events_,
-      audit_,      audit_keeper_,  modes_,         delivery_health_, health_,     channels_,
-      endpoints_,  carriers_,      presence_,      local_ends_,      forwarding_, meshes_,
-      reloads_,    aside_,         patience_,      *history_,        started_});
+  context_.emplace(Context{options_,
+                           outside_.clock,
+                           outside_.gates,
+                           outside_.control,
+                           scene_,
+                           outside_.log,
+                           deliveries_,
+                           turn_,
+                           recorder_,
+                           admissions_,
+                           tags_,
+                           gate_events_,
+                           audit_,
+                           audit_keeper_,
+                           modes_,
+                           delivery_health_,
+                           health_,
+                           channels_,
+                           endpoints_,
+                           carriers_,
+                           presence_,
+                           local_ends_,
+                           forwarding_,
+                           meshes_,
+                           reloads_,
+                           aside_,
+                           patience_,
+                           *history_,
+                           membership_.get(),
+                           started_});
   return std::nullopt;
 }
 
@@ -130,8 +160,14 @@ std::optional<StartError> Controller::open_gates() {
   meshes_.describe(scene_.state->system(), scene_.self);
   meshes_.await_first_reports(kFirstReports, pulse_);
   presence_.start();
+  if (membership_) {
+    membership_->begin();
+    membership_->await(kFirstReports);
+  }
   if (const auto done = put_in_force(before, TagBindings::Known::by_gates_and_disk); !done)
     outside_.log.error(Kind::trouble, done.error().text);
+  if (membership_) membership_->in_force();
+  if (const auto uncapped = forget_cap(); !uncapped) return StartError{{uncapped.error().text}};
   if (const auto done =
           control.listen({[this](const gate_event& event) { gate_events_.on_event(event); },
                           [this](const gate_sample& sample) { gate_events_.on_sample(sample); }});
@@ -159,6 +195,18 @@ std::optional<StartError> Controller::open_gates() {
   return std::nullopt;
 }
 
+/// A daemon of a cluster may have left it: this one shares nothing.
+Result<void> Controller::forget_cap() {
+  if (membership_ || outside_.control.until() == 0) return {};
+  return outside_.control.set_until(0);
+}
+
+bool Controller::begin_stop() {
+  if (!membership_) return true;
+  membership_->leave();
+  return membership_->may_end();
+}
+
 void Controller::stop() {
   outside_.control.close_all();
   forwarding_.stop();
@@ -167,6 +215,51 @@ void Controller::stop() {
   if (!history_) return;
   history_->flush(outside_.clock.unix_ns());
   static_cast<void>(audit_keeper_.keep(*history_));
+}
+
+void Controller::on_commit(Turn::Committed committed) {
+  if (!membership_) {
+    turn_.on_commit(std::move(committed));
+    return;
+  }
+  turn_.on_commit([this, committed = std::move(committed)](const Result<void>& done) {
+    membership_->committed(done);
+    committed(done);
+  });
+}
+
+/// Where there is a store, it says who carries what several could carry.
+void Controller::note_presence() {
+  if (!membership_) presence_.apply(*scene_.state);
+}
+
+std::unique_ptr<Membership> Controller::make_membership() {
+  if (outside_.cluster == nullptr) return nullptr;
+  return std::make_unique<Membership>(Membership::Parts{
+      .scene = scene_,
+      .control = outside_.control,
+      .log = outside_.log,
+      .recorder = recorder_,
+      .turn = turn_,
+      .link = *outside_.cluster,
+      .clock = outside_.clock,
+      .loop = outside_.loop,
+      .lease = options_.lease_ns,
+      .pulse = pulse_,
+      .charge =
+          [this](uid_t user, std::uint64_t rows) {
+            quotas_.charge(user, rows, outside_.clock.monotonic_ns());
+          },
+      .able = [this] { return presence_.can_carry(); },
+      .before_commit = [this] { forwarding_.act(); },
+      .hands = {.misfit =
+                    [this](const auto& r) { return requests::misfit_of_adopted(*context_, r); },
+                .admit = [this](const auto& r) { return requests::admit_adopted(*context_, r); },
+                .remove = [this](const auto& gone) { requests::remove_adopted(*context_, gone); },
+                .restore = [this](const auto& r) { requests::restore_adopted(*scene_.state, r); },
+                .new_id = {},
+                .new_number = {},
+                .bring_in_line = {}}});
 }
 
 /// Interfaces, links and gates for a description that has just become the one in force; what was
@@ -181,7 +274,8 @@ Result<void> Controller::put_in_force(const DeliveryEvents::Granted& granted_bef
   tags_.take_up(known);
   turn_.observe();
   put_graphs();
-  presence_.apply(state);
+  note_presence();
+  if (membership_) membership_->take_up();
   std::map<std::size_t, core::Grants> before;
   for (const auto& [subject, grants] : granted_before) {
     if (const auto channel = state.find_channel(subject))
@@ -243,8 +337,11 @@ void Controller::act() {
   const core::Progress alive(pulse_);
   for (const std::size_t n : std::exchange(changed_meshes_, {}))
     if (const auto* table = meshes_.table(n)) put_graph(*scene_.state, n, *table);
-  presence_.apply(*scene_.state);
-  static_cast<void>(turn_.settle());
+  note_presence();
+  if (membership_)
+    membership_->act();
+  else
+    static_cast<void>(turn_.settle());
   forwarding_.act();  // before the answers go out
   turn_.commit();
 }
@@ -256,6 +353,7 @@ void Controller::beat() {
   // No heart-beat was given for longer than the grace, so what we know may be old. Reconcile first,
   // then open.
   if (control.lapsed() && outside_.links.problem().empty()) {
+    if (membership_) membership_->expire();
     reconcile();
     alive = control.clear_lapse(outside_.clock.monotonic_ns());
     health_.note_lapse();
@@ -308,6 +406,7 @@ control::Actor Controller::actor_of(const serve::Peer& peer) {
 void Controller::on_slice(const Aside::Ready& ready) {
   reloads_.on_ready(ready);
   aside_.on_ready(ready);
+  if (membership_) membership_->on_ready(ready);
 }
 
 std::string Controller::summary() const {
@@ -354,6 +453,7 @@ void Controller::poll_surroundings() {
   at_gate_ = 0;
   recorder_.keep();
   forwarding_.poll();
+  if (membership_) membership_->poll();
   aside_.poll();
   reloads_.poll();
 }

@@ -34,6 +34,7 @@
 #include "daemon/gateway/health_report.hpp"
 #include "daemon/gateway/heartbeat.hpp"
 #include "daemon/gateway/local_ends.hpp"
+#include "daemon/gateway/membership.hpp"
 #include "daemon/gateway/meshes.hpp"
 #include "daemon/gateway/modes.hpp"
 #include "daemon/gateway/patience.hpp"
@@ -49,6 +50,7 @@
 #include "daemon/gateway/user_names.hpp"
 #include "daemon/options.hpp"
 #include "daemon/outside/background.hpp"
+#include "daemon/outside/cluster_link.hpp"
 #include "daemon/outside/gate_control.hpp"
 #include "daemon/outside/gate_driver.hpp"
 #include "daemon/outside/link_monitor.hpp"
@@ -73,6 +75,7 @@ struct Outside {
   sd_event* loop;  ///< of link sources and of reports that are made aside
   /// What may hang (disk, description) is done on a thread, with heart-beats meanwhile.
   bool threads = true;
+  ClusterLink* cluster = nullptr;  ///< where the gateway shares networks with others by a store
 };
 
 class Controller {
@@ -87,6 +90,10 @@ class Controller {
   /// Reads the description and what was admitted before, closes or keeps the gates accordingly and
   /// opens them. On failure every gate is closed. Nothing else may be on the loop yet.
   std::optional<StartError> start();
+  /// Gives back what is reserved of shared networks. True: nothing is to be waited for before
+  /// stop(); else until may_stop() holds, which is bounded.
+  bool begin_stop();
+  [[nodiscard]] bool may_stop() const { return !membership_ || membership_->may_end(); }
   /// Everything is denied; the gates stay in the kernel.
   void stop();
   /// As the request does; what is wrong goes to the log.
@@ -112,6 +119,7 @@ class Controller {
     admissions_.session_closed(session);
     local_ends_.session_closed(session);
     carriers_.session_closed(session);
+    if (membership_) membership_->session_closed(session);
   }
 
   // Time passes.
@@ -132,7 +140,7 @@ class Controller {
 
   /// Called when everything that was answered with `held` is on disk, or why it is not: then none
   /// of it is granted any more.
-  void on_commit(Turn::Committed committed) { turn_.on_commit(std::move(committed)); }
+  void on_commit(Turn::Committed committed);
   /// Called when a reply to a session that had to wait goes on.
   void on_slice(const Aside::Ready& ready);
   /// Says whether a client has hung up: nothing is begun for it any more.
@@ -156,6 +164,9 @@ class Controller {
   void put_graphs();
   void plan_rounds();
   void poll_surroundings();
+  [[nodiscard]] std::unique_ptr<Membership> make_membership();
+  Result<void> forget_cap();
+  void note_presence();
   bool repair_next();
   bool poll_next_bypass();
   bool write_some_history();
@@ -193,6 +204,7 @@ class Controller {
   Admissions admissions_{scene_, recorder_, outside_.log, turn_, tags_, outside_.clock};
   std::set<std::size_t> changed_meshes_;  ///< networks
   Meshes meshes_;
+  std::unique_ptr<Membership> membership_;  ///< null: it shares nothing by a store
   ChannelReports channels_{scene_,      outside_.gates, delivery_health_,
                            deliveries_, forwarding_,    meshes_};
   LocalEnds local_ends_{outside_.log};

@@ -42,7 +42,9 @@ std::expected<std::size_t, std::string> find_self(const core::System& system,
 }  // namespace
 
 DescribedResult read_description(const Options& options) {
-  auto system = description::read(options.description);
+  Sha256::Digest digest{};
+  auto system = description::read(options.description, description::Users::of_this_machine,
+                                  options.in_cluster ? &digest : nullptr);
   if (!system) {
     StartError refused{.lines = {}, .bad_input = true};
     for (const auto& problem : description::shortened(system.error())) {
@@ -53,7 +55,7 @@ DescribedResult read_description(const Options& options) {
   }
   const auto self = find_self(*system, options.gateway);
   if (!self) return std::unexpected(StartError{{options.description + ": " + self.error()}, true});
-  Described described{std::make_unique<core::State>(std::move(*system)), *self};
+  Described described{std::make_unique<core::State>(std::move(*system)), *self, digest};
   ::malloc_trim(0);  // reading leaves several times the memory of what was read
   return described;
 }  // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks): the state moves with what is returned

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/sha256.hpp"
 #include "core/admission/state.hpp"
 #include "daemon/options.hpp"
 
@@ -24,7 +25,8 @@ struct StartError {
 /// What a description says, with nothing decided yet.
 struct Described {
   std::unique_ptr<core::State> state;
-  std::size_t self = 0;  ///< the gateway of this machine
+  std::size_t self = 0;        ///< the gateway of this machine
+  Sha256::Digest digest = {};  ///< of what was read, in a cluster
 };
 
 using DescribedResult = std::expected<Described, StartError>;

@@ -248,6 +248,31 @@ void GatewayPresence::apply(core::State& state) {
   failed_ = std::move(lines);
 }
 
+bool GatewayPresence::can_carry() {
+  const std::size_t own = parts_.scene.self;
+  for (std::size_t g = 0; g < system().gateways.size(); ++g) {
+    std::size_t shared = 0;
+    bool available = true;
+    for (const core::Port& port : self().ports) {
+      if (g == own || system().gateways[g].port_on(port.network) == nullptr) continue;
+      ++shared;
+      available = available && is_available(port.network);
+    }
+    if (shared > 1 && !available) return false;
+  }
+  return !self().relay || parts_.carriers.has(*self().relay) || !needs_relay_now();
+}
+
+/// It is looked up now and then: a relay that comes and goes at once is missed.
+bool GatewayPresence::needs_relay_now() {
+  const std::uint64_t now = parts_.clock.monotonic_ns();
+  if (now - relay_checked_ >= kRelayChecks) {
+    relay_checked_ = now;
+    relay_needed_ = needs_relay();
+  }
+  return relay_needed_;
+}
+
 std::vector<std::string> GatewayPresence::problems() const {
   std::vector<std::string> out;
   out.reserve(failed_.size());

@@ -43,6 +43,8 @@ class GatewayPresence {
   Result<void> receive(const control::PresenceRequest& message);
   /// Who has failed, for what is decided next. Changes are reported.
   void apply(core::State& state);
+  /// Where a store says who has failed: this gateway could carry now what others could carry too.
+  [[nodiscard]] bool can_carry();
   /// One line for each that has failed.
   [[nodiscard]] std::vector<std::string> problems() const;
 
@@ -77,6 +79,7 @@ class GatewayPresence {
   /// would carry here.
   [[nodiscard]] bool lacks_relay(std::uint64_t now);
   [[nodiscard]] bool needs_relay() const;
+  [[nodiscard]] bool needs_relay_now();
   [[nodiscard]] bool relays(const core::Route& route) const;
   [[nodiscard]] std::optional<std::string> own_failure(std::uint64_t now) const;
   [[nodiscard]] Failures failures(std::uint64_t now) const;

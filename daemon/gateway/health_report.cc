@@ -80,6 +80,8 @@ void HealthReport::add_own(std::vector<std::string>& to) const {
       !words.empty())
     to.push_back(std::move(words));
   std::ranges::move(parts_.presence.problems(), std::back_inserter(to));
+  if (parts_.membership != nullptr)
+    std::ranges::move(parts_.membership->problems(), std::back_inserter(to));
   std::ranges::move(parts_.meshes.problems(), std::back_inserter(to));
   for (const Tag& tag : parts_.tags.all())
     if (!tag.problem().empty()) to.push_back(tag.name + ": " + tag.problem());

@@ -12,6 +12,7 @@
 #include "daemon/gateway/can_forwarding.hpp"
 #include "daemon/gateway/delivery_health.hpp"
 #include "daemon/gateway/gateway_presence.hpp"
+#include "daemon/gateway/membership.hpp"
 #include "daemon/gateway/meshes.hpp"
 #include "daemon/gateway/recorder.hpp"
 #include "daemon/gateway/reloads.hpp"
@@ -42,6 +43,7 @@ class HealthReport {
     const DeliveryHealth& deliveries;
     const GatewayPresence& presence;
     const Clock& clock;
+    const Membership* membership = nullptr;  ///< null: it shares nothing by a store
   };
   explicit HealthReport(const Parts& parts) : parts_(parts) {}
 

@@ -34,6 +34,13 @@ Result<void> Recorder::admit(const control::Request& request, std::uint32_t user
   return done;
 }
 
+core::AdmissionId Recorder::set_id_aside() {
+  const core::AdmissionId id = next_id();
+  beyond_aside_ = id + 1;
+  journal_->expect(id);
+  return id;
+}
+
 void Recorder::take_back(core::AdmissionId id) {
   std::erase(uncommitted_, id);
   if (contents().admissions.find(id) != nullptr)

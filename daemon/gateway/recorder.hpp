@@ -2,6 +2,7 @@
 // What is written down so that it outlives this daemon: who was admitted, what was granted, and
 // what the gates are to hold.
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -41,6 +42,12 @@ class Recorder {
 
   // Of changes that clients ask for:
 
+  /// What the next admission gets.
+  [[nodiscard]] core::AdmissionId next_id() const {
+    return std::max(contents().next_id, beyond_aside_);
+  }
+  /// The same, set aside for one that others are asked about first: no other one gets it.
+  core::AdmissionId set_id_aside();
   /// Writes down an admission with the next commit(); until then it is one of uncommitted().
   Result<void> admit(const control::Request& request, std::uint32_t user);
   /// It was not granted after all.
@@ -55,6 +62,8 @@ class Recorder {
   /// What a channel was granted, and what the gates hold of it.
   void note(std::size_t channel);
   void note_granted(std::size_t channel);
+  /// As what the gateway is a member of a cluster.
+  void note_membership(const store::Membership& membership) { append(membership); }
   /// Nothing is granted of a subject that the description does not have any more.
   void note_gone(const std::string& subject);
   /// Which interfaces are gated, for whoever compares them without this daemon.
@@ -87,6 +96,7 @@ class Recorder {
   Patience& patience_;
   std::function<void()> pulse_;
   std::optional<store::Journal> journal_;
+  core::AdmissionId beyond_aside_ = 0;          ///< behind all that were set aside
   std::vector<core::AdmissionId> uncommitted_;  ///< granted, and not on disk yet
   std::vector<store::Contradicted> contradicted_;
   Problem trouble_;

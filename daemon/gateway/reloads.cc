@@ -107,7 +107,8 @@ Body Reloads::put_in_force(DescribedResult read) {
   last_error_.clear();
   Scene& scene = parts_.scene;
   Described former{std::exchange(scene.state, std::move(read->state)),
-                   std::exchange(scene.self, read->self)};
+                   std::exchange(scene.self, read->self),
+                   std::exchange(scene.digest, read->digest)};
   ++scene.description;
   auto loads = parts_.buses.carry_over(former.state->system());
   parts_.meshes.describe(scene.state->system(), scene.self);
@@ -131,6 +132,7 @@ Body Reloads::roll_back(Described former, BusMonitor::Loads loads,
   ++parts_.scene.description;
   parts_.scene.state = std::move(former.state);
   parts_.scene.self = former.self;
+  parts_.scene.digest = former.digest;
   parts_.buses.restore(std::move(loads));
   last_error_ = why.text;
   parts_.log.error(Kind::reload, "reload refused, back to what was: " + last_error_);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "base/sha256.hpp"
 #include "core/admission/state.hpp"
 
 namespace mlcca {
@@ -13,6 +14,7 @@ struct Scene {
   std::unique_ptr<core::State> state;
   std::size_t self = 0;           ///< this gateway
   std::uint64_t description = 0;  ///< counts the states: of another one indices mean other things
+  Sha256::Digest digest = {};     ///< of the description, in a cluster
 };
 
 }  // namespace mlcca

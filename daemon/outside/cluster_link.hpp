@@ -32,11 +32,15 @@ class ClusterLink {
   ClusterLink& operator=(ClusterLink&&) = delete;
   virtual ~ClusterLink() = default;
 
+  /// As whom mlcca-cluster gets to know this gateway, with the next connection.
+  virtual void introduce(std::string cluster, std::string gateway) = 0;
   /// Each is answered by one TxnResult, never within this call.
   virtual void send(const core::cluster::Txn& txn) = 0;
   /// Keys with one of these prefixes, from now on: a snapshot follows.
   virtual void follow(std::vector<std::string> prefixes) = 0;
   virtual void on_message(std::function<void(ClusterMessage)> call) = 0;
+  /// Before the loop runs: waits for something to happen, for so many ns at most.
+  virtual void wait(std::uint64_t ns) = 0;
 };
 
 }  // namespace mlcca

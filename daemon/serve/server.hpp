@@ -36,6 +36,7 @@ struct Slice {
   /// In place of `body`: what control::encode_body() gives, which is sent as it is. It must be all
   /// of the reply where the reply may not come in slices.
   std::string encoded{};
+  std::uint64_t owned = 0;  ///< an admission whose events go to this connection from now on
 };
 
 /// Makes the next slice, in no more time than kSlice or one row takes. Nothing: it cannot be made

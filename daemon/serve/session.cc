@@ -127,6 +127,7 @@ void Session::step_slice() {
   std::optional<Slice> slice = rest_->next();
   parked_ = !slice;
   if (parked_) return;
+  if (slice->owned != 0) owned_.insert(slice->owned);
   if (!slice->encoded.empty()) {
     pass_on(*slice);
     return;

@@ -13,6 +13,7 @@
 #include "daemon/gateway/quotas.hpp"
 #include "daemon/gateway/recorder.hpp"
 #include "daemon/gateway/report.hpp"
+#include "daemon/gateway/requests/admitting.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
 #include "daemon/gateway/tag_bindings.hpp"
 #include "daemon/gateway/turn.hpp"
@@ -54,22 +55,52 @@ Result<void> put_in_force(Context& context, core::Proposal proposal,
 
 Response admit_new(Context& context, const Asker& asker, const control::Admit& request,
                    const Asked& asked) {
+  if (const auto why = bars(context, asker, asked)) return *why;
+  core::State& state = *context.scene.state;
+  if (context.membership != nullptr) static_cast<void>(context.turn.settle());
+  std::optional<core::Proposal> proposal(state.propose(*asked.admission));
+  if (proposal->fit() || context.membership == nullptr)
+    return decided(context, asker, request, asked, std::move(*proposal));
+  proposal.reset();
+  proposal.emplace(state.wish(*asked.admission));
+  if (!proposal->fit()) return decided(context, asker, request, asked, std::move(*proposal));
+  proposal.reset();
+  return ask_store(context, asker, request);
+}
+
+Response admit_listed(Context& context, const Asker& asker, const control::Admit& request) {
+  const auto asked = understand(*context.scene.state, request, context.recorder.next_id());
+  if (!asked) return invalid(asked.error().text);
+  if (asked->admission) return admit_new(context, asker, request, *asked);
+  if (!request.key.empty() || request.lease_ns != 0 || request.hold)
+    return invalid(
+        "these ends are described: a key, a lease or hold needs a new publisher or "
+        "subscriber (say its attributes, or give it a name)");
+  return known(context, asker, *asked);
+}
+
+}  // namespace
+
+std::optional<Response> bars(const Context& context, const Asker& asker, const Asked& asked) {
   if (const auto why =
           Quotas::refuse_admission(asker.peer.uid, context.recorder.contents().admissions))
     return failed("nothing was changed: " + *why);
   if (const auto lack = lacks_pairs(context, asked)) return invalid(*lack);
-  core::State& state = *context.scene.state;
+  return std::nullopt;
+}
+
+Response decided(Context& context, const Asker& asker, const control::Admit& request,
+                 const Asked& asked, core::Proposal proposal) {
+  if (const auto lack = proposal.exceeds_capacity(context.scene.self)) return invalid(*lack);
+  const core::State& state = *context.scene.state;
   const core::AdmissionId id = asked.admission->id;
-  std::optional<core::Proposal> proposal(state.propose(*asked.admission));
-  if (const auto lack = proposal->exceeds_capacity(context.scene.self)) return invalid(*lack);
-  Response response = outcome_of(context, *proposal, asked, "admit");
-  if (!proposal->fit()) {
-    for (const core::Verdict* v : proposal->verdicts())
+  Response response = outcome_of(context, proposal, asked, "admit");
+  if (!proposal.fit()) {
+    for (const core::Verdict* v : proposal.verdicts())
       if (!v->granted) context.deliveries.verdict(Kind::refused, *v, verdict_line(state, *v));
     return response;
   }
-  const auto done = put_in_force(context, std::move(*proposal), {id, request}, asker);
-  proposal.reset();
+  const auto done = put_in_force(context, std::move(proposal), {id, request}, asker);
   if (!done) {
     context.recorder.take_back(id);
     static_cast<void>(context.turn.enforce());
@@ -88,19 +119,6 @@ Response admit_new(Context& context, const Asker& asker, const control::Admit& r
     }
   return response;
 }
-
-Response admit_listed(Context& context, const Asker& asker, const control::Admit& request) {
-  const auto asked = understand(*context.scene.state, request, context.recorder.contents().next_id);
-  if (!asked) return invalid(asked.error().text);
-  if (asked->admission) return admit_new(context, asker, request, *asked);
-  if (!request.key.empty() || request.lease_ns != 0 || request.hold)
-    return invalid(
-        "these ends are described: a key, a lease or hold needs a new publisher or "
-        "subscriber (say its attributes, or give it a name)");
-  return known(context, asker, *asked);
-}
-
-}  // namespace
 
 Response admit(Context& context, const Asker& asker, const control::Admit& request) {
   if (const auto key = check_key(request.key); !key) return invalid(key.error().text);

@@ -50,6 +50,15 @@ Result<void> set_withdrawn(Context& context, std::size_t channel, bool withdrawn
   return {};
 }
 
+core::Proposal as_it_could_be(Context& context, const core::Admission& admission) {
+  core::State& state = *context.scene.state;
+  {
+    core::Proposal proposal = state.propose(admission);
+    if (context.membership == nullptr || proposal.fit()) return proposal;
+  }
+  return state.wish(admission);
+}
+
 Body outcome_of(const Context& context, const core::Proposal& proposal, const Asked& asked,
                 const char* to_do) {
   const core::State& state = *context.scene.state;

@@ -34,6 +34,7 @@ class GateEvents;
 class GatewayPresence;
 class HealthReport;
 class LocalEnds;
+class Membership;
 class Meshes;
 class Modes;
 class Patience;
@@ -75,6 +76,7 @@ struct Context {
   Aside& aside;
   Patience& patience;
   store::History& history;
+  Membership* membership;        ///< null: this gateway shares nothing by a store
   const std::uint64_t& started;  ///< when this daemon was, seconds since 1970
 };
 
@@ -92,6 +94,9 @@ struct Context {
 /// other side to do `to_do` with.
 [[nodiscard]] Body outcome_of(const Context& context, const core::Proposal& proposal,
                               const Asked& asked, const char* to_do);
+/// A proposal for whoever only wants to know: where gateways share networks, as if that were
+/// reserved which it needs. Not to be accepted. Everything is settled.
+[[nodiscard]] core::Proposal as_it_could_be(Context& context, const core::Admission& admission);
 /// Why there cannot be so many pairs of ends; nothing when there can. Each of them is decided and
 /// reported: of one channel there are as many as in a description, and of all channels as many as
 /// there is memory for, also at the next start.

@@ -5,13 +5,14 @@
 #include "daemon/gateway/channel_reports.hpp"
 #include "daemon/gateway/recorder.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
+#include "daemon/gateway/turn.hpp"
 
 namespace mlcca::requests {
 namespace {
 
 Body would_be(Context& context, const Asked& asked) {
   if (const auto lack = lacks_pairs(context, asked)) return invalid(*lack);
-  const core::Proposal proposal = context.scene.state->propose(*asked.admission);
+  const core::Proposal proposal = as_it_could_be(context, *asked.admission);
   if (const auto lack = proposal.exceeds_capacity(context.scene.self)) return invalid(*lack);
   Body body = outcome_of(context, proposal, asked, "decide");
   // Nothing is admitted: there is no number by which it could be released.
@@ -26,8 +27,9 @@ Body would_be(Context& context, const Asked& asked) {
 Response query(Context& context, const Asker& asker, const control::Query& request) {
   core::State& state = *context.scene.state;
   if (const auto listed = list(state, request); !listed) return invalid(listed.error().text);
-  const auto asked = understand(state, request, context.recorder.contents().next_id);
+  const auto asked = understand(state, request, context.recorder.next_id());
   if (!asked) return invalid(asked.error().text);
+  if (context.membership != nullptr) static_cast<void>(context.turn.settle());
   if (!asked->admission) return known(context, asker, *asked);
   if (!context.channels.has_many_ends(asked->channel)) return would_be(context, *asked);
   return made_aside(context, asker,

@@ -7,9 +7,18 @@
 #include <vector>
 
 #include "daemon/gateway/admissions.hpp"
+#include "daemon/gateway/membership.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
 
 namespace mlcca::requests {
+namespace {
+
+/// Another gateway has admitted it, and ends it.
+bool is_anothers(const Context& context, core::AdmissionId id) {
+  return context.membership != nullptr && context.membership->is_adopted(id);
+}
+
+}  // namespace
 
 Response release(Context& context, const Asker& /*asker*/, const control::ReleaseRequest& request) {
   const core::State& state = *context.scene.state;
@@ -23,7 +32,7 @@ Response release(Context& context, const Asker& /*asker*/, const control::Releas
     const auto named = channel_named(state, request.channel);
     if (!named && gone.empty()) return invalid(named.error().text);
     for (const auto& [admission, of] : state.admissions())
-      if (named && of == *named) gone.push_back(admission);
+      if (named && of == *named && !is_anothers(context, admission)) gone.push_back(admission);
     std::ranges::sort(gone);
     if (gone.empty())
       return invalid(

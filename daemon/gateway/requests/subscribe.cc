@@ -18,6 +18,7 @@
 #include "daemon/gateway/report.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
 #include "daemon/gateway/requests/peers.hpp"
+#include "daemon/gateway/turn.hpp"
 
 namespace mlcca::requests {
 namespace {
@@ -57,14 +58,15 @@ std::optional<std::string> exceeds_policy(const Context& context, const core::Ne
 std::optional<Response> refuses_other(Context& context, core::AdmissionId held,
                                       const control::Admit& wanted) {
   core::State& state = *context.scene.state;
-  const auto asked = understand(state, wanted, context.recorder.contents().next_id);
+  const auto asked = understand(state, wanted, context.recorder.next_id());
   const auto known = state.admissions().find(held);
   if (!asked || !asked->admission || known == state.admissions().end()) return std::nullopt;
   const auto has = [&](const core::Verdict& v) { return context.deliveries.concerns(v, held); };
   const auto& verdicts = state.decisions()[known->second].verdicts;
   if (!std::ranges::all_of(verdicts, [&](const core::Verdict& v) { return v.granted || !has(v); }))
     return std::nullopt;
-  const core::Proposal proposal = state.propose(*asked->admission);
+  if (context.membership != nullptr) static_cast<void>(context.turn.settle());
+  const core::Proposal proposal = as_it_could_be(context, *asked->admission);
   if (proposal.fit()) return std::nullopt;
   Response response = outcome_of(context, proposal, *asked, "admit");
   for (const core::Verdict* v : proposal.verdicts())

@@ -209,6 +209,7 @@ std::optional<StartError> Bench::start() {
   Options options;
   options.state_directory = state_directory;
   options.bpf_root = "/nowhere/at/all";
+  options.lease_ns = lease_ns;
   controller_ = std::make_unique<Controller>(
       options, Outside{.gates = *gates_,
                        .control = *control_,
@@ -221,11 +222,13 @@ std::optional<StartError> Bench::start() {
                        .read = [this]() -> DescribedResult {
                          if (!readable)
                            return std::unexpected(StartError{{"no description"}, true});
-                         return Described{std::make_unique<core::State>(system), 0};
+                         return Described{std::make_unique<core::State>(system), self,
+                                          Sha256::Digest{digest}};
                        },
                        .can_rules = std::make_unique<FakeCanRules>(kernel),
                        .loop = idle_loop(),
-                       .threads = false});
+                       .threads = false,
+                       .cluster = cluster});
   controller_->on_commit([this](const Result<void>& done) { commits.push_back(done); });
   return controller_->start();
 }
@@ -251,8 +254,9 @@ void Bench::round() {
 }
 
 core::GateState Bench::wanted() const {
-  core::GateState all = state().gate_state(0);
-  std::ranges::copy(core::control_rules(state().system(), 0, ::geteuid()), std::back_inserter(all));
+  core::GateState all = state().gate_state(self);
+  std::ranges::copy(core::control_rules(state().system(), self, ::geteuid()),
+                    std::back_inserter(all));
   return all;
 }
 

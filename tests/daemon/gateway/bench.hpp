@@ -82,6 +82,10 @@ class Bench {
   FakeCan can;
   core::System system;  ///< what a start or a reload reads; none: it cannot be read
   bool readable = true;
+  std::size_t self = 0;            ///< which gateway of the system it is
+  ClusterLink* cluster = nullptr;  ///< where it shares networks by a store
+  std::uint8_t digest = 0;         ///< of the system, then
+  std::uint64_t lease_ns = 10'000'000'000;
   std::string state_directory = "/nowhere/at/all";  ///< of the history, on the real disk
   std::vector<Result<void>> commits;                ///< what on_commit() was called with
   std::vector<std::string> events;                  ///< kinds

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/adopting.hpp"
+
+#include <algorithm>
+
+namespace mlcca {
+namespace {
+
+std::vector<core::AdmissionId> ids_in(const std::vector<control::Request>& requests) {
+  std::vector<core::AdmissionId> ids;
+  ids.reserve(requests.size());
+  for (const control::Request& request : requests) ids.push_back(request.id);
+  return ids;
+}
+
+core::cluster::Vote refusal(std::string why) {
+  return {.ok = false, .hop = {}, .reason = std::move(why)};
+}
+
+}  // namespace
+
+void Adopting::on(const core::cluster::Adopt& event) {
+  Adopted& adopted = adopted_[{event.origin.gateway, event.origin.id}];
+  adopted = {.origin = event.origin,
+             .footprint = event.footprint,
+             .asked = cluster::asked_in(event.admission),
+             .number = hands_.new_number(),
+             .ours = {},
+             .theirs = {}};
+  networks_.count(adopted.number, adopted.footprint, event.origin.gateway);
+}
+
+void Adopting::on(const core::cluster::Opened& event) {
+  const auto it = adopted_.find({event.origin.gateway, event.origin.id});
+  if (it != adopted_.end()) it->second.due = Due::open;
+}
+
+void Adopting::on(const core::cluster::Ended& event) {
+  const auto it = adopted_.find({event.origin.gateway, event.origin.id});
+  if (it == adopted_.end()) return;
+  close(it->second);
+  networks_.drop(it->second.number);
+  adopted_.erase(it);
+}
+
+void Adopting::lost() {
+  for (auto& [key, adopted] : adopted_) {
+    close(adopted);
+    networks_.drop(adopted.number);
+  }
+  adopted_.clear();
+}
+
+void Adopting::close(Adopted& adopted) const {
+  if (!adopted.open) return;
+  adopted.open = false;
+  hands_.remove(ids_in(adopted.ours));
+}
+
+std::optional<core::AdmissionId> Adopting::ours_of(std::size_t gateway,
+                                                   core::AdmissionId theirs) const {
+  for (const auto& [key, adopted] : adopted_)
+    for (std::size_t i = 0; key.first == gateway && i < adopted.theirs.size(); ++i)
+      if (adopted.theirs[i] == theirs) return adopted.ours[i].id;
+  return std::nullopt;
+}
+
+/// Those that no other one has brought here already.
+void Adopting::name_requests(Adopted& adopted) {
+  for (const control::Request& request : adopted.asked->requests) {
+    if (ours_of(adopted.origin.gateway, request.id)) continue;
+    adopted.theirs.push_back(request.id);
+    adopted.ours.push_back(request);
+    adopted.ours.back().id = hands_.new_id();
+  }
+}
+
+/// In numbers of this gateway.
+std::optional<core::cluster::Footprint> Adopting::mapped(const Adopted& adopted) const {
+  core::cluster::Footprint out = adopted.footprint;
+  bool all = true;
+  const auto map = [&](core::cluster::Source& source) {
+    if (source.admission == 0) return;
+    const auto ours = ours_of(adopted.origin.gateway, source.admission);
+    all = all && ours;
+    source.admission = ours.value_or(source.admission);
+  };
+  for (core::cluster::Part& part : out.parts) {
+    for (auto& rate : part.rates) map(rate.source);
+    for (auto& bus : part.bus) map(bus.source);
+    for (auto& path : part.paths) map(path.source);
+  }
+  return all ? std::optional(std::move(out)) : std::nullopt;
+}
+
+std::string Adopting::misfit(const Adopted& adopted) const {
+  if (!mapped(adopted)) return "it takes traffic of an admission that is not known here";
+  for (const control::Request& request : adopted.ours)
+    if (std::string why = hands_.misfit(request); !why.empty()) return why;
+  return {};
+}
+
+void Adopting::vote(Adopted& adopted, core::cluster::Member& member, Value now) {
+  std::string why = "what is asked for is not understood here";
+  if (adopted.asked) {
+    if (adopted.theirs.empty()) name_requests(adopted);
+    networks_.leave_out(adopted.number);
+    hands_.bring_in_line();
+    why = misfit(adopted);
+    networks_.leave_out(std::nullopt);
+  }
+  const core::cluster::Origin origin = adopted.origin;
+  member.vote(origin,
+              why.empty() ? core::cluster::Vote{.ok = true, .hop = {}, .reason = {}} : refusal(why),
+              now);
+}
+
+/// Why it cannot be carried; empty: it is.
+std::string Adopting::open(Adopted& adopted) {
+  const auto footprint = mapped(adopted);
+  if (!footprint) return "it takes traffic of an admission that is not known here";
+  networks_.hold(adopted.number, *footprint);
+  hands_.bring_in_line();
+  adopted.open = true;
+  for (const control::Request& request : adopted.ours)
+    if (const auto done = hands_.admit(request); !done) {
+      close(adopted);
+      networks_.count(adopted.number, adopted.footprint, adopted.origin.gateway);
+      hands_.bring_in_line();
+      return done.error().text;
+    }
+  return {};
+}
+
+bool Adopting::step(core::cluster::Member& member, Value now) {
+  bool any = false;
+  for (auto& [key, adopted] : adopted_) {
+    const Due due = std::exchange(adopted.due, Due::nothing);
+    any = any || due != Due::nothing;
+    if (due == Due::vote) vote(adopted, member, now);
+    if (due != Due::open) continue;
+    const core::cluster::Origin origin = adopted.origin;
+    if (std::string why = open(adopted); !why.empty())
+      member.vote(origin, refusal(std::move(why)), now);
+  }
+  return any;
+}
+
+void Adopting::restore() const {
+  for (const auto& [key, adopted] : adopted_)
+    if (adopted.open)
+      for (const control::Request& request : adopted.ours) hands_.restore(request);
+}
+
+bool Adopting::has(core::AdmissionId id) const {
+  return std::ranges::any_of(adopted_, [&](const auto& entry) {
+    return entry.second.open && std::ranges::find(entry.second.ours, id, &control::Request::id) !=
+                                    entry.second.ours.end();
+  });
+}
+
+}  // namespace mlcca

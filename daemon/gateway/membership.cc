@@ -1,0 +1,443 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/membership.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <random>
+#include <utility>
+#include <variant>
+
+#include "mlcca/arithmetic.hpp"
+
+namespace mlcca {
+namespace {
+
+namespace cc = core::cluster;
+
+constexpr int kMostRounds = 32;                     // of one turn
+constexpr Value kWaitStep = 20'000'000;             // ns
+constexpr Value kLeaveLimit = 5'000'000'000;        // ns
+constexpr Value kProposeAgain = 30'000'000'000;     // ns
+constexpr Value kLongestSleep = 3'600'000'000'000;  // ns
+constexpr Value kMarginParts = 16;                  // of a lease: to close before it ends
+constexpr unsigned kTxnBits = 40;                   // of a number, below that of the member
+constexpr unsigned kHalf = 32;
+
+std::uint64_t random_number() {
+  std::random_device device;
+  return (std::uint64_t{device()} << kHalf) | device();
+}
+
+template <std::size_t N>
+std::string octets_of(const std::array<std::uint8_t, N>& from) {
+  const bool none = std::ranges::all_of(from, [](std::uint8_t octet) { return octet == 0; });
+  return none ? std::string() : std::string(from.begin(), from.end());
+}
+template <std::size_t N>
+std::array<std::uint8_t, N> array_of(const std::string& from) {
+  std::array<std::uint8_t, N> out{};
+  if (from.size() == N)
+    std::ranges::transform(from, out.begin(), [](char c) { return static_cast<std::uint8_t>(c); });
+  return out;
+}
+
+store::Membership record_of(const cc::Journalled& journalled) {
+  return {.epoch = octets_of(journalled.epoch),
+          .epoch_revision = static_cast<std::uint64_t>(journalled.epoch_revision),
+          .incarnation = static_cast<std::uint64_t>(journalled.incarnation),
+          .seen_revision = static_cast<std::uint64_t>(journalled.seen_revision),
+          .voted_digest = octets_of(journalled.voted_digest)};
+}
+cc::Journalled journalled_in(const store::Membership& record) {
+  return {.epoch = array_of<std::tuple_size_v<cc::Epoch>>(record.epoch),
+          .epoch_revision = static_cast<std::int64_t>(record.epoch_revision),
+          .incarnation = static_cast<std::int64_t>(record.incarnation),
+          .seen_revision = static_cast<std::int64_t>(record.seen_revision),
+          .voted_digest = array_of<std::tuple_size_v<cc::Digest>>(record.voted_digest)};
+}
+
+}  // namespace
+
+Membership::Membership(Parts parts) : parts_(std::move(parts)) {
+  parts_.hands.new_id = [this] { return parts_.recorder.set_id_aside(); };
+  parts_.hands.new_number = [this] { return reserving_->new_number(); };
+  parts_.hands.bring_in_line = [this] { bring_in_line(); };
+  parts_.link.on_message([this](ClusterMessage message) { take(std::move(message)); });
+  if (parts_.loop != nullptr) static_cast<void>(timer_.start(parts_.loop, [] {}));
+}
+
+// --- a start, and another description ------------------------------------------------------------
+
+void Membership::begin() {
+  const core::System& system = state().system();
+  if (reserving_)
+    reserving_->refuse_all("nothing was changed: another description came into force");
+  if (adopting_) adopting_->forget();
+  member_.reset();
+  digest_ = parts_.scene.digest;
+  self_ = parts_.scene.self;
+  system_ = system.name;
+  keys_ = std::make_shared<cc::Keys>(system, "/mlcca/" + cc::encoded(system_) + '/');
+  codec_ = std::make_unique<cluster::Codec>(system, digest_);
+  networks_ = std::make_unique<SharedNetworks>(system, self_);
+  parts_.pulse();
+  const std::uint64_t session = random_number();
+  adopting_ = std::make_unique<Adopting>(*networks_, parts_.hands);
+  reserving_ = std::make_unique<Reserving>(
+      Reserving::Parts{
+          .networks = *networks_,
+          .bring_in_line = [this] { bring_in_line(); },
+          .log = [this](const std::string& line) { parts_.log.warning(Kind::gateway, line); }},
+      session >> 1U);
+  member_ = std::make_unique<cc::Member>(
+      keys_, *codec_,
+      cc::Member::Identity{.gateway = self_,
+                           .digest = digest_,
+                           .session = session,
+                           .lease = parts_.lease,
+                           .was = journalled_in(parts_.recorder.contents().membership)});
+  failed_.assign(system.gateways.size(), true);
+  joined_ = false;
+  early_.clear();
+  wish_again_.clear();
+  ++generation_;
+  parts_.link.introduce(system_, system.gateways[self_].name);
+  parts_.link.follow({keys_->prefix()});
+  member_->on_state(store_, now());
+}
+
+/// Nothing that would close anything is done meanwhile, nor said to be done.
+void Membership::await(std::uint64_t limit) {
+  const Value end = add_saturating(now(), limit);
+  for (bool settled = false; !settled && now() < end;) {
+    parts_.link.wait(std::min(kWaitStep, end - now()));
+    parts_.pulse();
+    member_->on_time(now());
+    for (cc::Event& event : member_->take_events()) {
+      settled = settled || std::holds_alternative<cc::Lost>(event) ||
+                std::holds_alternative<cc::Joined>(event);
+      early_.push_back(std::move(event));
+    }
+    if (!settled) send();
+  }
+}
+
+void Membership::take_up() {
+  core::State& state = this->state();
+  if (!member_ || parts_.scene.digest != digest_ || parts_.scene.self != self_) begin();
+  state.set_permits(nullptr);
+  state.set_permits(&networks_->permits());
+  for (const cc::Event& event : std::exchange(early_, {})) take_in(event);
+  adopting_->restore();
+  networks_->touch_all();
+  networks_->put_foreign(state, member_->view());
+  note_failed();
+  set_permits();
+  raise_until();
+}
+
+// --- what the store says -------------------------------------------------------------------------
+
+void Membership::take(ClusterMessage message) {
+  if (const auto* said = std::get_if<cc::StoreState>(&message)) store_ = *said;
+  if (!member_) return;
+  if (std::holds_alternative<cc::StoreState>(message)) {
+    member_->on_state(store_, now());
+  } else if (const auto* snapshot = std::get_if<ClusterSnapshot>(&message)) {
+    member_->on_snapshot_begin(snapshot->revision, now());
+  } else if (std::holds_alternative<ClusterSynced>(message)) {
+    member_->on_snapshot_end(now());
+  } else if (const auto* batch = std::get_if<cc::Batch>(&message)) {
+    member_->on_batch(*batch, now());
+  } else if (auto* result = std::get_if<cc::TxnResult>(&message)) {
+    if (result->id >> kTxnBits != generation_) return;
+    result->id &= (std::uint64_t{1} << kTxnBits) - 1;
+    member_->on_result(*result, now());
+  }
+}
+
+/// What it says of the world; what is to be decided after that is another step.
+void Membership::take_in(const cc::Event& event) {
+  if (const auto* changed = std::get_if<cc::ForeignChanged>(&event)) {
+    networks_->touch(changed->network);
+  } else if (const auto* failed = std::get_if<cc::Failed>(&event)) {
+    failed_[failed->gateway] = failed->failed;
+  } else if (const auto* lost = std::get_if<cc::Lost>(&event)) {
+    reserving_->lost();
+    adopting_->lost();
+    if (joined_) parts_.log.warning(Kind::gateway, "what was reserved is closed: " + lost->why);
+  } else if (const auto* found = std::get_if<cc::Found>(&event)) {
+    reserving_->on(*found, *member_, now(),
+                   [this](const cluster::Asked& asked) { return is_known(asked); });
+  } else if (std::holds_alternative<cc::Joined>(event)) {
+    joined_ = true;
+  } else if (const auto* withdrawn = std::get_if<cc::Withdrawn>(&event)) {
+    reserving_->on(*withdrawn);
+  } else if (const auto* adopt = std::get_if<cc::Adopt>(&event)) {
+    adopting_->on(*adopt);
+  } else if (const auto* opened = std::get_if<cc::Opened>(&event)) {
+    adopting_->on(*opened);
+  } else if (const auto* ended = std::get_if<cc::Ended>(&event)) {
+    adopting_->on(*ended);
+  } else {
+    take_in_description(event);
+  }
+}
+
+void Membership::take_in_description(const cc::Event& event) {
+  if (const auto* judge = std::get_if<cc::Judge>(&event)) {
+    member_->vote_rollout(judge->digest, judge->digest == digest_,
+                          "this gateway has another description");
+  } else if (const auto* ended = std::get_if<cc::NotRolledOut>(&event)) {
+    propose_at_ = add_saturating(now(), kProposeAgain);
+    if (!ended->why.empty())
+      parts_.log.warning(Kind::gateway, "no description came into force: " + ended->why);
+  } else if (const auto* to = std::get_if<cc::Switch>(&event)) {
+    networks_->touch_all();
+    parts_.log.notice(Kind::gateway,
+                      fmt::format("description {} of the cluster {}: {}", to->generation,
+                                  to->open ? "is in force" : "comes into force",
+                                  to->digest == digest_ ? "it is the one of this gateway"
+                                                        : "this gateway has another one"));
+  } else if (std::holds_alternative<cc::Drained>(event)) {
+    left_ = true;
+  }
+}
+
+/// True: it was something to be decided.
+bool Membership::decide(const cc::Event& event) {
+  if (const auto* reserved = std::get_if<cc::Reserved>(&event))
+    reserving_->on(*reserved, *member_, now());
+  else if (const auto* conflict = std::get_if<cc::Conflict>(&event))
+    reserving_->on(*conflict, *member_, now());
+  else if (const auto* refused = std::get_if<cc::Refused>(&event))
+    reserving_->on(*refused, *member_);
+  else
+    return false;
+  return true;
+}
+
+// --- the turn ------------------------------------------------------------------------------------
+
+void Membership::act() {
+  member_->on_time(now());
+  bool more = true;
+  for (int round = 0; more && round < kMostRounds; ++round) {
+    const std::vector<cc::Event> events = member_->take_events();
+    for (const cc::Event& event : events) take_in(event);
+    bring_in_line();
+    for (const cc::Event& event : events) decide(event);
+    more = adopting_->step(*member_, now()) || !events.empty();
+    more = reserving_->step(*member_, now()) || more;
+    more = more || wish_some();
+  }
+  bring_in_line();
+  propose_first();
+  if (!more) member_->applied(member_->view().revision());
+  send();
+  report();
+  plan();
+}
+
+/// Gates and state follow permits and what others hold; until when, the kernel knows before they
+/// open, and no longer when they are closed.
+void Membership::bring_in_line() {
+  if (!decided_) return;
+  note_failed();
+  set_permits();
+  networks_->put_foreign(state(), member_->view());
+  raise_until();
+  static_cast<void>(parts_.turn.settle());
+  lower_until();
+}
+
+bool Membership::is_in_force() const {
+  const auto& current = member_->view().records().current.value;
+  return member_->view().complete() && current && current->open && current->digest == digest_;
+}
+
+Value Membership::leased_end() const {
+  return sub_floor(member_->valid_until(), parts_.lease / kMarginParts);
+}
+
+bool Membership::may_use_leased() const {
+  const auto standing = member_->standing(now());
+  return (standing == cc::Member::Standing::joined || standing == cc::Member::Standing::waiting) &&
+         now() < leased_end();
+}
+
+void Membership::set_permits() {
+  core::Permits& permits = networks_->permits();
+  if (!joined_ || leaving_ || !is_in_force())
+    permits.close(true);
+  else if (!may_use_leased())
+    permits.close(false);
+  else
+    permits.open();
+}
+
+void Membership::raise_until() {
+  if (networks_->permits().is_open() && networks_->has_leased()) set_until(member_->valid_until());
+}
+
+void Membership::lower_until() {
+  if (!networks_->permits().is_open() || !networks_->has_leased()) set_until(0);
+}
+
+/// Where the kernel refuses, what is leased stays closed.
+void Membership::set_until(std::uint64_t until) {
+  if (until_ == until) return;
+  const auto set = parts_.control.set_until(until);
+  if (!set) {
+    parts_.log.error(Kind::trouble,
+                     "until when the gates may be open cannot be set: " + set.error().text);
+    networks_->permits().close(false);
+    until_.reset();
+    return;
+  }
+  until_ = until;
+  // A later time holds from the next heart-beat on.
+  if (decided_ && !parts_.control.lapsed()) static_cast<void>(parts_.control.beat(now()));
+}
+
+void Membership::note_failed() {
+  const bool able = parts_.able();
+  for (std::size_t g = 0; g < failed_.size(); ++g)
+    state().set_failed(g, failed_[g] || (g == self_ && !able));
+  member_->set_able(able);
+}
+
+void Membership::expire() {
+  if (!member_) return;
+  member_->on_time(now());
+  bring_in_line();
+}
+
+void Membership::committed(const Result<void>& done) {
+  for (const auto& call : std::exchange(waits_, {})) call(done);
+}
+
+void Membership::poll() {
+  if (!member_) return;
+  looks_for_wishes_ = true;
+  std::erase_if(wish_again_, [this](const auto& entry) { return entry.second <= now(); });
+  reserving_->tidy(*member_, now(),
+                   [this](const std::string& channel) { return is_unused(channel); });
+}
+
+/// Whatever is taken from the store is written down first.
+bool Membership::write_down() {
+  const store::Membership record = record_of(member_->journalled());
+  if (parts_.recorder.contents().membership == record) return true;
+  parts_.recorder.note_membership(record);
+  if (decided_) {
+    parts_.before_commit();
+    parts_.turn.commit();
+  } else {
+    static_cast<void>(parts_.recorder.commit([](const auto&) {}));
+  }
+  return parts_.recorder.contents().membership == record;
+}
+
+void Membership::send() {
+  if (!write_down()) return;
+  auto txns = member_->take_txns(now());
+  const bool written = write_down();
+  for (cc::Txn& txn : txns) {
+    if (!written) {
+      member_->on_result({.id = txn.id,
+                          .outcome = cc::Outcome::unavailable,
+                          .revision = 0,
+                          .read = {},
+                          .why = "the journal cannot be written"},
+                         now());
+      continue;
+    }
+    txn.id |= generation_ << kTxnBits;
+    parts_.link.send(txn);
+  }
+}
+
+/// Where the store has none yet, all gateways are asked about this one.
+void Membership::propose_first() {
+  const auto& records = member_->view().records();
+  if (!joined_ || leaving_ || !member_->view().complete() || records.current.mod != 0 ||
+      records.next.mod != 0 || now() < propose_at_)
+    return;
+  propose_at_ = add_saturating(now(), kProposeAgain);
+  member_->stage({.digest = digest_, .chunks = {}, .without = {}});
+}
+
+// --- what is wanted ------------------------------------------------------------------------------
+
+std::string Membership::bar() const {
+  if (leaving_) return "this gateway is being drained";
+  const std::string why = standing();
+  return why.empty() ? reserving_->bar() : why;
+}
+
+void Membership::ask(Reserving::Job job) { reserving_->ask(std::move(job), now()); }
+
+void Membership::admissions_gone(const std::vector<core::AdmissionId>& gone) {
+  if (member_) reserving_->admissions_gone(gone, *member_, now());
+}
+
+void Membership::session_closed(std::uint64_t session) {
+  if (reserving_) reserving_->session_closed(session);
+}
+
+bool Membership::is_adopted(core::AdmissionId id) const { return adopting_ && adopting_->has(id); }
+
+// --- the end, and how it stands ------------------------------------------------------------------
+
+void Membership::leave() {
+  if (!member_ || leaving_) return;
+  leaving_ = true;
+  leave_until_ = add_saturating(now(), kLeaveLimit);
+  reserving_->refuse_all("nothing was changed: this gateway is being drained");
+  bring_in_line();
+  reserving_->lost();
+  member_->drain(now());
+}
+
+bool Membership::may_end() const {
+  return !member_ || left_ || !store_.reachable || now() >= leave_until_;
+}
+
+/// Empty: all is well.
+std::string Membership::standing() const {
+  if (member_->standing(now()) == cc::Member::Standing::joined && store_.reachable) return {};
+  return member_->why_not(now());
+}
+
+std::vector<std::string> Membership::problems() const {
+  if (!member_) return {};
+  const std::string why = standing();
+  if (why.empty()) return {};
+  return {fmt::format("cluster {}: nothing new is granted on networks of several gateways: {}",
+                      system_, why)};
+}
+
+void Membership::report() {
+  const std::string why = standing();
+  if (why == said_) return;
+  said_ = why;
+  if (why.empty())
+    parts_.log.notice(Kind::gateway, fmt::format("cluster {}: this gateway takes part", system_));
+  else
+    parts_.log.warning(Kind::gateway, fmt::format("cluster {}: {}", system_, why));
+}
+
+void Membership::plan() {
+  if (parts_.loop == nullptr) return;
+  const Value at = now();
+  Value next = std::min(add_saturating(at, kLongestSleep), member_->next_time(at));
+  if (leased_end() > at) next = std::min(next, leased_end());
+  if (const auto due = reserving_->next_time()) next = std::min(next, *due);
+  if (leaving_) next = std::min(next, leave_until_);
+  constexpr Value micro = 1000;
+  timer_.set((sub_floor(next, at) / micro) + 1);
+}
+
+}  // namespace mlcca

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// This gateway as one of several that share networks: what the store says becomes a part of what is
+// decided here, and what is decided here is reserved there. The protocol is core/cluster's.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "base/result.hpp"
+#include "core/cluster/member.hpp"
+#include "daemon/cluster/codec.hpp"
+#include "daemon/gateway/adopting.hpp"
+#include "daemon/gateway/event_log.hpp"
+#include "daemon/gateway/recorder.hpp"
+#include "daemon/gateway/reserving.hpp"
+#include "daemon/gateway/scene.hpp"
+#include "daemon/gateway/shared_networks.hpp"
+#include "daemon/gateway/turn.hpp"
+#include "daemon/net/sources/timer.hpp"
+#include "daemon/outside/cluster_link.hpp"
+#include "daemon/outside/gate_control.hpp"
+
+namespace mlcca {
+
+class Membership {
+ public:
+  using Number = SharedNetworks::Number;
+  struct Parts {
+    Scene& scene;
+    GateControl& control;
+    EventLog& log;
+    Recorder& recorder;
+    Turn& turn;
+    ClusterLink& link;
+    const Clock& clock;
+    sd_event* loop = nullptr;  ///< of the time at which something is due; null: the caller asks
+    Value lease = 0;
+    std::function<void()> pulse;
+    /// A user pays for rows of the history.
+    std::function<void(uid_t user, std::uint64_t rows)> charge;
+    /// This gateway can carry now what others could carry as well.
+    std::function<bool()> able;
+    /// Before anything is on disk that somebody waits for.
+    std::function<void()> before_commit;
+    Adopting::Hands hands;  ///< its last three are filled in here
+  };
+  explicit Membership(Parts parts);
+
+  // A start, and another description.
+
+  /// A description is going to be in force. While the gates are as a former daemon has left them,
+  /// what the store says is waited for.
+  void begin();
+  void await(std::uint64_t limit);
+  /// Before everything is decided in the state that the scene has.
+  void take_up();
+  /// It is decided, and the gates follow it.
+  void in_force() { decided_ = true; }
+
+  // The turn.
+
+  /// In place of settling the state.
+  void act();
+  /// The gates have closed by themselves, or may have: what is leased is closed here before they
+  /// open again.
+  void expire();
+  /// What was answered is on disk, or why it is not.
+  void committed(const Result<void>& done);
+  /// Once a second.
+  void poll();
+
+  // The end.
+
+  /// What is shared closes, and is given back; then may_end() holds, some seconds later at most.
+  void leave();
+  [[nodiscard]] bool may_end() const;
+
+  // Who wants something.
+
+  /// Why nothing can be asked for now; empty: it can.
+  [[nodiscard]] std::string bar() const;
+  void ask(Reserving::Job job);
+  void admissions_gone(const std::vector<core::AdmissionId>& gone);
+  void session_closed(std::uint64_t session);
+  /// Admitted for another gateway, which alone releases it.
+  [[nodiscard]] bool is_adopted(core::AdmissionId id) const;
+  [[nodiscard]] const core::cluster::Baseline& baseline() const { return networks_->baseline(); }
+  /// Called with true once everything is on disk that was granted before, or with false.
+  void after_commit(std::function<void(const Result<void>&)> call) {
+    waits_.push_back(std::move(call));
+  }
+  /// A reply to a session goes on.
+  void on_ready(std::function<void(std::uint64_t session)> ready) { ready_ = std::move(ready); }
+  void ready(std::uint64_t session) const {
+    if (ready_) ready_(session);
+  }
+  void charge(uid_t user, std::uint64_t rows) const { parts_.charge(user, rows); }
+
+  /// What keeps it from taking part as it should.
+  [[nodiscard]] std::vector<std::string> problems() const;
+  [[nodiscard]] const core::cluster::Member& member() const { return *member_; }
+
+ private:
+  void take(ClusterMessage message);
+  void take_in(const core::cluster::Event& event);
+  void take_in_description(const core::cluster::Event& event);
+  bool decide(const core::cluster::Event& event);
+  void bring_in_line();
+  void set_permits();
+  [[nodiscard]] bool may_use_leased() const;
+  [[nodiscard]] bool is_in_force() const;
+  void raise_until();
+  void lower_until();
+  void set_until(std::uint64_t until);
+  void note_failed();
+  bool wish_some();
+  void wish(std::size_t channel);
+  [[nodiscard]] cluster::Asked asked_of(std::size_t channel) const;
+  [[nodiscard]] bool is_known(const cluster::Asked& asked) const;
+  [[nodiscard]] bool is_unused(const std::string& channel) const;
+  void propose_first();
+  [[nodiscard]] bool write_down();
+  void send();
+  void report();
+  void plan();
+  [[nodiscard]] Value leased_end() const;
+  [[nodiscard]] std::string standing() const;
+  [[nodiscard]] Value now() const { return parts_.clock.monotonic_ns(); }
+  [[nodiscard]] core::State& state() const { return *parts_.scene.state; }
+
+  Parts parts_;
+  std::shared_ptr<const core::cluster::Keys> keys_;
+  std::unique_ptr<cluster::Codec> codec_;
+  std::unique_ptr<SharedNetworks> networks_;
+  std::unique_ptr<core::cluster::Member> member_;
+  std::unique_ptr<Adopting> adopting_;
+  std::unique_ptr<Reserving> reserving_;
+  Sha256::Digest digest_{};
+  std::size_t self_ = 0;
+  std::string system_;
+  core::cluster::StoreState store_{};
+  std::uint64_t generation_ = 0;             ///< of members: their transactions are kept apart
+  std::vector<bool> failed_;                 ///< by gateway, as elected
+  std::vector<core::cluster::Event> early_;  ///< that came before anything was decided
+  bool decided_ = false;
+  bool joined_ = false;  ///< once, with this description
+  bool leaving_ = false, left_ = false;
+  bool looks_for_wishes_ = true;
+  Value leave_until_ = 0;
+  std::optional<std::uint64_t> until_;       ///< as it was set last
+  std::map<std::string, Value> wish_again_;  ///< by channel
+  std::vector<std::function<void(const Result<void>&)>> waits_;
+  std::function<void(std::uint64_t)> ready_;
+  std::string said_;      ///< the latest line on how it stands
+  Value propose_at_ = 0;  ///< the first description
+  net::Timer timer_;
+};
+
+}  // namespace mlcca

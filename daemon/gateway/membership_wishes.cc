@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What the gateway itself wants of shared networks, for channels that are there already.
+#include <algorithm>
+#include <utility>
+
+#include "core/cluster/footprint.hpp"
+#include "daemon/gateway/membership.hpp"
+#include "mlcca/arithmetic.hpp"
+
+namespace mlcca {
+namespace {
+
+constexpr Value kWishAgain = 2'000'000'000;          // ns after which it may fit
+constexpr Value kRefusedWishAgain = 5'000'000'000;   // ns
+constexpr Value kGrantedWishAgain = 60'000'000'000;  // ns: it was given what would fit
+
+}  // namespace
+
+/// Channels that would be given more if it were reserved: those of which the reservation was lost,
+/// and those that others leave more room for than the description has promised.
+bool Membership::wish_some() {
+  if (!joined_ || leaving_ || !looks_for_wishes_ || !reserving_->idle() ||
+      !member_->why_not(now()).empty() || !networks_->permits().is_open())
+    return false;
+  for (const std::size_t channel : state().wishes()) {
+    const auto again = wish_again_.find(state().system().channels[channel].name);
+    if (again != wish_again_.end() && again->second > now()) continue;
+    wish(channel);
+    return true;
+  }
+  looks_for_wishes_ = false;
+  return false;
+}
+
+void Membership::wish(std::size_t channel) {
+  const std::string name = state().system().channels[channel].name;
+  wish_again_[name] = add_saturating(now(), kWishAgain);
+  const auto decide = [this, name]() -> std::optional<Reserving::Wish> {
+    const auto there = state().find_channel(name);
+    if (!there) return std::nullopt;
+    const core::Proposal proposal = state().wish(*there);
+    if (!proposal.fit()) return std::nullopt;
+    auto footprint = core::cluster::footprint_of(proposal, baseline(), self_);
+    if (footprint.parts.empty()) return std::nullopt;
+    return Reserving::Wish{
+        .footprint = std::move(footprint), .publisher = {}, .asked = asked_of(*there)};
+  };
+  const auto granted = [this, name] {
+    wish_again_[name] = add_saturating(now(), kGrantedWishAgain);
+    return !is_unused(name);
+  };
+  const auto refused = [this, name](const std::string& why) {
+    wish_again_[name] = add_saturating(now(), kRefusedWishAgain);
+    parts_.log.info(Kind::gateway, name + " waits: " + why);
+  };
+  ask({.decide = decide, .granted = granted, .refused = refused});
+}
+
+cluster::Asked Membership::asked_of(std::size_t channel) const {
+  cluster::Asked asked{.channel = state().system().channels[channel].name, .requests = {}};
+  for (const auto& [id, of] : state().admissions()) {
+    const control::Request* const request = parts_.recorder.contents().admissions.find(id);
+    if (of == channel && request != nullptr) asked.requests.push_back(*request);
+  }
+  return asked;
+}
+
+bool Membership::is_known(const cluster::Asked& asked) const {
+  return state().find_channel(asked.channel) &&
+         std::ranges::all_of(asked.requests, [this](const control::Request& request) {
+           const auto* const known = parts_.recorder.contents().admissions.find(request.id);
+           return known != nullptr && *known == request;
+         });
+}
+
+bool Membership::is_unused(const std::string& channel) const {
+  const auto there = state().find_channel(channel);
+  return !there || core::cluster::footprint_of(state(), *there, baseline(), self_).parts.empty();
+}
+
+}  // namespace mlcca

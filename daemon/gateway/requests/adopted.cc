@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/requests/adopted.hpp"
+
+#include <optional>
+#include <utility>
+
+#include "core/model/text.hpp"
+#include "daemon/gateway/can_forwarding.hpp"
+#include "daemon/gateway/delivery_events.hpp"
+#include "daemon/gateway/recorder.hpp"
+#include "daemon/gateway/report.hpp"
+#include "daemon/gateway/turn.hpp"
+#include "daemon/outside/gate_driver.hpp"
+
+namespace mlcca::requests {
+namespace {
+
+Result<Asked> understood_adopted(core::State& state, const control::Request& request) {
+  const auto& admit = std::get<control::Admit>(request.body);
+  if (const auto listed = list(state, admit); !listed) return std::unexpected(listed.error());
+  auto asked = understand(state, admit, request.id);
+  if (asked && !asked->admission) return fail("these ends are described here");
+  return asked;
+}
+
+/// Of a proposal that does not fit.
+std::string first_refusal(const core::State& state, const core::Proposal& proposal) {
+  for (const core::Verdict* v : proposal.verdicts())
+    if (!v->granted) return verdict_line(state, *v);
+  return "nobody is there on the other side";
+}
+
+}  // namespace
+
+std::string misfit_of_adopted(Context& context, const control::Request& request) {
+  core::State& state = *context.scene.state;
+  const auto asked = understood_adopted(state, request);
+  if (!asked) return asked.error().text;
+  if (const auto lack = lacks_pairs(context, *asked)) return *lack;
+  const core::Proposal wish = state.wish(*asked->admission);
+  return wish.fit() ? std::string() : first_refusal(state, wish);
+}
+
+Result<void> admit_adopted(Context& context, const control::Request& request) {
+  core::State& state = *context.scene.state;
+  const auto asked = understood_adopted(state, request);
+  if (!asked) return std::unexpected(asked.error());
+  {
+    core::Proposal proposal = state.propose(*asked->admission);
+    if (const auto lack = proposal.exceeds_capacity(context.scene.self)) return fail(*lack);
+    if (!proposal.fit()) return fail(first_refusal(state, proposal));
+    if (const auto done = context.gates.apply(proposal.changes(context.scene.self)); !done)
+      return std::unexpected(done.error());
+    std::move(proposal).accept();
+  }
+  context.turn.set_bands();
+  context.recorder.note(asked->channel);
+  context.forwarding.want(asked->channel);
+  for (const core::Verdict& v : state.decisions()[asked->channel].verdicts)
+    if (context.deliveries.concerns(v, request.id))
+      context.deliveries.verdict(Kind::granted, v, verdict_line(state, v));
+  return {};
+}
+
+void remove_adopted(Context& context, const std::vector<core::AdmissionId>& gone) {
+  core::State& state = *context.scene.state;
+  core::FormerRules left;
+  for (const core::AdmissionId id : gone) {
+    const auto known = state.admissions().find(id);
+    if (known == state.admissions().end()) continue;
+    const std::size_t channel = known->second;
+    if (!left.contains(channel))
+      left.emplace(channel, state.gate_state(context.scene.self, channel));
+    state.remove(id);
+  }
+  static_cast<void>(context.turn.settle(left));
+}
+
+void restore_adopted(core::State& state, const control::Request& request) {
+  const auto asked = understood_adopted(state, request);
+  if (asked) state.restore(*asked->admission);
+}
+
+}  // namespace mlcca::requests

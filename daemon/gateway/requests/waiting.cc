@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// An admission that takes something of networks that gateways share: it is answered when the store
+// has decided. Others go on meanwhile.
+#include <fmt/core.h>
+
+#include <memory>
+#include <optional>
+#include <type_traits>
+#include <utility>
+
+#include "core/cluster/footprint.hpp"
+#include "daemon/gateway/membership.hpp"
+#include "daemon/gateway/recorder.hpp"
+#include "daemon/gateway/requests/admitting.hpp"
+#include "daemon/gateway/tag_bindings.hpp"
+#include "daemon/gateway/turn.hpp"
+
+namespace mlcca::requests {
+namespace {
+
+/// Somebody who waits. What he has asked for is understood anew whenever it is decided: the
+/// description may be another one by then.
+class Waiting : public std::enable_shared_from_this<Waiting> {
+ public:
+  Waiting(Context& context, Asker asker, control::Admit request)
+      : context_(context),
+        asker_(std::move(asker)),
+        request_(std::move(request)),
+        id_(context.recorder.set_id_aside()),
+        actor_(context.log.actor()) {}
+
+  [[nodiscard]] Reserving::Job job() {
+    const auto self = shared_from_this();
+    return {
+        .decide = [self] { return self->acting([&] { return self->decide(); }); },
+        .granted = [self] { return self->acting([&] { return self->put_in_force(); }); },
+        .refused =
+            [self](const std::string& why) { self->answer(failed("nothing was changed: " + why)); },
+        .session = request_.hold ? asker_.peer.session : 0};
+  }
+
+  [[nodiscard]] std::optional<serve::Slice> slice() const {
+    if (!is_answered_) return std::nullopt;
+    serve::Slice out{*body_};
+    out.owned = owned_;
+    return out;
+  }
+
+ private:
+  /// At the request and at the cost of who has asked.
+  template <class Call>
+  std::invoke_result_t<const Call&> acting(const Call& call) {
+    const EventLog::Acting acting(context_.log, actor_);
+    const std::uint64_t rows = context_.log.rows();
+    if (request_.unlisted) context_.tags.claim();
+    auto result = call();
+    if (request_.unlisted) context_.tags.leave_unused();
+    context_.membership->charge(asker_.peer.uid, context_.log.rows() - rows);
+    return result;
+  }
+
+  [[nodiscard]] std::optional<Asked> understood() {
+    if (const auto listed = list(*context_.scene.state, request_); !listed) {
+      answer(invalid(listed.error().text));
+      return std::nullopt;
+    }
+    auto asked = understand(*context_.scene.state, request_, id_);
+    if (asked && asked->admission) return std::move(*asked);
+    answer(invalid(asked ? "these ends are described meanwhile" : asked.error().text));
+    return std::nullopt;
+  }
+
+  /// With what is reserved and what others hold now.
+  std::optional<Reserving::Wish> decide() {
+    const auto asked = understood();
+    if (!asked) return std::nullopt;
+    if (const auto why = bars(context_, asker_, *asked)) {
+      answer(*why);
+      return std::nullopt;
+    }
+    core::State& state = *context_.scene.state;
+    {
+      core::Proposal proposal = state.propose(*asked->admission);
+      if (proposal.fit()) {
+        answer(decided(context_, asker_, request_, *asked, std::move(proposal)));
+        return std::nullopt;
+      }
+    }
+    std::optional<core::Proposal> wish(state.wish(*asked->admission));
+    if (!wish->fit()) {
+      answer(decided(context_, asker_, request_, *asked, std::move(*wish)));
+      return std::nullopt;
+    }
+    auto footprint =
+        core::cluster::footprint_of(*wish, context_.membership->baseline(), context_.scene.self);
+    if (footprint.parts.empty()) {
+      answer(
+          failed("nothing was changed: what is described of its networks is closed now, because "
+                 "the store does not say that the description is in force"));
+      return std::nullopt;
+    }
+    const auto& channel = state.system().channels[asked->channel];
+    return Reserving::Wish{
+        .footprint = std::move(footprint),
+        .publisher = request_.publisher,
+        .asked = {.channel = channel.name, .requests = {{.id = id_, .body = request_}}}};
+  }
+
+  bool put_in_force() {
+    const auto asked = understood();
+    if (!asked) return false;
+    Response response = decided(context_, asker_, request_, *asked,
+                                context_.scene.state->propose(*asked->admission));
+    const bool granted = response.held;
+    answer(std::move(response));
+    return granted;
+  }
+
+  void answer(Response response) {
+    body_ = std::move(response.body);
+    owned_ = response.owned;
+    if (!response.held) {
+      finish();
+      return;
+    }
+    context_.membership->after_commit([self = shared_from_this()](const Result<void>& done) {
+      if (!done) {
+        self->body_ = failed("nothing was changed: " + done.error().text);
+        self->owned_ = 0;
+      }
+      self->finish();
+    });
+  }
+  void finish() {
+    is_answered_ = true;
+    context_.membership->ready(asker_.peer.session);
+  }
+
+  Context& context_;
+  Asker asker_;
+  control::Admit request_;
+  core::AdmissionId id_;
+  std::optional<control::Actor> actor_;
+  std::optional<Body> body_;
+  core::AdmissionId owned_ = 0;
+  bool is_answered_ = false;
+};
+
+}  // namespace
+
+Response ask_store(Context& context, const Asker& asker, const control::Admit& request) {
+  if (const std::string why = context.membership->bar(); !why.empty())
+    return failed("nothing was changed: " + why);
+  const auto waiting = std::make_shared<Waiting>(context, asker, request);
+  context.membership->ask(waiting->job());
+  return Response([waiting] { return waiting->slice(); });
+}
+
+}  // namespace mlcca::requests

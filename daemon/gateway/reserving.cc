@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/reserving.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "mlcca/arithmetic.hpp"
+
+namespace mlcca {
+namespace {
+
+// Of an entry of the store, with its key and what else it has.
+constexpr std::size_t kMostText = std::size_t{48} << 10U;
+
+std::vector<core::AdmissionId> ids_of(const cluster::Asked& asked) {
+  std::vector<core::AdmissionId> ids;
+  ids.reserve(asked.requests.size());
+  for (const control::Request& request : asked.requests) ids.push_back(request.id);
+  return ids;
+}
+
+/// What the store has of a reservation of this gateway; nothing: not all of it is understood.
+std::optional<core::cluster::Footprint> found_footprint(const core::cluster::View& view,
+                                                        std::uint64_t number, std::size_t self) {
+  const auto& records = view.records();
+  const auto asked = records.asked.find({self, number});
+  if (asked == records.asked.end()) return std::nullopt;
+  core::cluster::Footprint all{.parts = {}, .gateways = asked->second.asked.gateways};
+  for (std::size_t n = 0; n < view.keys().networks(); ++n) {
+    const auto it = records.reservations.find({.network = n, .gateway = self, .id = number});
+    if (it == records.reservations.end()) continue;
+    if (!it->second.taken) return std::nullopt;
+    all.parts.push_back(it->second.taken->part);
+  }
+  return all;
+}
+
+}  // namespace
+
+std::string Reserving::bar() const {
+  return jobs_.size() < kMostJobs
+             ? std::string()
+             : "too many admissions wait for the store: ask again in a few seconds";
+}
+
+void Reserving::ask(Job job, Value now) {
+  jobs_.push_back({.job = std::move(job), .number = next_++, .since = now});
+}
+
+Reserving::Jobs::iterator Reserving::find(Number number) {
+  return std::ranges::find(jobs_, number, &Open::number);
+}
+
+void Reserving::session_closed(std::uint64_t session) {
+  for (auto it = jobs_.begin(); it != jobs_.end();) {
+    const bool concerned = it->job.session != 0 && it->job.session == session;
+    it->abandoned = it->abandoned || concerned;
+    it = concerned && !it->asked ? jobs_.erase(it) : std::next(it);
+  }
+}
+
+void Reserving::refuse_all(const std::string& why) {
+  for (const Open& open : std::exchange(jobs_, {})) {
+    parts_.networks.drop(open.number);
+    if (!open.abandoned) open.job.refused(why);
+  }
+}
+
+/// Nothing of it is open. Others may not have it before the store says so.
+void Reserving::give_back(Number number, core::cluster::Member& member, Value now) {
+  held_.erase(number);
+  if (const auto* const there = parts_.networks.footprint(number))
+    parts_.networks.count(number, *there, member.self());
+  leaving_.push_back(number);
+  member.release(number, now);
+}
+
+void Reserving::admissions_gone(const std::vector<core::AdmissionId>& gone,
+                                core::cluster::Member& member, Value now) {
+  std::vector<Number> over;
+  for (auto& [number, held] : held_) {
+    if (held.admissions.empty()) continue;
+    std::erase_if(held.admissions,
+                  [&](core::AdmissionId id) { return std::ranges::find(gone, id) != gone.end(); });
+    if (held.admissions.empty()) over.push_back(number);
+  }
+  for (const Number number : over) give_back(number, member, now);
+}
+
+void Reserving::begin(Open& open, core::cluster::Member& member, Value now) {
+  open.asked = true;
+  parts_.networks.count(open.number, open.wish.footprint, member.self());
+  parts_.networks.leave_out(open.number);
+  member.reserve({.id = open.number,
+                  .footprint = open.wish.footprint,
+                  .channel = open.wish.asked.channel,
+                  .publisher = open.wish.publisher,
+                  .admission = cluster::text_of(open.wish.asked)},
+                 now);
+}
+
+void Reserving::put_in_force(const Open& open, core::cluster::Member& member, Value now) {
+  held_.insert_or_assign(
+      open.number, Held{.channel = open.wish.asked.channel, .admissions = ids_of(open.wish.asked)});
+  parts_.networks.hold(open.number, open.wish.footprint);
+  parts_.bring_in_line();
+  if (!open.abandoned && open.job.granted()) return;
+  parts_.networks.count(open.number, open.wish.footprint, member.self());
+  parts_.bring_in_line();
+  give_back(open.number, member, now);
+}
+
+void Reserving::on(const core::cluster::Reserved& event, core::cluster::Member& member, Value now) {
+  const auto it = find(event.id);
+  if (it == jobs_.end()) {
+    give_back(event.id, member, now);
+    return;
+  }
+  const Open open = std::move(*it);
+  jobs_.erase(it);
+  parts_.networks.leave_out(std::nullopt);
+  put_in_force(open, member, now);
+}
+
+void Reserving::on(const core::cluster::Conflict& event, core::cluster::Member& member, Value now) {
+  const auto it = find(event.id);
+  if (it == jobs_.end()) {
+    member.release(event.id, now);
+    return;
+  }
+  parts_.networks.leave_out(event.id);
+  parts_.bring_in_line();
+  auto wish = it->abandoned ? std::nullopt : it->job.decide();
+  if (wish) {
+    it->wish = std::move(*wish);
+    begin(*it, member, now);
+    return;
+  }
+  parts_.networks.drop(event.id);
+  parts_.networks.leave_out(std::nullopt);
+  jobs_.erase(it);
+  member.release(event.id, now);
+}
+
+void Reserving::on(const core::cluster::Refused& event, const core::cluster::Member& member) {
+  leaving_.push_back(event.id);
+  const auto it = find(event.id);
+  if (it == jobs_.end()) return;
+  const Open open = std::move(*it);
+  jobs_.erase(it);
+  parts_.networks.leave_out(std::nullopt);
+  const std::string who =
+      event.by ? member.view().keys().gateway_name(*event.by) + ": " : std::string();
+  if (!open.abandoned) open.job.refused(who + event.why.reason);
+}
+
+void Reserving::on(const core::cluster::Withdrawn& event) {
+  if (!held_.contains(event.id)) return;
+  parts_.log("what " + held_.at(event.id).channel +
+             " had reserved is withdrawn: " + event.why.reason);
+  if (const auto* const there = parts_.networks.footprint(event.id)) {
+    const core::cluster::Footprint footprint = *there;
+    parts_.networks.drop(event.id);
+    parts_.networks.count(event.id, footprint, parts_.networks.permits().self());
+  }
+  to_release_.push_back(event.id);
+}
+
+void Reserving::on(const core::cluster::Found& event, core::cluster::Member& member, Value now,
+                   const std::function<bool(const cluster::Asked&)>& known) {
+  if (held_.contains(event.id)) return;
+  auto asked = cluster::asked_in(event.admission);
+  const auto footprint = found_footprint(member.view(), event.id, member.self());
+  if (!asked || !footprint || !known(*asked)) {
+    give_back(event.id, member, now);
+    return;
+  }
+  held_.emplace(event.id, Held{.channel = asked->channel, .admissions = ids_of(*asked)});
+  parts_.networks.hold(event.id, *footprint);
+}
+
+void Reserving::lost() {
+  for (const auto& [number, held] : std::exchange(held_, {})) parts_.networks.drop(number);
+  for (const Number number : std::exchange(leaving_, {})) parts_.networks.drop(number);
+  to_release_.clear();
+}
+
+bool Reserving::step(core::cluster::Member& member, Value now) {
+  for (const Number number : std::exchange(to_release_, {})) give_back(number, member, now);
+  std::erase_if(leaving_, [&](Number number) {
+    if (member.knows(number)) return false;
+    parts_.networks.drop(number);
+    return true;
+  });
+  for (auto it = jobs_.begin(); it != jobs_.end();) {
+    if (it->asked || now < add_saturating(it->since, kPatience)) {
+      ++it;
+      continue;
+    }
+    const Open open = std::move(*it);
+    it = jobs_.erase(it);
+    open.job.refused("others are decided before it, or the store does not answer");
+  }
+  const auto next = std::ranges::find(jobs_, false, &Open::asked);
+  if (next == jobs_.end() || !member.why_not(now).empty()) return false;
+  parts_.networks.leave_out(std::nullopt);
+  parts_.bring_in_line();
+  auto wish = next->job.decide();
+  if (!wish) {
+    jobs_.erase(next);
+    return true;
+  }
+  if (cluster::text_of(wish->asked).size() > kMostText) {
+    next->job.refused("what is asked for is too long for the store");
+    jobs_.erase(next);
+    return true;
+  }
+  next->wish = std::move(*wish);
+  begin(*next, member, now);
+  return true;
+}
+
+void Reserving::tidy(core::cluster::Member& member, Value now,
+                     const std::function<bool(const std::string& channel)>& unused) {
+  std::vector<Number> over;
+  for (const auto& [number, held] : held_)
+    if (held.admissions.empty() && unused(held.channel)) over.push_back(number);
+  for (const Number number : over) give_back(number, member, now);
+}
+
+std::optional<Value> Reserving::next_time() const {
+  std::optional<Value> next;
+  for (const Open& open : jobs_) {
+    if (open.asked) continue;
+    const Value end = add_saturating(open.since, kPatience);
+    if (!next || end < *next) next = end;
+  }
+  return next;
+}
+
+}  // namespace mlcca

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What this gateway holds of the networks that it shares with others, and what it counts there
+// without holding it: what others hold, and what is reserved and not in use.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "core/admission/permits.hpp"
+#include "core/admission/state.hpp"
+#include "core/cluster/baseline.hpp"
+#include "core/cluster/view.hpp"
+
+namespace mlcca {
+
+/// Reservations have numbers, those of this gateway and those that it has agreed to.
+class SharedNetworks {
+ public:
+  using Number = std::uint64_t;
+
+  SharedNetworks(const core::System& system, std::size_t self);
+
+  [[nodiscard]] const core::cluster::Baseline& baseline() const { return baseline_; }
+  [[nodiscard]] core::Permits& permits() { return permits_; }
+  [[nodiscard]] const core::Permits& permits() const { return permits_; }
+
+  /// It may be used from now on.
+  void hold(Number number, const core::cluster::Footprint& footprint);
+  /// It counts as of that gateway, and nobody here uses it.
+  void count(Number number, const core::cluster::Footprint& footprint, std::size_t gateway);
+  /// Neither any more, as far as this gateway is concerned.
+  void drop(Number number);
+  [[nodiscard]] bool holds(Number number) const { return held_.contains(number); }
+  /// What is held under that number, or counted; null: neither.
+  [[nodiscard]] const core::cluster::Footprint* footprint(Number number) const;
+  /// What is decided now is decided without that one, which it is to replace.
+  void leave_out(std::optional<Number> number);
+
+  /// Something is used that lasts as long as the lease.
+  [[nodiscard]] bool has_leased() const { return !held_.empty() || has_elected_; }
+
+  /// Others hold something else there.
+  void touch(std::size_t network) { stale_.insert(network); }
+  void touch_all();
+  /// What has changed since goes to the state; settle() is due.
+  void put_foreign(core::State& state, const core::cluster::View& view);
+
+ private:
+  struct Counted {
+    core::cluster::Footprint footprint;
+    std::size_t gateway = 0;
+  };
+  void touch(const core::cluster::Footprint& footprint);
+  [[nodiscard]] core::cluster::Foreign foreign(std::size_t network,
+                                               const core::cluster::View& view) const;
+
+  std::size_t self_;
+  std::size_t networks_;
+  core::cluster::Baseline baseline_;
+  core::Permits permits_;
+  bool has_elected_ = false;
+  std::map<Number, core::cluster::Footprint> held_;
+  std::map<Number, Counted> counted_;
+  std::optional<Number> left_out_;
+  std::set<std::size_t> stale_;
+};
+
+}  // namespace mlcca

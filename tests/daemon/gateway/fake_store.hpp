@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A store that gateways on benches share, without processes and time.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "daemon/outside/cluster_link.hpp"
+#include "tests/core/cluster/store_stub.hpp"
+#include "tests/daemon/gateway/fakes.hpp"
+
+namespace mlcca::test {
+
+using FakeStore = core::cluster::test::StoreStub;
+
+/// The way of one gateway to it. What is said comes with deliver() alone.
+class FakeLink final : public ClusterLink {
+ public:
+  FakeLink(FakeStore& store, FakeClock& clock) : store_(store), clock_(clock) {}
+
+  void introduce(std::string, std::string gateway) override { name = std::move(gateway); }
+  void send(const core::cluster::Txn& txn) override { sent.push_back(txn); }
+  void follow(std::vector<std::string>) override { synced_ = false; }
+  /// Of another daemon, perhaps, with a connection of its own.
+  void on_message(std::function<void(ClusterMessage)> call) override {
+    call_ = std::move(call);
+    said_up_ = synced_ = false;
+    sent.clear();
+  }
+  void wait(std::uint64_t ns) override {
+    if (!deliver()) clock_.monotonic += ns;
+  }
+
+  /// True: something was said.
+  bool deliver() {
+    bool any = said_up_ != up;
+    if (any) {
+      said_up_ = up;
+      core::cluster::StoreState state{};
+      state.reachable = up;
+      if (!up) state.problem = "it is gone";
+      call_(state);
+    }
+    if (!up) {
+      for (const auto& txn : std::exchange(sent, {})) {
+        any = true;
+        call_(core::cluster::TxnResult{
+            .id = txn.id, .outcome = core::cluster::Outcome::unavailable, .why = "it is gone"});
+      }
+      synced_ = false;
+      return any;
+    }
+    if (!synced_) {
+      synced_ = any = true;
+      call_(ClusterSnapshot{store_.revision});
+      call_(store_.snapshot());
+      call_(ClusterSynced{store_.revision});
+      seen_ = store_.log.size();
+    }
+    for (; seen_ < store_.log.size(); ++seen_) {
+      any = true;
+      call_(store_.log[seen_]);
+    }
+    if (!sent.empty() && answers) {
+      any = true;
+      const auto txn = sent.front();
+      sent.pop_front();
+      call_(store_.apply(txn));
+    }
+    return any;
+  }
+
+  bool up = true;
+  bool answers = true;  ///< to transactions
+  std::string name;
+  std::deque<core::cluster::Txn> sent;
+
+ private:
+  FakeStore& store_;
+  FakeClock& clock_;
+  std::function<void(ClusterMessage)> call_;
+  bool said_up_ = false, synced_ = false;
+  std::size_t seen_ = 0;
+};
+
+}  // namespace mlcca::test
