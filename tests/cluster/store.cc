@@ -42,7 +42,9 @@ Store::Store(const WorkFolder& folder, std::size_t members, std::vector<std::str
   for (const std::string user : {"gw1", "gw2"}) {
     script +=
         "role add " + user + "\nrole grant-permission " + user + " --prefix=true read /mlcca/t/\n";
-    for (const std::string& own : {"r/" + user + "/", std::string("v/"), std::string("x/")})
+    for (const std::string& own :
+         {"r/" + user + "/", "r/lan/" + user + "/", "m/" + user, "a/" + user + "/",
+          std::string("d/"), std::string("f/"), std::string("v/"), std::string("x/")})
       script += "role grant-permission " + user + " --prefix=true readwrite /mlcca/t/" + own + '\n';
     script += "user add " + user + " --no-password\nuser grant-role " + user + ' ' + user + '\n';
   }

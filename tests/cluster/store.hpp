@@ -15,7 +15,8 @@ void make_certificates(const WorkFolder& folder);
 class Store {
  public:
   /// So many members. gw1 and gw2 read /mlcca/t/ and write what is below /mlcca/t/r/gw1/ (gw2/),
-  /// /mlcca/t/v/ and /mlcca/t/x/; `root` may do everything.
+  /// /mlcca/t/v/ and /mlcca/t/x/, and what a gateway
+  /// on the network lan writes; `root` may do everything.
   Store(const WorkFolder& folder, std::size_t members, std::vector<std::string> options = {});
 
   [[nodiscard]] std::size_t count() const { return members_.size(); }

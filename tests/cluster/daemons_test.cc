@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Two real mlccad with gates in the kernel, each with its mlcca-cluster, and a real etcd.
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mount.h>
+
+#include <array>
+#include <csignal>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/cluster/processes.hpp"
+#include "tests/cluster/store.hpp"
+#include "tests/support/becomes.hpp"
+#include "tests/support/require.hpp"
+
+namespace mlcca::test {
+namespace {
+
+/// Both have a port on lan; c0 goes there from programs on gw1, and c1 is for who comes later.
+constexpr const char* kSystem = R"(<System name="t">
+<EventChannel name="c0"><SubjectUID>0x1</SubjectUID></EventChannel>
+<EventChannel name="c1"><SubjectUID>0x2</SubjectUID></EventChannel>
+<Network name="lan"><Kind>udp-multicast</Kind><Profile>famouso</Profile><Provision>
+<Attribute><Name>Latency</Name><Dimension><SIUnit><Seconds>1</Seconds></SIUnit></Dimension>
+<Value>1</Value></Attribute>
+<Attribute><Name>Period</Name><Dimension><SIUnit><Seconds>1</Seconds></SIUnit></Dimension>
+<Value>1</Value></Attribute>
+<Attribute><Name>MaxPayload</Name><Dimension><SIUnit><Bytes>1</Bytes></SIUnit></Dimension>
+<Value>64</Value></Attribute>
+</Provision></Network>
+<Gateway name="gw1"><Port network="lan"><Interface name="lan0"/></Port></Gateway>
+<Gateway name="gw2"><Port network="lan"><Interface name="lan0"/></Port></Gateway>
+<Publisher channel="c0" gateway="gw1" user="root"/><Subscriber channel="c0" network="lan"/>
+</System>
+)";
+
+/// A network namespace of the test's own, in which the store runs, and one of each gateway.
+void enter_namespaces(const WorkFolder& folder) {
+  static bool entered = false;
+  if (!entered) {
+    require(::unshare(CLONE_NEWNET | CLONE_NEWNS) == 0, "namespaces");
+    require(::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0, "private mounts");
+    // A gateway closes what it finds and does not know: each has a namespace of its own.
+    require(run_script(R"(
+ip link set lo up
+mkdir -p /run/netns
+mount -t tmpfs none /run/netns
+for n in 1 2; do
+	ip netns add gw$n
+	ip link add lan0 netns gw$n type veth peer name far$n
+	ip -n gw$n link set lan0 up
+	ip link set far$n up
+done
+)",
+                       folder.path()),
+            "links");
+    entered = true;
+  }
+  for (const char* name : {"bpf1", "bpf2"}) {
+    std::filesystem::create_directories(folder / name);
+    require(::mount("bpf", (folder / name).c_str(), "bpf", 0, nullptr) == 0, "a bpffs");
+  }
+}
+
+class ClusterDaemons : public testing::Test {
+ protected:
+  struct Node {
+    std::string name;
+    Program bridge, daemon;
+  };
+
+  ClusterDaemons() {
+    enter_namespaces(folder);
+    make_certificates(folder);
+    write_file(folder / "system.xml", kSystem);
+    store.emplace(folder, 1);
+    std::string endpoints;
+    for (const std::string name : {"gw1", "gw2"}) {
+      write_file(folder / (name + ".conf"), "endpoint = " + store->endpoint(0) +
+                                                "\nca = " + folder / "ca.pem" +
+                                                "\ncertificate = " + folder / (name + ".pem") +
+                                                "\nkey = " + folder / (name + ".key") + "\n");
+      std::filesystem::create_directories(folder / (name + ".state"));
+    }
+    nodes[0].name = "gw1";
+    nodes[1].name = "gw2";
+    for (Node& node : nodes) {
+      node.bridge = Program({built("mlcca-cluster"), "--settings", folder / (node.name + ".conf"),
+                             "--socket", folder / (node.name + ".cluster")},
+                            folder / (node.name + ".bridge.log"));
+      start(node);
+    }
+  }
+  ~ClusterDaemons() override {
+    for (Node& node : nodes) {
+      node.daemon.end();
+      node.bridge.end();
+    }
+    for (const char* name : {"bpf1", "bpf2"}) ::umount((folder / name).c_str());
+  }
+  ClusterDaemons(const ClusterDaemons&) = delete;
+  ClusterDaemons& operator=(const ClusterDaemons&) = delete;
+
+  void start(Node& node) {
+    node.daemon = Program({"ip",
+                           "netns",
+                           "exec",
+                           node.name,
+                           built("mlccad"),
+                           "--description",
+                           folder / "system.xml",
+                           "--gateway",
+                           node.name,
+                           "--socket",
+                           folder / (node.name + ".sock"),
+                           "--bpf-root",
+                           folder / ("bpf" + node.name.substr(2)),
+                           "--state-directory",
+                           folder / (node.name + ".state"),
+                           "--cluster-settings",
+                           folder / (node.name + ".conf"),
+                           "--cluster-socket",
+                           folder / (node.name + ".cluster"),
+                           "--lease",
+                           "4s"},
+                          folder / (node.name + ".log"));
+  }
+  /// What mlccactl says; nothing where it failed.
+  std::string ask(const Node& node, std::vector<std::string> arguments, int* status = nullptr) {
+    std::vector<std::string> command = {built("mlccactl"), "--socket",
+                                        folder / (node.name + ".sock")};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    const std::string said = folder / "said";
+    std::filesystem::remove(said);
+    const int ended = Program(command, said).wait();
+    if (status != nullptr) *status = ended;
+    return text_of_file(said);
+  }
+  bool says(const Node& node, const std::vector<std::string>& arguments, const std::string& words) {
+    return becomes([&] { return ask(node, arguments).find(words) != std::string::npos; });
+  }
+  std::string logs() {
+    std::string all;
+    for (const Node& node : nodes)
+      all += node.name + ":\n" + text_of_file(folder / (node.name + ".log")) +
+             text_of_file(folder / (node.name + ".bridge.log"));
+    return all;
+  }
+  /// Keys of a kind that the store has.
+  bool has_keys(const std::string& kind) {
+    const std::string out = folder / "keys";
+    if (!store->control("get --prefix --keys-only /mlcca/t/" + kind + " >" + out)) return true;
+    return text_of_file(out).find("/mlcca/") != std::string::npos;
+  }
+  int admit(const Node& node) {
+    int status = -1;
+    answer = ask(node,
+                 {"admit", "c1", "--from", node.name, "--to", "lan", "--user", "root", "--key", "k",
+                  "--offer", "Period=10s", "--offer", "MaxPayload=8"},
+                 &status);
+    return status;
+  }
+
+  WorkFolder folder;
+  std::optional<Store> store;
+  std::array<Node, 2> nodes;
+  std::string answer;
+};
+
+TEST_F(ClusterDaemons, OneTruthAboutWhatTheyShare) {
+  // Both have the description: it comes into force, and what is described is granted.
+  ASSERT_TRUE(says(nodes[0], {"explain", "c0"}, "granted  c0"))
+      << ask(nodes[0], {"explain", "c0"}) << logs();
+  // What is admitted is reserved first.
+  ASSERT_EQ(admit(nodes[0]), 0) << answer << logs();
+  EXPECT_TRUE(has_keys("r/lan/gw1/"));
+  // A daemon that was killed takes up where it was.
+  nodes[0].daemon.end();
+  start(nodes[0]);
+  EXPECT_TRUE(says(nodes[0], {"explain", "c1"}, "granted  c1")) << logs();
+  EXPECT_TRUE(has_keys("r/lan/gw1/"));
+  // Without the store nothing new is granted, and what is leased ends.
+  store->kill(0);
+  EXPECT_TRUE(says(nodes[0], {"explain", "c1"}, "waits for the store")) << logs();
+  EXPECT_TRUE(says(nodes[0], {"explain", "c0"}, "granted  c0"));
+  EXPECT_NE(admit(nodes[1]), 0) << answer;
+  store->start(0);
+  EXPECT_TRUE(says(nodes[0], {"explain", "c1"}, "granted  c1")) << logs();
+  // A stop gives it back.
+  nodes[0].daemon.signal(SIGTERM);
+  EXPECT_EQ(nodes[0].daemon.wait(), 0);
+  EXPECT_FALSE(has_keys("r/"));
+  EXPECT_FALSE(has_keys("m/gw1"));
+}
+
+}  // namespace
+}  // namespace mlcca::test
