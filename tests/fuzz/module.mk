@@ -3,7 +3,7 @@
 #
 #   $(eval $(call fuzz_target,NAME,ARCHIVES,CORPUS,MAX_LEN,LIBS))
 #
-# ARCHIVES: of ours (relay client core control description enforce sources untrusted daemon cluster clusterlink tools
+# ARCHIVES: of ours (relay client core control description enforce sources untrusted daemon cluster clusterlink clustercodec tools
 # design learn), built once with instruments for all targets; a name with a slash is one more source (tests/tools/sources/proto_emulated).
 # CORPUS: folders below tests/corpus; what they hold is replayed whole, whatever MAX_LEN says.
 #
@@ -47,7 +47,7 @@ $O/fuzz/lib$1.a: $(patsubst $O/%.o,$O/fuzz/obj/%.o,$($1_objects) $2)
 	$$(Q)rm -f $$@ && ar rcs $$@ $$^
 FUZZ_OBJECTS += $(patsubst $O/%.o,$O/fuzz/obj/%.o,$($1_objects) $2)
 endef
-$(foreach library,relay client core control description enforce sources untrusted daemon cluster clusterlink tools design learn doctor,$(eval $(call fuzz_library,$(library))))
+$(foreach library,relay client core control description enforce sources untrusted daemon cluster clusterlink clustercodec tools design learn doctor,$(eval $(call fuzz_library,$(library))))
 
 define fuzz_target
 FUZZERS += $1
@@ -83,7 +83,7 @@ $(eval $(call fuzz_target,netlink_fuzz,daemon sources core,netlink,2048,$(NL_LIB
 $(eval $(call fuzz_target,cluster_wire_fuzz,daemon/cluster/wire,cluster_wire,4096,))
 $(eval $(call fuzz_target,cluster_grpc_fuzz,$(addprefix cluster/,etcd grpc outcome),cluster_grpc,2048,))
 # The whole gateway, on gates of the kernel: root.
-$(eval $(call fuzz_target,control_fuzz,$(addprefix tests/,fuzz/gateway_under_test fuzz/surroundings daemon/gates/sandbox) tools/readback/differences daemon sources enforce control description core,control,2048,$(DAEMON_LIBS)))
+$(eval $(call fuzz_target,control_fuzz,$(addprefix tests/,fuzz/gateway_under_test fuzz/surroundings daemon/gates/sandbox) tools/readback/differences daemon clustercodec clusterlink sources enforce control description core,control,2048,$(DAEMON_LIBS)))
 
 FUZZ ?= $(FUZZERS)
 check-fuzz: $(addprefix check-fuzz-,$(FUZZ)) ## what comes from outside: stored corpus, then FUZZ_SECONDS=10 of mutations each

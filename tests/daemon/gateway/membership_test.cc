@@ -3,6 +3,7 @@
 // becomes of it when the store, a gateway or the disk fails.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <memory>
 #include <optional>
@@ -165,7 +166,7 @@ class MembershipTest : public testing::Test {
   }
 
   /// What it is answered in the end.
-  std::string asked(std::size_t g, control::Admit request, serve::Peer peer = member()) {
+  std::string asked(std::size_t g, control::Admit request, const serve::Peer& peer = member()) {
     auto answer = at(g).ask(std::move(request), peer);
     run();
     return text_of(answer);
@@ -193,9 +194,9 @@ class MembershipTest : public testing::Test {
                                   ? &at(g).kernel.interfaces.at("shared")
                                   : nullptr;
     if (found == nullptr || !at(g).kernel.passes()) return false;
-    for (const auto& [entry, rule] : at(g).kernel.gates.at(found->ifindex).rules)
-      if (entry.subject == channel + 1 && rule.pass) return true;
-    return false;
+    return std::ranges::any_of(at(g).kernel.gates.at(found->ifindex).rules, [&](const auto& one) {
+      return one.first.subject == channel + 1 && one.second.pass;
+    });
   }
   [[nodiscard]] std::size_t entries(const std::string& kind) const {
     std::size_t n = 0;
