@@ -106,7 +106,7 @@ class Journal {
   OpenFile directory_;
   OpenFile lock_;  ///< held while the journal is open
   OpenFile file_;
-  Contents contents_;
+  Contents contents_{};
   std::uint64_t salt_ = 0;
   std::uint64_t sequence_ = 0;  ///< of the last batch on disk
   std::uint64_t end_ = 0;       ///< of the last batch on disk, bytes
