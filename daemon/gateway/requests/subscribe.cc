@@ -57,7 +57,7 @@ std::optional<std::string> exceeds_policy(const Context& context, const core::Ne
 /// each attribute is compared by itself.
 std::optional<Response> refuses_other(Context& context, core::AdmissionId held,
                                       const control::Admit& wanted) {
-  core::State& state = *context.scene.state;
+  const core::State& state = *context.scene.state;
   const auto asked = understand(state, wanted, context.recorder.next_id());
   const auto known = state.admissions().find(held);
   if (!asked || !asked->admission || known == state.admissions().end()) return std::nullopt;
