@@ -184,7 +184,7 @@ cppcheck: ## defects that cppcheck finds without the headers of libraries
 # clang-tidy matches every check against the headers of a file, too, and for most files they are nine
 # tenths of its time. So it takes a part of the tree as one file, which includes the files of the part; of
 # ALONE it takes one file of each folder. One stamp a bundle: what did not change is not checked again.
-TIDY_PARTS := core cluster control client relay/famouso relay description daemon/gateway daemon/net/sources daemon tools/awds \
+TIDY_PARTS := core cluster control client relay/famouso relay description daemon/gateway daemon/net/sources daemon tools/awds tools/can \
 	tools/design/generate tools/design/import tools/design/export tools/design tools/doctor tools/readback tools/sources \
 	tools/learn tools/exporter tools/report tools
 ifneq ($(filter tidy lint analyse,$(MAKECMDGOALS)),)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/options.hpp"
 
-#include <unistd.h>
+#include <sys/stat.h>
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
@@ -32,7 +32,8 @@ constexpr std::uint64_t kMostLease = 3'600'000'000'000;
 
 /// What cannot be looked up may be there.
 bool is_absent(const std::string& file) {
-  return ::access(file.c_str(), F_OK) < 0 && (errno == ENOENT || errno == ENOTDIR);
+  struct stat found{};
+  return ::lstat(file.c_str(), &found) < 0 && (errno == ENOENT || errno == ENOTDIR);
 }
 
 }  // namespace

@@ -253,7 +253,7 @@ std::string Member::why_not(Value now) const {
     case Standing::joining:
       return "this gateway is joining the cluster";
     case Standing::gone_back:
-      return "the store has gone back: mlccactl cluster accept";
+      return "the store has gone back: it needs another epoch (docs/how-to/cluster-etcd.md)";
     case Standing::waiting:
       return "the store was restored: leases from before have not ended yet";
     case Standing::other_digest:

@@ -62,7 +62,11 @@ class Membership {
   /// Before everything is decided in the state that the scene has.
   void take_up();
   /// It is decided, and the gates follow it.
-  void in_force() { decided_ = true; }
+  void in_force() {
+    decided_ = true;
+    // A daemon before this one may have capped the time of all gates.
+    lower_until();
+  }
 
   // The turn.
 

@@ -104,10 +104,13 @@ void Reserving::put_in_force(const Open& open, core::cluster::Member& member, Va
       open.number, Held{.channel = open.wish.asked.channel, .admissions = ids_of(open.wish.asked)});
   parts_.networks.hold(open.number, open.wish.footprint);
   parts_.bring_in_line();
-  if (!open.abandoned && open.job.granted()) return;
+  const bool withdrawn = !open.withdrawn.empty();
+  if (!withdrawn && !open.abandoned && open.job.granted()) return;
   parts_.networks.count(open.number, open.wish.footprint, member.self());
   parts_.bring_in_line();
   give_back(open.number, member, now);
+  if (withdrawn && !open.abandoned)
+    open.job.refused("what was reserved for it was withdrawn: " + open.withdrawn);
 }
 
 void Reserving::on(const core::cluster::Reserved& event, core::cluster::Member& member, Value now) {
@@ -155,6 +158,8 @@ void Reserving::on(const core::cluster::Refused& event, const core::cluster::Mem
 }
 
 void Reserving::on(const core::cluster::Withdrawn& event) {
+  // It was reserved and withdrawn before this gateway had put it in force.
+  if (const auto job = find(event.id); job != jobs_.end()) job->withdrawn = event.why.reason;
   if (!held_.contains(event.id)) return;
   parts_.log("what " + held_.at(event.id).channel +
              " had reserved is withdrawn: " + event.why.reason);

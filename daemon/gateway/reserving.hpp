@@ -93,6 +93,7 @@ class Reserving {
     Value since = 0;
     bool asked = false;
     bool abandoned = false;
+    std::string withdrawn{};  ///< by the store, and why; empty: it is not
     Wish wish{};
   };
   using Jobs = std::list<Open>;

@@ -45,13 +45,20 @@ Result<void> admit_adopted(Context& context, const control::Request& request) {
   core::State& state = *context.scene.state;
   const auto asked = understood_adopted(state, request);
   if (!asked) return std::unexpected(asked.error());
+  std::optional<Error> refused;
   {
     core::Proposal proposal = state.propose(*asked->admission);
     if (const auto lack = proposal.exceeds_capacity(context.scene.self)) return fail(*lack);
     if (!proposal.fit()) return fail(first_refusal(state, proposal));
-    if (const auto done = context.gates.apply(proposal.changes(context.scene.self)); !done)
-      return std::unexpected(done.error());
-    std::move(proposal).accept();
+    if (const auto done = context.gates.apply(proposal.changes(context.scene.self)); done)
+      std::move(proposal).accept();
+    else
+      refused = done.error();
+  }
+  if (refused) {
+    // The gates may hold part of it.
+    static_cast<void>(context.turn.enforce());
+    return std::unexpected(*refused);
   }
   context.turn.set_bands();
   context.recorder.note(asked->channel);
