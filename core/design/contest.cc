@@ -30,9 +30,16 @@ bool grants_the_same(const Decision& a, const Decision& b) {
          });
 }
 
-/// Another delivery of the channel is in the way.
-bool is_beside_another(const Verdict& v) {
-  return v.obstacle == Obstacle::sender_twice || v.obstacle == Obstacle::echo;
+/// Another delivery of the channel may be in the way: without it this one may be granted.
+bool may_be_beside_another(const Decision& decision, const Verdict& v) {
+  if (v.obstacle == Obstacle::sender_twice || v.obstacle == Obstacle::echo) return true;
+  return !v.granted && decision.granted != 0 && std::ranges::any_of(v.rows, is_for_want_of_room);
+}
+
+bool is_held_up_by_itself(const Decision& decision) {
+  return std::ranges::any_of(decision.verdicts, [&decision](const Verdict& v) {
+    return may_be_beside_another(decision, v);
+  });
 }
 
 void leave_open_for(Verdict& v, const Verdict* refused) {
@@ -200,7 +207,8 @@ bool Contest::have_room_together(const std::vector<std::size_t>& channels,
   for (const std::size_t c : channels) {
     const auto found = decisions.find(c);
     if (found == decisions.end()) continue;
-    if (uncertain_[c] && sets_of(s_.system, c) > 1) return false;
+    if (uncertain_[c] && (sets_of(s_.system, c) > 1 || is_held_up_by_itself(found->second)))
+      return false;
     if (!gets_all_that_it_can(c, found->second)) return false;
   }
   bool fits = true;
@@ -258,7 +266,8 @@ void Contest::leave_open(const std::vector<std::size_t>& channels, Decisions& de
       const Decision alone = decide_in(s_, c, set, ledger_);
       take_out({c});
       for (std::size_t i = 0; i < alone.verdicts.size(); ++i)
-        ever[i] = ever[i] || alone.verdicts[i].granted || is_beside_another(alone.verdicts[i]);
+        ever[i] =
+            ever[i] || alone.verdicts[i].granted || may_be_beside_another(alone, alone.verdicts[i]);
     }
     for (std::size_t i = 0; i < ever.size(); ++i) {
       Verdict& v = found->second.verdicts[i];

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <map>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -135,11 +136,15 @@ std::string random_contest(Random& random, std::uint64_t count) {
                               sets > 1 ? fmt::format(" priority=\"{}\"", 9 - set) : "",
                               10 * (1 + random.below(20)));
     channels += "</EventChannel>\n";
-    const std::uint64_t node = random.below(kNodes + 2);
-    ends += fmt::format(
-        "<Publisher channel=\"c{}\" {}/><Subscriber channel=\"c{}\" network=\"lan\"/>\n", c,
-        node < kNodes ? fmt::format("network=\"mesh\" mesh-node=\"n{}\"", node) : "network=\"lan\"",
-        c);
+    const std::uint64_t publishers = random.one_in(3) ? 2 : 1;
+    for (std::uint64_t p = 0; p < publishers; ++p) {
+      const std::uint64_t node = random.below(kNodes + 2);
+      ends += fmt::format("<Publisher name=\"p{0}x{1}\" channel=\"c{0}\" {2}/>\n", c, p,
+                          node < kNodes
+                              ? fmt::format("network=\"mesh\" mesh-node=\"n{}\"", node)
+                              : fmt::format("network=\"lan\" address=\"10.0.{}.{}\"", c, p + 1));
+    }
+    ends += fmt::format("<Subscriber channel=\"c{}\" network=\"lan\"/>\n", c);
   }
   std::string nodes;
   for (std::size_t n = 0; n < kNodes; ++n)
@@ -173,39 +178,46 @@ core::mesh::Graph graph_of(unsigned linked) {
   return graph;
 }
 
-/// What a channel gets over all that the run time may find.
+/// What a publisher gets over all that the run time may find.
 struct Range {
   std::set<bool> granted;
   std::set<std::size_t> sets;
   bool stays = true;  ///< it is granted whichever links come and go then
 };
 
-/// Whichever links a gateway finds at its start. Later it keeps what it has granted, so that more
-/// may be granted than after a start, and another set be used; but who is granted something for
-/// certain keeps it.
+/// Each has one delivery.
+template <class Each>
+void each_delivery(const core::State& state, const Each& each) {
+  for (const core::Decision& decision : state.decisions())
+    for (const core::Verdict& v : decision.verdicts) each(decision, v);
+}
+
+/// By publisher. Whichever links a gateway finds at its start. Later it keeps what it has granted,
+/// so that more may be granted than after a start, and another set be used; but who is granted
+/// something for certain keeps it.
 std::vector<Range> ranges_of(const core::System& system) {
-  std::vector<Range> ranges(system.channels.size());
+  std::vector<Range> ranges(system.publishers.size());
   constexpr unsigned cases = 1U << kNodes;
   for (unsigned linked = 0; linked < cases; ++linked) {
     core::State state(system);
     state.set_graph(0, graph_of(linked));
     state.decide();
-    for (std::size_t c = 0; c < ranges.size(); ++c) {
-      const core::Decision& decision = state.decisions()[c];
-      ranges[c].granted.insert(decision.granted != 0);
-      if (decision.granted != 0) ranges[c].sets.insert(decision.set);
-    }
+    each_delivery(state, [&](const core::Decision& decision, const core::Verdict& v) {
+      ranges[v.publisher].granted.insert(v.granted);
+      if (v.granted) ranges[v.publisher].sets.insert(decision.set);
+    });
     for (const unsigned then : {(linked + 1) % cases, cases - 1, linked, 0U, linked}) {
       state.set_graph(0, graph_of(then));
       state.settle();
-      for (std::size_t c = 0; c < ranges.size(); ++c)
-        ranges[c].stays = ranges[c].stays && state.decisions()[c].granted != 0;
+      each_delivery(state, [&](const core::Decision&, const core::Verdict& v) {
+        ranges[v.publisher].stays = ranges[v.publisher].stays && v.granted;
+      });
     }
   }
   return ranges;
 }
 
-/// What check says of channels that have no best case themselves.
+/// What check says of publishers that have no best case themselves.
 struct Said {
   std::map<Outcome, std::size_t> outcomes;
   std::size_t open_sets = 0;
@@ -215,22 +227,31 @@ struct Said {
 void compare(const std::string& text, Said& said) {
   const auto system = description::read_memory(text, "z.xml", {}, description::Users::any);
   ASSERT_TRUE(system) << description::to_string(system.error().front()) << text;
-  const core::Inspection inspection = core::inspect(*system);
+  std::map<std::size_t, std::pair<Outcome, std::size_t>> checked;  // by publisher, with the set
+  const core::Inspection inspection = core::inspect(
+      *system, {},
+      [&](std::size_t, const core::Decision& decision, std::span<const core::Finding>) {
+        for (const core::Verdict& v : decision.verdicts)
+          checked.try_emplace(v.publisher, v.outcome, decision.set);
+      });
   const auto ranges = ranges_of(*system);
-  for (std::size_t c = 0; c < ranges.size(); ++c) {
-    const core::ChannelResult& result = inspection.channels[c];
-    if (result.outcome != Outcome::run_time) {
-      ASSERT_EQ(ranges[c].granted, std::set{result.outcome == Outcome::fit}) << c << text;
+  for (const auto& [publisher, what] : checked) {
+    const auto& [outcome, set] = what;
+    const Range& range = ranges[publisher];
+    const std::size_t channel = system->publishers[publisher].channel;
+    const bool open_set = inspection.channels[channel].open_set;
+    if (outcome != Outcome::run_time) {
+      ASSERT_EQ(range.granted, std::set{outcome == Outcome::fit}) << publisher << text;
     }
-    if (result.outcome == Outcome::fit) {
-      ASSERT_TRUE(ranges[c].stays) << c << text;
+    if (outcome == Outcome::fit) {
+      ASSERT_TRUE(range.stays) << publisher << text;
     }
-    if (result.outcome == Outcome::fit && !result.open_set) {
-      ASSERT_EQ(ranges[c].sets, std::set{result.set}) << c << text;
+    if (outcome == Outcome::fit && !open_set) {
+      ASSERT_EQ(range.sets, std::set{set}) << publisher << text;
     }
-    if (system->publishers[c].place.index != 1) continue;
-    ++said.outcomes[result.outcome];
-    said.open_sets += result.open_set ? 1 : 0;
+    if (system->publishers[publisher].place.index != 1) continue;
+    ++said.outcomes[outcome];
+    said.open_sets += open_set ? 1 : 0;
   }
 }
 
