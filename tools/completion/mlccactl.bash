@@ -82,9 +82,9 @@ _mlccactl() {
 		return
 		;;
 	--kind)
-		mapfile -t COMPREPLY < <(compgen -W "started stopped granted refused withdrawn switched
-			released reinstated dropping excess missing restored late interface mode reload lapsed drift bypass
-			binding trouble" -- "$cur")
+		mapfile -t COMPREPLY < <(compgen -W "started stopped granted refused withdrawn revoked network-down switched rerouted released
+			reinstated dropping excess missing restored late interface gateway mode reload lapsed
+			drift bypass binding trouble" -- "$cur")
 		return
 		;;
 	--by)

@@ -105,8 +105,9 @@ std::string checked_of(const BusMessage& m, const core::can::Response& r) {
 std::string_view word_of(Fate fate) {
   switch (fate) {
     case Fate::met:
-    case Fate::refused_by_check:  // not for its deadline; "granted" says so
       return "met";
+    case Fate::refused_by_check:
+      return "refused-by-check";
     case Fate::late:
       return "late";
     case Fate::not_bounded:
@@ -413,7 +414,7 @@ std::string write_text(const std::vector<AnalysedBus>& buses, Color color) {
 std::string write_json(const std::vector<AnalysedBus>& buses) {
   Json out{{"schedulable", true}, {"networks", Json::array()}};
   for (const AnalysedBus& bus : buses) {
-    if (!bus.schedulable) out["schedulable"] = false;
+    if (!bus.schedulable || refused_by_check(bus) != 0) out["schedulable"] = false;
     out["networks"].push_back(bus_json(bus));
   }
   return out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";

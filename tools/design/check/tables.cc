@@ -92,8 +92,9 @@ const char* words_of(Composition composition) {
   }
 }
 
-std::string set_words(const core::EventChannel& channel, std::size_t set) {
+std::string set_words(const core::EventChannel& channel, std::size_t set, bool open) {
   if (channel.lower.empty()) return {};
+  if (open) return "decided at run time";
   if (set == 0) return fmt::format("priority {}", channel.priority);
   return fmt::format("priority {} (not the preferred one)", channel.lower[set - 1].priority);
 }
@@ -161,7 +162,9 @@ class Deliveries {
           fmt::format("{}{} <span class=\"quiet\">= {}</span>", html_text(d.reaction),
                       outcome == Outcome::run_time ? " at best" : "", html_text(d.reaction_terms));
     column += has_reactions_ ? 1 : 0;
-    if (has_sets_) row[column] = set_words(s_.channels[d.channel], d.set);
+    if (has_sets_)
+      row[column] =
+          set_words(s_.channels[d.channel], d.set, r_.inspection.channels[d.channel].open_set);
     rows_.add(row, said(outcome).kind);
   }
 
