@@ -98,19 +98,20 @@ class Sending {
 
   /// False: too many wait.
   bool add(Message message);
-  /// When the next frame is due, ns as of `now` below; nothing: none waits.
+  /// When the next frame is due, ns as of `clock` below; nothing: none waits.
   [[nodiscard]] std::optional<std::uint64_t> due() const;
   /// Sends what is due: `send(id, data)` says whether the network took it. A message whose frame it
-  /// does not take is given up.
-  template <class Send>
-  void run(std::uint64_t now, const Send& send) {
+  /// does not take is given up. `clock` says what time it is, ns: the pause begins when a frame has
+  /// been sent, however long the process had to wait for a processor before.
+  template <class Clock, class Send>
+  void run(const Clock& clock, const Send& send) {
     for (auto& [address, source] : sources_) {
-      if (source.waiting.empty() || source.due > now) continue;
+      if (source.waiting.empty() || source.due > clock()) continue;
       const Message& message = source.waiting.front();
       const std::uint32_t id = source.next == 0 ? message.announcement : message.packet;
-      source.due = now + kPause;
-      if (!send(id, message.frames[source.next]) || ++source.next == message.frames.size())
-        source.drop();
+      const bool taken = send(id, message.frames[source.next]);
+      source.due = clock() + kPause;
+      if (!taken || ++source.next == message.frames.size()) source.drop();
     }
   }
 

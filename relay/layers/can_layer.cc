@@ -318,7 +318,7 @@ Sent CanLayer::send_message(const control::Endpoint& endpoint, Octets event) {
 Sent CanLayer::send_due(std::uint32_t first) {
   if (!sending_.due()) return Sent::sent;
   Sent of_first = Sent::sent;
-  sending_.run(now_(), [&](std::uint32_t id, const j1939::Data& data) {
+  sending_.run(now_, [&](std::uint32_t id, const j1939::Data& data) {
     canfd_frame frame{};
     frame.can_id = id;
     frame.len = static_cast<std::uint8_t>(data.size());

@@ -175,8 +175,10 @@ class ToSend : public ::testing::Test {
   }
   std::size_t run() {
     const std::size_t before = out_.size();
-    sending_.run(now_, [&](std::uint32_t id, const Data& data) {
+    const auto clock = [this] { return now_; };
+    sending_.run(clock, [&](std::uint32_t id, const Data& data) {
       out_.push_back({id, data});
+      now_ += sending_takes_;
       return takes_;
     });
     return out_.size() - before;
@@ -185,8 +187,16 @@ class ToSend : public ::testing::Test {
   Sending sending_;
   std::vector<Frame> out_;
   std::uint64_t now_ = kSecond;
+  std::uint64_t sending_takes_ = 0;
   bool takes_ = true;
 };
+
+TEST_F(ToSend, ThePauseBeginsWhenAFrameHasBeenSent) {
+  ASSERT_TRUE(add(9));
+  sending_takes_ = kPause / 2;
+  EXPECT_EQ(run(), 1U);
+  EXPECT_EQ(*sending_.due(), now_ + kPause);
+}
 
 TEST_F(ToSend, OneFrameOfASourceGoesInEachPause) {
   EXPECT_FALSE(sending_.due());
