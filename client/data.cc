@@ -194,6 +194,8 @@ Published Client::Data::publish(const Channel::Part& part, Octets event) {
 
 /// False: the event is lost to that receiver.
 bool Client::Data::send_local(const std::string& address, std::uint64_t subject, Octets event) {
+  if (receiver_ && address == receiver_->address())
+    return receiver_->send_to_itself(subject, event);
   auto to = senders_.find(address);
   if (to == senders_.end()) {
     auto sender = LocalSender::open(address);

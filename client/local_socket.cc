@@ -15,7 +15,6 @@
 #include "base/big_endian.hpp"
 #include "base/system_error.hpp"
 #include "base/unix_address.hpp"
-#include "control/local_address.hpp"
 #include "relay/layers/sockets.hpp"
 
 namespace mlcca::client {
@@ -69,6 +68,40 @@ uid_t sender_of(msghdr& message) {
   return static_cast<uid_t>(-1);
 }
 
+struct Address {
+  sockaddr_un name{};
+  socklen_t size = 0;
+};
+
+Address address_of(const std::string& name) {
+  Address address;
+  address.name.sun_family = AF_UNIX;
+  name.copy(&address.name.sun_path[1], name.size());
+  address.size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+  return address;
+}
+
+/// `to`: null where the socket is connected.
+ssize_t send_event(const Fd& socket, std::uint64_t key, std::uint64_t subject,
+                   std::span<const std::uint8_t> event, Address* to) {
+  auto first = big_endian(key);
+  auto second = big_endian(subject);
+  // The kernel reads them, and nothing else.
+  std::array<iovec, 3> data{
+      iovec{.iov_base = first.data(), .iov_len = first.size()},
+      iovec{.iov_base = second.data(), .iov_len = second.size()},
+      iovec{.iov_base = const_cast<std::uint8_t*>(event.data()),  // NOLINT(*-const-cast)
+            .iov_len = event.size()}};
+  msghdr message{};
+  if (to != nullptr) {
+    message.msg_name = &to->name;
+    message.msg_namelen = to->size;
+  }
+  message.msg_iov = data.data();
+  message.msg_iovlen = data.size();
+  return ::sendmsg(socket.get(), &message, MSG_DONTWAIT | MSG_NOSIGNAL);
+}
+
 }  // namespace
 
 Result<LocalReceiver> LocalReceiver::open() {
@@ -92,9 +125,8 @@ Result<LocalReceiver> LocalReceiver::open() {
     return system_error("getsockname");
   const std::size_t before = offsetof(sockaddr_un, sun_path) + 1;  // and the null byte
   if (size <= before) return fail("the kernel gave no address to a socket");
-  const control::LocalAddress own{.name = std::string(&address.sun_path[1], size - before),
-                                  .key = *key};
-  return LocalReceiver(std::move(socket), control::to_text(own));
+  return LocalReceiver(std::move(socket),
+                       {.name = std::string(&address.sun_path[1], size - before), .key = *key});
 }
 
 std::size_t LocalReceiver::receive(std::size_t most, const OnEvent& on_event) {
@@ -120,33 +152,24 @@ std::size_t LocalReceiver::receive(std::size_t most, const OnEvent& on_event) {
   return most;
 }
 
+bool LocalReceiver::send_to_itself(std::uint64_t subject, Octets event) {
+  Address address = address_of(own_.name);
+  return send_event(socket_, own_.key, subject, event, &address) >= 0;
+}
+
 Result<LocalSender> LocalSender::open(std::string_view address) {
   const auto to = control::local_address_in(address);
   if (!to) return fail("a receiver on the gateway has no such address");
   Fd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!socket) return system_error("socket");
-  sockaddr_un receiver{};
-  receiver.sun_family = AF_UNIX;
-  to->name.copy(&receiver.sun_path[1], to->name.size());
-  const std::size_t size = offsetof(sockaddr_un, sun_path) + 1 + to->name.size();
-  if (::connect(socket.get(), generic(receiver), static_cast<socklen_t>(size)) != 0)
+  const Address receiver = address_of(to->name);
+  if (::connect(socket.get(), generic(receiver.name), receiver.size) != 0)
     return system_error("connect");
   return LocalSender(std::move(socket), to->key);
 }
 
 LocalSender::Sent LocalSender::send(std::uint64_t subject, Octets event) {
-  auto key = big_endian(key_);
-  auto header = big_endian(subject);
-  // The kernel reads them, and nothing else.
-  std::array<iovec, 3> data{
-      iovec{.iov_base = key.data(), .iov_len = key.size()},
-      iovec{.iov_base = header.data(), .iov_len = header.size()},
-      iovec{.iov_base = const_cast<std::uint8_t*>(event.data()),  // NOLINT(*-const-cast)
-            .iov_len = event.size()}};
-  msghdr message{};
-  message.msg_iov = data.data();
-  message.msg_iovlen = data.size();
-  if (::sendmsg(socket_.get(), &message, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0) return Sent::sent;
+  if (send_event(socket_, key_, subject, event, nullptr) >= 0) return Sent::sent;
   return errno == ECONNREFUSED || errno == ENOTCONN ? Sent::gone : Sent::full;
 }
 

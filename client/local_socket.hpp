@@ -18,6 +18,7 @@
 
 #include "base/handle.hpp"
 #include "base/result.hpp"
+#include "control/local_address.hpp"
 
 namespace mlcca::client {
 
@@ -46,14 +47,22 @@ class LocalReceiver {
   /// At most `most` events, without waiting. How many came.
   std::size_t receive(std::size_t most, const OnEvent& on_event);
 
+  using Octets = std::span<const std::uint8_t>;
+  /// Of a program that publishes what it subscribes itself. The kernel keeps more of that than of
+  /// what others send (net.unix.max_dgram_qlen, 10 where systemd has not set it). False: the event
+  /// is lost.
+  [[nodiscard]] bool send_to_itself(std::uint64_t subject, Octets event);
+
  private:
-  LocalReceiver(Fd socket, std::string address)
+  LocalReceiver(Fd socket, control::LocalAddress own)
       : socket_(std::move(socket)),
-        address_(std::move(address)),
+        own_(std::move(own)),
+        address_(control::to_text(own_)),
         buffer_(kHeader + kMostLocalBytes) {}
   static constexpr std::size_t kHeader = 16;
 
   Fd socket_;
+  control::LocalAddress own_;
   std::string address_;
   std::vector<std::uint8_t> buffer_;
 };
