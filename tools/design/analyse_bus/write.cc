@@ -147,11 +147,13 @@ bool has_short_queue(const AnalysedBus& analysed) {
 std::string assumed_text(const AnalysedBus& analysed) {
   bool differs = false;
   bool dropped = false;
+  bool competes = false;
   bool late_though_granted = false;
   for (std::size_t i = 0; i < analysed.responses.size(); ++i) {
     const BusMessage& m = analysed.bus.messages[i];
     differs = differs || !checked_of(m, analysed.responses[i]).empty();
-    dropped = dropped || !m.let_through;
+    dropped = dropped || (!m.let_through && m.outcome == Outcome::unfit);
+    competes = competes || (!m.let_through && m.outcome == Outcome::run_time);
     late_though_granted = late_though_granted || (m.held && m.granted_response &&
                                                   !analysed.responses[i].meets(m.sent().deadline));
   }
@@ -169,6 +171,11 @@ std::string assumed_text(const AnalysedBus& analysed) {
     text +=
         "What is refused and comes from elsewhere is dropped before this bus: its times are as if "
         "it came.\n";
+  if (competes)
+    text +=
+        "What may be granted in the place of others, at run time, is not counted beside them: with "
+        "it "
+        "times can be longer, and what is granted is in time all the same.\n";
   return text;
 }
 

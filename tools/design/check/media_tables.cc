@@ -103,13 +103,18 @@ std::string way_in(const core::System& system, const core::BusMessage& m) {
 std::string counted_words(const std::vector<const core::BusMessage*>& messages) {
   bool refused = false;
   bool unknown = false;
+  bool competes = false;
   for (const core::BusMessage* m : messages) {
     refused = refused || (m->let_through && !m->held && m->sent);
     unknown = unknown || (m->let_through && !m->sent);
+    competes = competes || (!m->let_through && m->outcome == Outcome::run_time);
   }
   std::string words = "what is granted";
   if (refused) words += " and what its own nodes send though it is refused";
   if (unknown) words += "; how much others of them send is not known";
+  if (competes)
+    words +=
+        "; what may be granted in the place of others is not counted: with it times can be longer";
   return words;
 }
 
