@@ -150,12 +150,12 @@ TEST(ForwardingTest, AMessageKeepsThePgnThatItNames) {
   }
 }
 
-TEST(ForwardingTest, EventsThatAreSplitOnOneBusOnlyCannotBeCarried) {
+TEST(ForwardingTest, EventsThatAreFragmentedOnOneBusOnlyCannotBeCarried) {
   core::Transit transit{entry(1), entry(1)};
   transit.in.mask &= ~(1U << 21);
   const auto rules = rules_of(transit, kFrom, kTo);
   ASSERT_FALSE(rules);
-  EXPECT_NE(rules.error().find("split"), std::string::npos);
+  EXPECT_NE(rules.error().find("in several fragments"), std::string::npos);
 }
 
 TEST(ForwardingTest, RemoteFramesThatOneBusRefusesStayBehind) {
