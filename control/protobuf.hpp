@@ -209,4 +209,19 @@ std::optional<Parsed<M>> parse(std::string_view bytes, UnknownField unknown) {
   }
 }
 
+/// What is written and read by one version of a schema: a file, or an entry of a store.
+std::string bytes_of(const Message auto& message) {
+  std::string bytes;
+  ProtobufWriter(bytes).fields(message);
+  return bytes;
+}
+
+/// Nothing where it is malformed or has a field that the schema does not have.
+template <Message M>
+std::optional<M> message_in(std::string_view bytes) {
+  auto parsed = parse<M>(bytes, UnknownField::refuse);
+  if (!parsed) return std::nullopt;
+  return std::move(parsed->message);
+}
+
 }  // namespace mlcca::control

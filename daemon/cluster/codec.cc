@@ -18,19 +18,6 @@ namespace cc = core::cluster;
 
 constexpr std::size_t kMostReason = 512;  // bytes
 
-std::string bytes_of(const control::Message auto& message) {
-  std::string bytes;
-  control::ProtobufWriter(bytes).fields(message);
-  return bytes;
-}
-
-template <class M>
-std::optional<M> message_in(std::string_view bytes) {
-  auto parsed = control::parse<M>(bytes, control::UnknownField::refuse);
-  if (!parsed) return std::nullopt;
-  return std::move(parsed->message);
-}
-
 template <std::size_t N>
 std::string octets_of(const std::array<std::uint8_t, N>& from) {
   return {from.begin(), from.end()};
@@ -176,19 +163,19 @@ bool Codec::is_known(const cc::Source& source) const {
 }
 
 std::string Codec::write(const cc::Beat& beat) const {
-  return bytes_of(BeatEntry{.incarnation = number_of(beat.incarnation),
-                            .session = beat.session,
-                            .sequence = beat.seq,
-                            .digest = octets_of(beat.digest),
-                            .generation = beat.generation,
-                            .applied = number_of(beat.applied),
-                            .role = static_cast<std::uint32_t>(beat.role),
-                            .draining = beat.draining,
-                            .lease_ns = beat.lease});
+  return control::bytes_of(BeatEntry{.incarnation = number_of(beat.incarnation),
+                                     .session = beat.session,
+                                     .sequence = beat.seq,
+                                     .digest = octets_of(beat.digest),
+                                     .generation = beat.generation,
+                                     .applied = number_of(beat.applied),
+                                     .role = static_cast<std::uint32_t>(beat.role),
+                                     .draining = beat.draining,
+                                     .lease_ns = beat.lease});
 }
 
 std::optional<cc::Beat> Codec::beat(Text value) const {
-  const auto entry = message_in<BeatEntry>(value);
+  const auto entry = control::message_in<BeatEntry>(value);
   if (!entry) return std::nullopt;
   const auto digest = digest_in(entry->digest);
   if (!digest || entry->role > static_cast<std::uint32_t>(cc::Role::active) ||
@@ -224,11 +211,11 @@ std::string Codec::write(const cc::Taken& taken) const {
                      .event_bytes = part.event_bytes,
                      .source = entry_of(part.source)};
   });
-  return bytes_of(entry);
+  return control::bytes_of(entry);
 }
 
 std::optional<cc::Taken> Codec::taken(Text value, std::size_t network) const {
-  const auto entry = message_in<TakenEntry>(value);
+  const auto entry = control::message_in<TakenEntry>(value);
   if (!entry || digest_in(entry->digest) != digest_) return std::nullopt;
   auto through = gateways_of(entry->through);
   if (!through) return std::nullopt;
@@ -261,13 +248,13 @@ std::optional<cc::Taken> Codec::taken(Text value, std::size_t network) const {
 }
 
 std::string Codec::write(const cc::Asked& asked) const {
-  return bytes_of(AskedEntry{.stage = static_cast<std::uint32_t>(asked.stage),
-                             .asking = asked.admission,
-                             .gateways = names_of(asked.gateways)});
+  return control::bytes_of(AskedEntry{.stage = static_cast<std::uint32_t>(asked.stage),
+                                      .asking = asked.admission,
+                                      .gateways = names_of(asked.gateways)});
 }
 
 std::optional<cc::Asked> Codec::asked(Text value) const {
-  auto entry = message_in<AskedEntry>(value);
+  auto entry = control::message_in<AskedEntry>(value);
   if (!entry || entry->stage > static_cast<std::uint32_t>(cc::Stage::ending)) return std::nullopt;
   auto gateways = gateways_of(entry->gateways);
   if (!gateways) return std::nullopt;
@@ -280,14 +267,14 @@ std::string Codec::write(const cc::VoteOf& vote) const {
   const core::Place hop = vote.vote.hop;
   const auto& names = hop.kind == core::Place::Kind::network ? networks_ : gateways_;
   const bool named = !vote.vote.ok && hop.index < names.size();
-  return bytes_of(VoteEntry{.asked = number_of(vote.asked),
-                            .agrees = vote.vote.ok,
-                            .hop = named ? names[hop.index] : std::string(),
-                            .reason = printable(vote.vote.reason)});
+  return control::bytes_of(VoteEntry{.asked = number_of(vote.asked),
+                                     .agrees = vote.vote.ok,
+                                     .hop = named ? names[hop.index] : std::string(),
+                                     .reason = printable(vote.vote.reason)});
 }
 
 std::optional<cc::VoteOf> Codec::vote(Text value) const {
-  const auto entry = message_in<VoteEntry>(value);
+  const auto entry = control::message_in<VoteEntry>(value);
   if (!entry || !is_revision(entry->asked)) return std::nullopt;
   cc::VoteOf vote{.asked = revision_of(entry->asked),
                   .vote = {.ok = entry->agrees, .hop = {}, .reason = printable(entry->reason)}};
@@ -301,15 +288,15 @@ std::optional<cc::VoteOf> Codec::vote(Text value) const {
 }
 
 std::string Codec::write(const cc::Current& current) const {
-  return bytes_of(CurrentEntry{.generation = current.generation,
-                               .digest = octets_of(current.digest),
-                               .former = octets_of(current.former),
-                               .open = current.open,
-                               .waits = current.waits});
+  return control::bytes_of(CurrentEntry{.generation = current.generation,
+                                        .digest = octets_of(current.digest),
+                                        .former = octets_of(current.former),
+                                        .open = current.open,
+                                        .waits = current.waits});
 }
 
 std::optional<cc::Current> Codec::current(Text value) const {
-  auto entry = message_in<CurrentEntry>(value);
+  auto entry = control::message_in<CurrentEntry>(value);
   if (!entry) return std::nullopt;
   const auto digest = digest_in(entry->digest);
   const auto former = digest_in(entry->former);
@@ -322,16 +309,16 @@ std::optional<cc::Current> Codec::current(Text value) const {
 }
 
 std::string Codec::write(const cc::Next& next) const {
-  return bytes_of(NextEntry{.generation = next.generation,
-                            .digest = octets_of(next.digest),
-                            .chunks = next.chunks,
-                            .by = next.by,
-                            .without = next.without,
-                            .patience_ns = next.patience});
+  return control::bytes_of(NextEntry{.generation = next.generation,
+                                     .digest = octets_of(next.digest),
+                                     .chunks = next.chunks,
+                                     .by = next.by,
+                                     .without = next.without,
+                                     .patience_ns = next.patience});
 }
 
 std::optional<cc::Next> Codec::next(Text value) const {
-  auto entry = message_in<NextEntry>(value);
+  auto entry = control::message_in<NextEntry>(value);
   if (!entry) return std::nullopt;
   const auto digest = digest_in(entry->digest);
   if (!digest) return std::nullopt;
@@ -344,12 +331,12 @@ std::optional<cc::Next> Codec::next(Text value) const {
 }
 
 std::string Codec::write(const cc::RolloutVote& vote) const {
-  return bytes_of(JudgedEntry{
+  return control::bytes_of(JudgedEntry{
       .next = number_of(vote.next), .agrees = vote.ok, .reason = printable(vote.reason)});
 }
 
 std::optional<cc::RolloutVote> Codec::rollout_vote(Text value) const {
-  const auto entry = message_in<JudgedEntry>(value);
+  const auto entry = control::message_in<JudgedEntry>(value);
   if (!entry || !is_revision(entry->next)) return std::nullopt;
   return cc::RolloutVote{
       .next = revision_of(entry->next), .ok = entry->agrees, .reason = printable(entry->reason)};
@@ -362,11 +349,11 @@ std::optional<cc::Epoch> Codec::epoch(Text value) const {
 }
 
 std::string text_of(const Asked& asked) {
-  return bytes_of(Asking{.channel = asked.channel, .requests = asked.requests});
+  return control::bytes_of(Asking{.channel = asked.channel, .requests = asked.requests});
 }
 
 std::optional<Asked> asked_in(std::string_view text) {
-  auto asking = message_in<Asking>(text);
+  auto asking = control::message_in<Asking>(text);
   if (!asking || !std::ranges::all_of(asking->requests, [](const control::Request& request) {
         return std::holds_alternative<control::Admit>(request.body);
       }))

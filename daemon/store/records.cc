@@ -17,19 +17,6 @@ using enforce::SlotSpec;
 // Whoever adds what a slot says adds it to its record.
 static_assert(sizeof(SlotSpec) == 104);
 
-std::string bytes_of(const control::Message auto& message) {
-  std::string bytes;
-  control::ProtobufWriter(bytes).fields(message);
-  return bytes;
-}
-
-template <class M>
-std::optional<M> message_in(std::string_view bytes) {
-  auto parsed = control::parse<M>(bytes, control::UnknownField::refuse);
-  if (!parsed) return std::nullopt;
-  return std::move(parsed->message);
-}
-
 Slot record_of(const PlacedSlot& placed) {
   const SlotSpec& s = placed.slot;
   Slot slot{.ifindex = placed.ifindex,
@@ -88,11 +75,11 @@ std::string record_of(const core::Grants& grants) {
   Grants message{grants.set, {}};
   for (const core::Delivery& d : grants.deliveries)
     message.deliveries.push_back({d.publisher, d.admission, d.to});
-  return bytes_of(message);
+  return control::bytes_of(message);
 }
 
 std::optional<core::Grants> grants_in(std::string_view record) {
-  auto message = message_in<Grants>(record);
+  auto message = control::message_in<Grants>(record);
   if (!message) return std::nullopt;
   core::Grants grants{static_cast<std::size_t>(message->set), {}};
   for (Delivery& d : message->deliveries)
@@ -103,11 +90,11 @@ std::optional<core::Grants> grants_in(std::string_view record) {
 std::string record_of(std::span<const PlacedSlot> slots) {
   Slots message;
   for (const PlacedSlot& placed : slots) message.slots.push_back(record_of(placed));
-  return bytes_of(message);
+  return control::bytes_of(message);
 }
 
 std::optional<std::vector<PlacedSlot>> slots_in(std::string_view record, std::uint64_t subject) {
-  const auto message = message_in<Slots>(record);
+  const auto message = control::message_in<Slots>(record);
   if (!message) return std::nullopt;
   std::vector<PlacedSlot> slots;
   for (const Slot& slot : message->slots) {
