@@ -306,10 +306,10 @@ class Clients:
         def take(path, publish):
             def flooded():
                 name = b"\0" + self.of_subscriber.requests[0].announce.local[:5].encode()
-                with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as stranger:
-                    stranger.setblocking(False)
+                with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as unadmitted:
+                    unadmitted.setblocking(False)
                     for _ in range(600):  # raises BlockingIOError where a queue is full
-                        stranger.sendto(SUBJECT.to_bytes(8, "big") + b"flood", name)
+                        unadmitted.sendto(SUBJECT.to_bytes(8, "big") + b"flood", name)
                 return publish()
             return self.subscriber(path, flooded)
         sent, came = self.through([b"go", b"end"], take)

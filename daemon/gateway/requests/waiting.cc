@@ -18,7 +18,7 @@
 namespace mlcca::requests {
 namespace {
 
-/// Somebody who waits. What he has asked for is understood anew whenever it is decided: the
+/// Somebody who waits. What he has asked for is understood again whenever it is decided: the
 /// description may be another one by then.
 class Waiting : public std::enable_shared_from_this<Waiting> {
  public:

@@ -317,7 +317,7 @@ TEST_F(MembershipTest, ADaemonThatStandsStillIsClosedByTheKernelAndItsShareIsGiv
   }
   EXPECT_GE(stopped->bench.clock.monotonic, until);
   EXPECT_TRUE(nodes[0]->bench.state().world().foreign[kSharedBus].bus.empty());
-  // It wakes up: fenced, and joins anew.
+  // It wakes up: fenced, and joins again.
   nodes.insert(nodes.begin(), std::move(stopped));
   at(0).daemon().beat();
   EXPECT_FALSE(passes(0, 2));
