@@ -174,12 +174,13 @@ check-format:
 format: ## format every file in place
 	$(Q)$(CLANG_FORMAT) -i $(FORMATTED)
 
+PRODUCT = $(shell tests/support/product-folders)
 # False alarms are listed with their reasons; what is wrong is corrected.
 cppcheck: ## defects that cppcheck finds without the headers of libraries
-	$(call say,CPPCHK,base client cluster relay control core daemon description tools)
+	$(call say,CPPCHK,$(filter-out bpf include,$(PRODUCT)))
 	$(Q)cppcheck -q -j2 --std=c++20 --language=c++ --enable=warning,performance,portability --max-configs=1 \
 		--suppress=missingInclude --suppressions-list=tests/support/cppcheck.supp --error-exitcode=1 \
-		-D__x86_64__ -D'LIBBPF_OPTS(TYPE,NAME,...)=struct TYPE NAME{}' -Iinclude -I. base client cluster relay control core daemon description tools
+		-D__x86_64__ -D'LIBBPF_OPTS(TYPE,NAME,...)=struct TYPE NAME{}' -Iinclude -I. $(filter-out bpf include,$(PRODUCT))
 
 # clang-tidy matches every check against the headers of a file, too, and for most files they are nine
 # tenths of its time. So it takes a part of the tree as one file, which includes the files of the part; of

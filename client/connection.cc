@@ -324,22 +324,26 @@ void Client::Connection::carry(const PartOf& part, const control::Reply& reply) 
 
 void Client::Connection::on_event(const control::Event& event) {
   const Meaning meaning = meaning_of(event);
-  for (const PartOf& part : parts()) {
+  const auto is_of = [&event](const Channel::Part& part) {
     // Without a delivery only the name is known.
-    const bool of_channel = event.subject != 0 && (event.subject == part->subject ||
-                                                   event.channel == part->request.channel);
-    if (!of_channel && event.subject != 0) continue;
-    // What came before the first answer happened before it was announced.
-    if (meaning == Meaning::happened && part->answer->state == State::unannounced) continue;
-    if (const auto cause = said_further_on(event)) {
-      if (part->request.role == control::Role::subscriber)
-        part->note(*cause, event.message, &event);
-    } else if (meaning == Meaning::happened) {
-      if (event.subject == 0 || part->concerns(event)) on_happened(part, event);
-    } else {
-      if (meaning == Meaning::withdrawn) part->withdraw(event);
-      ask_again(part);
-    }
+    return event.subject == 0 || event.subject == part.subject ||
+           event.channel == part.request.channel;
+  };
+  for (const PartOf& part : parts())
+    if (is_of(*part)) on_event(part, event, meaning);
+}
+
+void Client::Connection::on_event(const PartOf& part, const control::Event& event,
+                                  Meaning meaning) {
+  // What came before the first answer happened before it was announced.
+  if (meaning == Meaning::happened && part->answer->state == State::unannounced) return;
+  if (const auto cause = said_further_on(event)) {
+    if (part->request.role == control::Role::subscriber) part->note(*cause, event.message, &event);
+  } else if (meaning == Meaning::happened) {
+    if (event.subject == 0 || part->concerns(event)) on_happened(part, event);
+  } else {
+    if (meaning == Meaning::withdrawn) part->withdraw(event);
+    ask_again(part);
   }
 }
 

@@ -11,6 +11,7 @@
 
 #include "base/handle.hpp"
 #include "base/result.hpp"
+#include "client/answers.hpp"
 #include "client/data.hpp"
 #include "client/part.hpp"
 #include "control/buffer.hpp"
@@ -59,6 +60,7 @@ class Client::Connection {
   void watch();
   void on_reply(control::Reply reply);
   void on_event(const control::Event& event);
+  void on_event(const PartOf& part, const control::Event& event, Meaning meaning);
   void on_happened(const PartOf& part, const control::Event& event);
   void on_answer(const PartOf& part, const control::Reply& reply);
   void carry(const PartOf& part, const control::Reply& reply);

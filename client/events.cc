@@ -36,7 +36,8 @@ struct __attribute__((visibility("hidden"))) mlcca_events {
   std::string address;
   std::map<std::uint64_t, std::shared_ptr<Part>> ends;
   std::function<void(std::uint64_t end, const Event& event)>
-      on_event;  ///< of mlcca_events_process()
+      on_event;                      ///< of mlcca_events_process()
+  std::uint64_t without_memory = 0;  ///< how often events were lost since memory was at an end
 
   const std::shared_ptr<Part>& end(std::uint64_t number, mlcca_role role);
   std::string use(const std::shared_ptr<Part>& part, std::string_view reply);
@@ -134,7 +135,10 @@ void mlcca_events_process(mlcca_events* events, mlcca_on_event on_event, void* c
       static_cast<void>(events->data.receive(one.data.fd));
     events->data.call_handlers();
   } catch (const std::bad_alloc&) {
+    ++events->without_memory;
   }
 }
 
-uint64_t mlcca_events_lost(const mlcca_events* events) { return events->data.lost(); }
+uint64_t mlcca_events_lost(const mlcca_events* events) {
+  return events->data.lost() + events->without_memory;
+}

@@ -89,6 +89,7 @@ void Carrier::set(std::uint64_t subject, const std::vector<control::Transfer>& t
 
 void Carrier::exchange(std::uint64_t subject, const std::vector<control::Transfer>& transfers) {
   std::vector<const control::Transfer*> fresh;
+  fresh.reserve(transfers.size());
   for (const control::Transfer& transfer : transfers) fresh.push_back(&transfer);
   const auto known = by_subject_.find(subject);
   const auto before = known == by_subject_.end() ? std::vector<std::size_t>{} : known->second;

@@ -84,7 +84,7 @@ class Carrier {
   bool add(const control::Transfer& transfer);
   bool start(const control::Transfer& transfer, Layer& from, Layer& to);
   void note_problem(const std::string& of, const std::string& text);
-  void remove(std::size_t slot);
+  void remove(std::size_t number);
   void carry(const Layer::Arrival& arrival);
   void close(std::uint32_t ifindex);
   void close_unused();

@@ -45,9 +45,9 @@ Event with_tail(Octets content, std::uint8_t tail) {
 }  // namespace
 
 std::uint16_t crc(Octets octets, std::uint16_t begun) {
-  static constexpr auto kTable = table();
+  static constexpr auto sums = table();
   for (const std::uint8_t octet : octets)
-    begun = static_cast<std::uint16_t>(begun << 8U ^ kTable.at((begun >> 8U ^ octet) & 0xffU));
+    begun = static_cast<std::uint16_t>(begun << 8U ^ sums.at((begun >> 8U ^ octet) & 0xffU));
   return begun;
 }
 

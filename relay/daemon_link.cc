@@ -144,10 +144,14 @@ void DaemonLink::receive() {
 }
 
 void DaemonLink::on_reply(control::Reply reply) {
-  if (const auto* event = std::get_if<control::Event>(&reply.body)) return handlers_.event(*event);
+  if (const auto* event = std::get_if<control::Event>(&reply.body)) {
+    handlers_.event(*event);
+    return;
+  }
   if (reply.id == 0) {
     const auto* error = std::get_if<control::Error>(&reply.body);
-    return lose(error == nullptr ? "mlccad sent a reply without a request" : error->message);
+    lose(error == nullptr ? "mlccad sent a reply without a request" : error->message);
+    return;
   }
   // Replies come in the order of the requests, so that slices of two are never mixed.
   if (!whole_) slices_ = 0;

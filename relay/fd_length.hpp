@@ -8,6 +8,13 @@
 
 namespace mlcca::relay {
 
+/// Length of a classic CAN frame; nothing above 8.
+[[nodiscard]] constexpr std::optional<std::uint8_t> classic_length(std::size_t octets) {
+  constexpr std::size_t most = 8;
+  if (octets > most) return std::nullopt;
+  return static_cast<std::uint8_t>(octets);
+}
+
 /// Length of the shortest CAN FD frame that has room for so many octets; nothing above 64.
 [[nodiscard]] inline std::optional<std::uint8_t> fd_length(std::size_t octets) {
   constexpr std::size_t any = 8;  // up to here there are all lengths

@@ -198,6 +198,22 @@ void CanLayer::expire() {
   messages_.expire(now);
 }
 
+/// Those who follow frames of that identifier.
+template <class Use>
+void CanLayer::each_of(std::uint32_t id, const Use& use) const {
+  for (const auto& [mask, by_id] : by_mask_) {
+    const auto known = by_id.find(id & mask);
+    if (known == by_id.end()) continue;
+    for (const Following& f : known->second) use(f);
+  }
+}
+
+/// A frame of that identifier is an event by itself.
+bool CanLayer::is_complete(Form form, std::uint32_t id) {
+  return form == Form::plain || form == Form::transport ||
+         (form == Form::famouso && (id & kFragmentBit) == 0);
+}
+
 void CanLayer::take(const FrameSocket::Frame& frame, const OnEvent& on_event) {
   const std::uint32_t id = frame.frame.can_id;
   if ((id & (CAN_ERR_FLAG | CAN_RTR_FLAG)) != 0 || frame.frame.len > CANFD_MAX_DLEN) return;
@@ -207,49 +223,34 @@ void CanLayer::take(const FrameSocket::Frame& frame, const OnEvent& on_event) {
     if (j1939::is_packet(id)) take_packet(frame, data, on_event);
   }
   bool taken = false;  // once, whoever follows
-  std::optional<std::vector<std::uint8_t>> whole;
-  for (const auto& [mask, by_id] : by_mask_) {
-    const auto known = by_id.find(id & mask);
-    if (known == by_id.end()) continue;
-    for (const Following& f : known->second) {
-      if (!(frame.fd ? f.fd : f.classic)) continue;
-      if (f.form == Form::plain || f.form == Form::transport ||
-          (f.form == Form::famouso && (id & kFragmentBit) == 0)) {
-        hand_over(f, frame, data, on_event);
-        continue;
-      }
-      if (!std::exchange(taken, true))
-        whole = f.form == Form::cyphal ? transfers_.take(id & kPublisherOfCyphal, data, now_())
-                                       : fragments_.take(id & ~kFragmentBit & ~kForm, data, now_());
-      if (whole) hand_over(f, frame, *whole, on_event);
+  std::optional<std::vector<std::uint8_t>> joined;
+  each_of(id, [&](const Following& f) {
+    if (!f.takes(frame)) return;
+    if (is_complete(f.form, id)) {
+      hand_over(f, frame, data, on_event);
+      return;
     }
-  }
-}
-
-/// Those who follow what a frame of that identifier would be, in messages.
-template <class Use>
-void CanLayer::each_of_message(std::uint32_t id, const Use& use) const {
-  for (const auto& [mask, by_id] : by_mask_) {
-    const auto known = by_id.find(id & mask);
-    if (known == by_id.end()) continue;
-    for (const Following& f : known->second)
-      if (f.form == Form::transport) use(f);
-  }
+    if (!std::exchange(taken, true))
+      joined = f.form == Form::cyphal ? transfers_.take(id & kPublisherOfCyphal, data, now_())
+                                      : fragments_.take(id & ~kFragmentBit & ~kForm, data, now_());
+    if (joined) hand_over(f, frame, *joined, on_event);
+  });
 }
 
 void CanLayer::take_announcement(std::uint32_t id, Octets data) {
   const auto message = j1939::Reassembly::announced(id, data);
   if (!message) return;
   bool wanted = false;
-  each_of_message(*message, [&](const Following&) { wanted = true; });
+  each_of(*message, [&](const Following& f) { wanted |= f.form == Form::transport; });
   messages_.announce(id, data, wanted, now_());
 }
 
 void CanLayer::take_packet(const FrameSocket::Frame& frame, Octets data, const OnEvent& on_event) {
   const auto message = messages_.take(frame.frame.can_id, data, now_());
   if (!message) return;
-  each_of_message(message->id,
-                  [&](const Following& f) { hand_over(f, frame, message->event, on_event); });
+  each_of(message->id, [&](const Following& f) {
+    if (f.form == Form::transport) hand_over(f, frame, message->event, on_event);
+  });
 }
 
 /// `last`: the frame that completes the event.
@@ -266,10 +267,7 @@ void CanLayer::hand_over(const Following& to, const FrameSocket::Frame& last, Oc
 
 Sent CanLayer::send_frame(const control::Endpoint& endpoint, std::uint32_t id, Octets data) {
   const bool fd = !endpoint.classic;
-  const auto length = fd ? fd_length(data.size())
-                      : data.size() <= CAN_MAX_DLEN
-                          ? std::optional(static_cast<std::uint8_t>(data.size()))
-                          : std::nullopt;
+  const auto length = fd ? fd_length(data.size()) : classic_length(data.size());
   if (!length || data.size() > endpoint.frame_bytes) return Sent::too_long;
   canfd_frame frame{};
   frame.can_id = id & ~CAN_RTR_FLAG;

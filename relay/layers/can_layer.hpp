@@ -86,6 +86,9 @@ class CanLayer : public Layer {
     bool classic = false;
     bool fd = false;
     std::size_t longest = 0;
+    [[nodiscard]] bool takes(const FrameSocket::Frame& frame) const {
+      return frame.fd ? fd : classic;
+    }
   };
   /// Of one mask, by the bits that it leaves of an identifier.
   using ById = std::unordered_map<std::uint32_t, std::vector<Following>>;
@@ -97,11 +100,12 @@ class CanLayer : public Layer {
   void follow_carriers(const control::Endpoint& endpoint, bool more);
   [[nodiscard]] std::size_t filters() const;
   [[nodiscard]] Result<void> set_filters(std::size_t before);
+  [[nodiscard]] static bool is_complete(Form form, std::uint32_t id);
   void take(const FrameSocket::Frame& frame, const OnEvent& on_event);
   void take_announcement(std::uint32_t id, Octets data);
   void take_packet(const FrameSocket::Frame& frame, Octets data, const OnEvent& on_event);
   template <class Use>
-  void each_of_message(std::uint32_t id, const Use& use) const;
+  void each_of(std::uint32_t id, const Use& use) const;
   void hand_over(const Following& to, const FrameSocket::Frame& last, Octets event,
                  const OnEvent& on_event);
   Sent send_frame(const control::Endpoint& endpoint, std::uint32_t id, Octets data);

@@ -67,7 +67,8 @@ typedef void (*mlcca_on_event)(void* context, uint64_t end, const void* data, si
 MLCCA_API void mlcca_events_process(struct mlcca_events* events, mlcca_on_event on_event,
                                     void* context);
 
-/* Frames and events that came and were not whole, malformed, or lost in a socket. */
+/* Frames and events that came and were not whole, malformed, or lost in a socket, and those for
+ * which there was no memory, counted once for each call that had none. */
 MLCCA_API uint64_t mlcca_events_lost(const struct mlcca_events* events);
 
 #ifdef __cplusplus

@@ -153,6 +153,18 @@ struct Settings {
   Uid uid{};
 };
 
+/// Adds the tags of the system to those that the options state. Errors: two that clash.
+Result<void> add_described(const core::System& system, const std::string& network,
+                           std::vector<TagBroker::Dealt>& tags) {
+  const auto described = described_tags(system, network);
+  if (!described) return std::unexpected(described.error());
+  for (const auto& [subject, tag] : *described) {
+    if (const auto why = clash(tags, subject, tag)) return fail(*why);
+    tags.emplace_back(subject, tag);
+  }
+  return {};
+}
+
 /// "can0", or "can0=NETWORK" of the description. Errors: what is wrong with one of them.
 Result<std::vector<Settings::BrokerOf>> brokers_in(const Options& options) {
   const auto stated = tags_in(options.tags);
@@ -170,13 +182,8 @@ Result<std::vector<Settings::BrokerOf>> brokers_in(const Options& options) {
         if (!read) return fail(description::to_string(read.error().front()));
         system = std::move(*read);
       }
-      const auto described = described_tags(*system, text.substr(equals + 1));
-      if (!described) return fail("--broker " + text + ": " + described.error().text);
-      for (const auto& [subject, tag] : *described)
-        if (const auto why = clash(one.tags, subject, tag))
-          return fail("--broker " + text + ": " + *why);
-        else
-          one.tags.emplace_back(subject, tag);
+      if (const auto done = add_described(*system, text.substr(equals + 1), one.tags); !done)
+        return fail("--broker " + text + ": " + done.error().text);
     }
     out.push_back(std::move(one));
   }
@@ -300,6 +307,7 @@ class Program {
     return ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, fd, &event) == 0;
   }
   [[nodiscard]] int time_to_wait(std::uint64_t now) const;
+  void receive(int fd, std::uint64_t now);
 
   Fd epoll_{::epoll_create1(EPOLL_CLOEXEC)};
   Fd signals_;
@@ -318,7 +326,7 @@ Result<void> Program::prepare(const Options& options, const Settings& settings) 
   for (const auto& [interface, tags] : settings.brokers) {
     auto file = DealtFile::open(options.state_directory + "/" + interface);
     if (!file) return std::unexpected(file.error());
-    const auto log = [interface](const std::string& text) { say(interface + ": " + text); };
+    const auto log = [prefix = interface + ": "](const std::string& text) { say(prefix + text); };
     auto broker = BusBroker::make(settings.uid, std::move(*file), tags, log);
     if (!broker) return fail(interface + ": " + broker.error().text);
     buses_.emplace_back(interface, std::move(*broker));
@@ -353,6 +361,12 @@ int Program::time_to_wait(std::uint64_t now) const {
   return due <= now ? 0 : static_cast<int>((due - now + kInAMilli - 1) / kInAMilli);
 }
 
+void Program::receive(int fd, std::uint64_t now) {
+  for (Bus& bus : buses_)
+    if (bus.fd() == fd) bus.receive(now);
+  if (subscriber_) subscriber_->receive(fd);
+}
+
 int Program::run() {
   notify("READY=1");
   std::array<epoll_event, 64> events{};
@@ -365,9 +379,7 @@ int Program::run() {
     for (int i = 0; i < count; ++i) {
       const int fd = events.at(static_cast<std::size_t>(i)).data.fd;
       if (fd == signals_.get()) return EXIT_SUCCESS;
-      for (Bus& bus : buses_)
-        if (bus.fd() == fd) bus.receive(now);
-      if (subscriber_) subscriber_->receive(fd);
+      receive(fd, now);
     }
     for (Bus& bus : buses_) bus.expire(now);
     if (handler_) handler_->turn(now);
