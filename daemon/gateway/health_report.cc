@@ -83,6 +83,7 @@ void HealthReport::add_own(std::vector<std::string>& to) const {
   if (parts_.membership != nullptr)
     std::ranges::move(parts_.membership->problems(), std::back_inserter(to));
   std::ranges::move(parts_.meshes.problems(), std::back_inserter(to));
+  if (std::string why = parts_.tags.problem(); !why.empty()) to.push_back(std::move(why));
   for (const Tag& tag : parts_.tags.all())
     if (!tag.problem().empty()) to.push_back(tag.name + ": " + tag.problem());
   for (const auto& [id, why] : parts_.admissions.left_out())

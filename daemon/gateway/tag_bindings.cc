@@ -197,6 +197,18 @@ void TagBindings::ask() {
     tag->asked = now;
     tag->wait = tag->wait == 0 ? kFirstTagWait : std::min(2 * tag->wait, kLongestTagWait);
   }
+  std::string why = problem();
+  if (why == reported_) return;
+  if (why.empty())
+    log_.notice(Kind::gateway, "brokers can be asked for tags again");
+  else
+    log_.warning(Kind::gateway, why);
+  reported_ = std::move(why);
+}
+
+std::string TagBindings::problem() const {
+  if (can_.problem().empty() || std::ranges::none_of(tags_.all(), &Tag::is_wanted)) return {};
+  return "no broker can be asked for a tag (systemctl status mlcca-can.socket): " + can_.problem();
 }
 
 void TagBindings::report(const Tag& tag, int priority, std::string message) {

@@ -54,6 +54,8 @@ class TagBindings final : public ConditionSource {
   void poll(bool anyway = false);
   /// Once a second: one request to the broker of each bus for a tag that is not known.
   void ask();
+  /// Why no broker is asked although a tag is not known; empty: no reason.
+  [[nodiscard]] std::string problem() const;
 
   [[nodiscard]] std::span<const Tag> all() const { return tags_.all(); }
 
@@ -82,6 +84,7 @@ class TagBindings final : public ConditionSource {
   CanSender& can_;
   const Clock& clock_;
   Tags tags_;
+  std::string reported_;                 ///< problem() as it was reported last
   std::map<int, std::uint32_t> polled_;  ///< count of a gate's reports that was polled, by
                                          ///< interface
 };

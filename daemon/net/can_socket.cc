@@ -43,15 +43,23 @@ CanSocket::State CanSocket::find_socket() {
       return State::ready;
     }
     auto helper = connect_to_helper(helper_, "mlcca-can.socket");
-    if (!helper) return State::missing;
+    if (!helper) return note_missing(helper.error().text);
     way_ = std::move(helper->socket);
   }
   std::optional<Fd> passed = receive_fd(way_);
   if (!passed) return State::awaited;
   way_.reset();
-  if (!*passed || !make_sender(*passed)) return State::missing;
+  if (!*passed) return note_missing(helper_ + ": mlcca-can ended without handing over a socket");
+  if (const auto done = make_sender(*passed); !done)
+    return note_missing(helper_ + ": what was handed over is " + done.error().text);
   socket_ = std::move(*passed);
+  problem_.clear();
   return State::ready;
+}
+
+CanSocket::State CanSocket::note_missing(std::string why) {
+  problem_ = std::move(why);
+  return State::missing;
 }
 
 bool CanSocket::send(std::uint32_t ifindex, const can_frame& frame) {

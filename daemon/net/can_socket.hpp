@@ -21,14 +21,17 @@ class CanSocket final : public CanSender {
 
   /// False: mlcca-can has been asked for a socket and has not answered yet.
   bool send(std::uint32_t ifindex, const can_frame& frame) override;
+  [[nodiscard]] const std::string& problem() const override { return problem_; }
 
  private:
   enum class State : std::uint8_t { ready, awaited, missing };
   State find_socket();
+  State note_missing(std::string why);
 
   std::string helper_;
   Fd way_;     ///< to mlcca-can, which has been asked
   Fd socket_;  ///< nothing: not yet
+  std::string problem_;
 };
 
 /// What another process hands over is of CAN, and receives nothing from here on.

@@ -4,6 +4,7 @@
 #include <linux/can.h>
 
 #include <cstdint>
+#include <string>
 
 namespace mlcca {
 
@@ -18,6 +19,8 @@ class CanSender {
 
   /// Does not wait. False: it will be able to send soon. A frame that cannot be sent is lost.
   virtual bool send(std::uint32_t ifindex, const can_frame& frame) = 0;
+  /// Why frames cannot be sent; empty: the latest one could, or none has been sent.
+  [[nodiscard]] virtual const std::string& problem() const = 0;
 };
 
 }  // namespace mlcca

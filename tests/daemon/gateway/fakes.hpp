@@ -222,8 +222,9 @@ class FakeGates final : public GateDriver {
   [[nodiscard]] std::vector<Refusals> refusals(std::size_t port) const override;
   [[nodiscard]] std::vector<Refusals> misfits(std::size_t port) const override;
   [[nodiscard]] std::string latest_unknown(std::size_t /*port*/) const override { return "123"; }
-  [[nodiscard]] std::optional<enforce::Bindings> bindings(std::size_t /*port*/) const override {
-    return std::nullopt;
+  [[nodiscard]] std::optional<enforce::Bindings> bindings(std::size_t port) const override {
+    if (tables.empty() || ports_[port].profile != core::Profile::famouso) return std::nullopt;
+    return enforce::Bindings(*tables.at(port));
   }
   [[nodiscard]] std::vector<control::Interface> report() const override;
 
@@ -244,6 +245,7 @@ class FakeGates final : public GateDriver {
   std::map<core::Subject, Frames> counted;          ///< what frames() says of a subject
   std::map<core::Direction, std::uint64_t> passed;  ///< frames() of a single rule, if any
   std::optional<control::Watch> watched;            ///< what watch() says
+  std::vector<std::unique_ptr<gate_table>> tables;  ///< by port, of those of FAMOUSO; none: no tags
 
  private:
   struct PortState {
@@ -310,12 +312,18 @@ class FakeCanRules final : public net::CanRules {
 class FakeCan final : public CanSender {
  public:
   bool send(std::uint32_t ifindex, const can_frame& frame) override {
-    if (ready) sent.emplace_back(ifindex, frame);
+    problem_ = missing;
+    if (ready && missing.empty()) sent.emplace_back(ifindex, frame);
     return ready;
   }
+  [[nodiscard]] const std::string& problem() const override { return problem_; }
 
   bool ready = true;
+  std::string missing;  ///< why nothing can be sent; empty: it can
   std::vector<std::pair<std::uint32_t, can_frame>> sent;
+
+ private:
+  std::string problem_;
 };
 
 }  // namespace mlcca::test

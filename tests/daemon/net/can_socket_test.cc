@@ -144,15 +144,22 @@ TEST_F(Helper, IsAskedOnceUntilItAnswersAndAgainAfterAWrongAnswer) {
   ASSERT_TRUE(first);
   EXPECT_FALSE(accept()) << "it was asked twice";
   ASSERT_TRUE(send_fd(first.get(), Fd(::open("/dev/null", O_RDONLY | O_CLOEXEC))));
+  EXPECT_EQ(can.problem(), "");
   EXPECT_TRUE(can.send(1, {})) << "the frame is lost";
+  EXPECT_EQ(can.problem(), path() + ": what was handed over is not a raw socket of CAN");
   EXPECT_FALSE(can.send(1, {}));
-  EXPECT_TRUE(accept()) << "it is asked again";
+  first = accept();
+  ASSERT_TRUE(first) << "it is asked again";
+  first.reset();
+  EXPECT_TRUE(can.send(1, {})) << "the frame is lost";
+  EXPECT_EQ(can.problem(), path() + ": mlcca-can ended without handing over a socket");
 }
 
 TEST_F(Helper, MayBeMissing) {
   if (has_can()) return;
   CanSocket can(path() + "-of-nobody");
   EXPECT_TRUE(can.send(1, {})) << "the frame is lost";
+  EXPECT_EQ(can.problem(), path() + "-of-nobody: No such file or directory");
 }
 
 }  // namespace
