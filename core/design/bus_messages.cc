@@ -8,7 +8,7 @@
 
 #include "core/admission/route_check.hpp"
 #include "core/can/analysis.hpp"
-#include "core/design/let_through.hpp"
+#include "core/design/bus_responses.hpp"
 #include "mlcca/arithmetic.hpp"
 
 namespace mlcca::core {
@@ -109,7 +109,7 @@ void BusMessages::add(const Situation& situation, const Ledger& ledger, const Ve
                          .set = v.set,
                          .outcome = v.outcome,
                          .held = true,
-                         .let_through = true,
+                         .present = true,
                          .granted_response = std::nullopt,
                          .granted_jitter = 0,
                          .refused_response = std::nullopt,
@@ -134,7 +134,7 @@ void BusMessages::put(BusMessage next) {
     there.sent = next.sent;
   there.outcome = worse(there.outcome, next.outcome);
   there.held = there.held || next.held;
-  there.let_through = there.let_through || next.let_through;
+  there.present = there.present || next.present;
   there.in_vain = there.in_vain || next.in_vain;
   if (next.refused_response) there.refused_response = next.refused_response;
   for (const Place place : next.unknown)
@@ -171,7 +171,7 @@ void BusMessages::add_refused(const Situation& situation, Ledger& ledger, Verdic
          .set = v.set,
          .outcome = v.outcome,
          .held = false,
-         .let_through = places[t.hop] == publisher.place,
+         .present = places[t.hop] == publisher.place,
          .granted_response = std::nullopt,
          .granted_jitter = 0,
          .refused_response =
@@ -215,63 +215,116 @@ std::vector<BusMessage> BusMessages::take(const Situation& situation, Ledger& le
 
 namespace {
 
-using Buses = std::vector<std::optional<can::Assumptions>>;
 using Form = std::optional<can::Message> BusMessage::*;
 
-/// Response times of the messages of one bus, in that form.
-void analyse_bus(const std::vector<BusMessage>& messages, const Buses& buses, std::size_t network,
-                 Form form, std::vector<can::Response>& responses) {
-  std::vector<std::size_t> here;
-  std::vector<can::Message> on_bus;
-  std::vector<bool> let_through;
-  for (std::size_t i = 0; i < messages.size(); ++i) {
-    if (messages[i].network != network || !(messages[i].*form)) continue;
-    here.push_back(i);
-    on_bus.push_back(*(messages[i].*form));
-    on_bus.back().key = i;
-    let_through.push_back(form == &BusMessage::message || messages[i].let_through);
-  }
-  const auto found = responses_beside(*buses[network], on_bus, let_through);
-  for (std::size_t i = 0; i < here.size(); ++i) responses[here[i]] = found[i];
+bool is_from_elsewhere(const BusMessage& m) { return m.from != Flow::kOwn; }
+
+void find_all_known(InspectedBuses& buses) {
+  buses.all_known.assign(buses.assumptions.size(), true);
+  for (std::size_t n = 0; n < buses.varying.size(); ++n)
+    if (!buses.varying[n].empty()) buses.all_known[n] = false;
+  for (const BusMessage& m : buses.messages)
+    if (m.is_counted() && (!m.sent || !m.unknown.empty())) buses.all_known[m.network] = false;
 }
 
-/// The jitter that a message has from the bus before; 0 if there is none.
-Value inherited(const std::vector<BusMessage>& messages,
-                const std::vector<can::Response>& responses, Form form, const BusMessage& m) {
-  if (!m.before) return 0;
-  const std::tuple wanted(m.before->network, m.publisher, m.before->from);
-  const auto last = std::ranges::lower_bound(messages, wanted, {}, order_of);
-  if (last == messages.end() || order_of(*last) != wanted || !((*last).*form)) return 0;
-  const can::Response& r = responses[static_cast<std::size_t>(last - messages.begin())];
-  return r.bounded ? add_saturating(r.response, m.before->added) : can::kNever;
-}
-
-void inherit(std::vector<BusMessage>& messages, const Buses& buses, Form form) {
-  constexpr unsigned most_rounds = 256;  // each makes something later
-  std::vector<can::Response> responses(messages.size());
-  std::vector<bool> stale(buses.size(), true);
-  for (unsigned round = 0; std::ranges::find(stale, true) != stale.end(); ++round) {
-    for (std::size_t n = 0; n < buses.size(); ++n) {
-      if (stale[n] && buses[n]) analyse_bus(messages, buses, n, form, responses);
-      stale[n] = false;
-    }
-    for (BusMessage& m : messages) {
-      if (!(m.*form)) continue;
-      const Value jitter = inherited(messages, responses, form, m);
-      if (jitter <= (m.*form)->jitter) continue;
-      (m.*form)->jitter = round < most_rounds ? jitter : can::kNever;
-      stale[m.network] = true;
-    }
+/// Before it is known where messages may come later than admission found.
+void find_guarded(InspectedBuses& buses) {
+  buses.guarded.assign(buses.assumptions.size(), true);
+  // Whether more can be there than if all best cases hold.
+  std::vector<bool> more = buses.all_known;
+  more.flip();
+  for (const BusMessage& m : buses.messages)
+    if (m.is_counted() && !m.present) more[m.network] = true;
+  for (const BusMessage& m : buses.messages) {
+    if (m.present && !m.held) buses.guarded[m.network] = false;
+    // If it is refused at run time it is sent all the same, and others may be granted in its place.
+    const bool may_be_refused = m.held && m.outcome != Outcome::fit && !is_from_elsewhere(m);
+    if (may_be_refused && more[m.network]) buses.guarded[m.network] = false;
   }
 }
+
+/// Makes jitters those that messages have from the bus before, in one of their forms.
+class Inheritance {
+ public:
+  Inheritance(InspectedBuses& buses, Form form)
+      : buses_(buses), form_(form), responses_(buses.messages.size()) {}
+
+  void run() {
+    constexpr unsigned most_rounds = 256;  // each makes something later
+    std::vector<bool> stale(buses_.assumptions.size(), true);
+    for (unsigned round = 0; std::ranges::find(stale, true) != stale.end(); ++round) {
+      for (std::size_t n = 0; n < stale.size(); ++n) {
+        if (stale[n] && buses_.assumptions[n]) analyse_bus(n);
+        stale[n] = false;
+      }
+      for (BusMessage& m : buses_.messages)
+        if (takes_over(m, round < most_rounds)) stale[m.network] = true;
+    }
+  }
+
+ private:
+  [[nodiscard]] bool is_of_all() const { return form_ == &BusMessage::message; }
+
+  void analyse_bus(std::size_t network) {
+    std::vector<std::size_t> here;
+    std::vector<can::Message> on_bus;
+    std::vector<Standing> standing;
+    for (std::size_t i = 0; i < buses_.messages.size(); ++i) {
+      const BusMessage& m = buses_.messages[i];
+      if (m.network != network || !(m.*form_)) continue;
+      here.push_back(i);
+      on_bus.push_back(*(m.*form_));
+      on_bus.back().key = i;
+      standing.push_back(is_of_all() ? Standing{} : standing_of(buses_, m));
+    }
+    const auto found = responses_beside(*buses_.assumptions[network], on_bus, standing,
+                                        is_of_all() || buses_.all_known[network]);
+    for (std::size_t i = 0; i < here.size(); ++i) responses_[here[i]] = found[i].response;
+  }
+
+  [[nodiscard]] const BusMessage* before(const BusMessage& m) const {
+    if (!m.before) return nullptr;
+    const std::tuple wanted(m.before->network, m.publisher, m.before->from);
+    const auto last = std::ranges::lower_bound(buses_.messages, wanted, {}, order_of);
+    const bool found = last != buses_.messages.end() && order_of(*last) == wanted && (*last).*form_;
+    return found ? &*last : nullptr;
+  }
+
+  /// True: something there may be later now.
+  bool takes_over(BusMessage& m, bool bounded) {
+    const BusMessage* const last = m.*form_ ? before(m) : nullptr;
+    if (last == nullptr) return false;
+    const bool guarded_before = is_of_all() || buses_.guarded[last->network];
+    bool changed = false;
+    if (!guarded_before && !buses_.all_known[last->network] && m.is_counted()) {
+      changed = buses_.all_known[m.network];
+      buses_.all_known[m.network] = false;
+    }
+    const can::Response& r = responses_[static_cast<std::size_t>(last - buses_.messages.data())];
+    const Value jitter =
+        r.bounded && bounded ? add_saturating(r.response, m.before->added) : can::kNever;
+    if (jitter > (m.*form_)->jitter) {
+      (m.*form_)->jitter = jitter;
+      changed = true;
+    }
+    if (changed && !guarded_before && m.is_counted()) buses_.guarded[m.network] = false;
+    return changed;
+  }
+
+  InspectedBuses& buses_;
+  Form form_;
+  std::vector<can::Response> responses_;
+};
 
 }  // namespace
 
-void inherit_jitter(std::vector<BusMessage>& messages, const Buses& buses) {
+void inherit_jitter(InspectedBuses& buses) {
+  find_all_known(buses);
+  find_guarded(buses);
   const auto is_whole = [](const BusMessage& m) { return m.held && m.outcome != Outcome::unfit; };
-  if (std::ranges::all_of(messages, is_whole)) return;
-  inherit(messages, buses, &BusMessage::message);
-  inherit(messages, buses, &BusMessage::sent);
+  if (std::ranges::all_of(buses.messages, is_whole)) return;
+  Inheritance(buses, &BusMessage::message).run();
+  Inheritance(buses, &BusMessage::sent).run();
 }
 
 }  // namespace mlcca::core

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/admission/admission.hpp"
+#include "core/can/analysis.hpp"
 #include "core/can/message.hpp"
 #include "core/model/verdict.hpp"
 #include "core/reserve/ledger.hpp"
@@ -24,15 +25,15 @@ struct BusMessage {
   /// With the jitter of the way so far and the deadline that is left for this bus; nothing where
   /// the description does not say enough.
   std::optional<can::Message> message;
-  /// The same with the jitter that it has beside what is let through, and of what is held the
+  /// The same with the jitter that it has beside what counts there, and of what is held the
   /// deadline of that alone.
   std::optional<can::Message> sent;
   std::size_t set = 0;  ///< attribute set
   /// The worst of what is decided about those behind the bus: fit is granted with certainty, to
   /// everybody.
   Outcome outcome = Outcome::fit;
-  bool held = false;         ///< granted to somebody, at best perhaps: the ledger holds it
-  bool let_through = false;  ///< it can really be on the bus: see let_through.hpp
+  bool held = false;     ///< granted to somebody, at best perhaps: the ledger holds it
+  bool present = false;  ///< on the bus if all best cases hold: held, or sent there though refused
   /// With nothing on the buses but what is granted, if this is: as of Schedule, kNever if not
   /// bounded, and the jitter with it.
   std::optional<Value> granted_response;
@@ -50,15 +51,30 @@ struct BusMessage {
     Value added = 0;  ///< ns
   };
   std::optional<Before> before;
+
+  /// It can be on the bus, at run time perhaps in the place of others.
+  [[nodiscard]] bool is_counted() const { return present || outcome == Outcome::run_time; }
+};
+
+/// What is on the analysed buses. Vectors by network.
+struct InspectedBuses {
+  std::vector<std::optional<can::Assumptions>> assumptions;  ///< where analysed
+  std::vector<BusMessage> messages;                          ///< by network, then publisher
+  /// Nothing can be there that admission did not find in time with all others: so what is granted
+  /// is in time, whatever holds at run time.
+  std::vector<bool> guarded;
+  /// Nothing can be there in another form than that of the messages above.
+  std::vector<bool> all_known;
+  /// Channels that may use another attribute set or way than the messages above have.
+  std::vector<std::vector<std::size_t>> varying;
 };
 
 /// Makes the jitter of what is refused that which it would have: as late as the bus before lets it
-/// be, in `message` with all messages on all buses, in `sent` with those that are let through.
-/// `messages` are in the order of BusMessages::take(). Whatever is granted is in time everywhere,
-/// so if everything is nothing changes. Not bounded there: can::kNever. `buses`: of each network,
-/// where analysed.
-void inherit_jitter(std::vector<BusMessage>& messages,
-                    const std::vector<std::optional<can::Assumptions>>& buses);
+/// be, in `message` with all messages on all buses, in `sent` with those that count. Whatever is
+/// granted is in time everywhere, so if everything is nothing changes. Not bounded there:
+/// can::kNever. Finds out which buses are guarded, and of which all is known. `buses` has all else,
+/// messages in the order of BusMessages::take().
+void inherit_jitter(InspectedBuses& buses);
 
 class BusMessages {
  public:

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/admission/allocation.hpp"
+#include "core/admission/route_check.hpp"
 #include "core/admission/senders.hpp"
 #include "core/admission/world.hpp"
 #include "core/can/analysis.hpp"
@@ -168,12 +169,38 @@ class Inspector {
 
   void report_buses(const Situation& situation) {
     buses_->messages = messages_.take(situation, ledger_);
+    find_varying(situation);
     for (std::size_t n = 0; n < s_.networks.size(); ++n) {
       const can::Schedule* bus = ledger_.schedule(n);
       buses_->assumptions.push_back(bus != nullptr ? std::optional(bus->assumptions())
                                                    : std::nullopt);
     }
-    inherit_jitter(buses_->messages, buses_->assumptions);
+    inherit_jitter(*buses_);
+  }
+
+  /// Where channels may be that use another attribute set or another way in some cases.
+  void find_varying(const Situation& situation) {
+    buses_->varying.assign(s_.networks.size(), {});
+    for (const auto& [c, decision] : waiting_) {
+      const bool open = std::ranges::any_of(
+          decision.verdicts, [](const Verdict& v) { return v.outcome == Outcome::run_time; });
+      if (!open && !out_.channels[c].open_set) continue;
+      for (const std::size_t n : networks_of_ways(situation, c)) buses_->varying[n].push_back(c);
+    }
+  }
+  /// Of publishers and targets between which there is more than one attribute set or way.
+  [[nodiscard]] std::set<std::size_t> networks_of_ways(const Situation& situation,
+                                                       std::size_t c) const {
+    std::set<std::size_t> networks;
+    for (const std::size_t p : members_.publishers_of(c))
+      for (const Target& target : targets_of(members_, c)) {
+        const auto& routes = situation.topology.routes(members_.publisher(p).place, target.place);
+        if (routes.size() < 2 && sets_of(s_, c) < 2) continue;
+        for (const Route& route : routes)
+          for (const Place place : route)
+            if (place.kind == Place::Kind::network) networks.insert(place.index);
+      }
+    return networks;
   }
 
   void check_meshes() {

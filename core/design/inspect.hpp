@@ -26,16 +26,11 @@ struct ChannelResult {
   bool open_set = false;           ///< which one is used depends on which best cases hold
 };
 
-/// What is on the analysed buses.
-struct InspectedBuses {
-  std::vector<std::optional<can::Assumptions>> assumptions;  ///< of each network, where analysed
-  std::vector<BusMessage> messages;                          ///< by network, then publisher
-};
-
 /// A message on a bus and its response time, if all messages there are sent.
 struct SentMessage {
   const BusMessage* message = nullptr;
   can::Response response;
+  bool by_admission = false;  ///< see bus_responses.hpp
 };
 /// Of one network, those of which the description says enough; none where it is not analysed.
 [[nodiscard]] std::vector<SentMessage> all_sent(const InspectedBuses& buses, std::size_t network);

@@ -19,8 +19,8 @@
 
 #include "core/can/level.hpp"
 #include "core/can/sender.hpp"
+#include "core/design/bus_responses.hpp"
 #include "core/design/hints.hpp"
-#include "core/design/let_through.hpp"
 #include "core/model/text.hpp"
 #include "tools/design/analyse_bus/bus.hpp"
 #include "tools/design/analyse_bus/write.hpp"
@@ -173,7 +173,7 @@ struct Harm {
   bool lost = false;  ///< one would be in time, and its queue too short
 };
 
-/// `messages`: those that are let through, `fit` without the others.
+/// `messages`: those that count, `fit` without the others.
 Harm harm_of_uncounted(const Bus& bus, std::vector<core::can::Message> messages,
                        const std::vector<bool>& fit) {
   if (bus.uncounted.empty()) return {};
@@ -193,22 +193,23 @@ Harm harm_of_uncounted(const Bus& bus, std::vector<core::can::Message> messages,
   return harm;
 }
 
-/// The same of a message that is not let through: it makes no other one unbounded.
+/// The same of a message that does not count: it makes no other one unbounded.
 std::string unbounded_elsewhere(const Bus& bus) {
-  const auto found = std::ranges::find_if(
-      bus.messages, [](const BusMessage& m) { return !m.let_through && !m.unbounded_on.empty(); });
+  const auto found = std::ranges::find_if(bus.messages, [](const BusMessage& m) {
+    return !m.standing.counted && !m.unbounded_on.empty();
+  });
   if (found == bus.messages.end()) return {};
   return fmt::format("{} is not bounded here: it is not bounded on {}, from where it comes.",
                      printable(found->name), printable(found->unbounded_on));
 }
 
-/// The same with those messages alone that are let through.
-AnalysedBus let_through(const AnalysedBus& all) {
+/// The same with those messages alone that count.
+AnalysedBus counted(const AnalysedBus& all) {
   AnalysedBus out;
   out.bus = all.bus;
   out.bus.messages.clear();
   for (std::size_t i = 0; i < all.bus.messages.size(); ++i) {
-    if (!all.bus.messages[i].let_through) continue;
+    if (!all.bus.messages[i].standing.counted) continue;
     out.bus.messages.push_back(all.bus.messages[i]);
     out.responses.push_back(all.responses[i]);
     out.fit.push_back(all.fit[i]);
@@ -216,23 +217,34 @@ AnalysedBus let_through(const AnalysedBus& all) {
   return out;
 }
 
-/// Of each message how it is beside what is let through.
+/// Of each message how it is beside what counts.
 void analyse_messages(AnalysedBus& result) {
   const Bus& bus = result.bus;
   std::vector<core::can::Message> messages;
-  std::vector<bool> let_through;
+  std::vector<core::Standing> standing;
   for (const BusMessage& m : bus.messages) {
     messages.push_back(m.sent());
-    let_through.push_back(m.let_through);
+    standing.push_back(m.standing);
   }
-  result.responses = core::responses_beside(bus.assumptions, messages, let_through);
+  for (const core::BusResponse& r :
+       core::responses_beside(bus.assumptions, messages, standing, bus.all_known)) {
+    result.responses.push_back(r.response);
+    result.by_admission.push_back(r.by_admission);
+  }
   for (std::size_t i = 0; i < messages.size(); ++i) {
     const bool fit = fits(bus.assumptions, messages[i], result.responses[i]);
     result.fit.push_back(fit);
-    if (!bus.messages[i].let_through) continue;
+    if (!bus.messages[i].standing.counted) continue;
     result.late = result.late || !result.responses[i].meets(messages[i].deadline);
     result.schedulable = result.schedulable && fit;
   }
+}
+
+core::BusLoad load_of(const AnalysedBus& there) {
+  std::vector<core::BusLoadPart> parts;
+  parts.reserve(there.bus.messages.size());
+  for (const BusMessage& m : there.bus.messages) parts.push_back({m.sent(), m.present});
+  return core::load_of(there.bus.assumptions, parts);
 }
 
 AnalysedBus analysed(Bus bus, bool assign) {
@@ -248,13 +260,13 @@ AnalysedBus analysed(Bus bus, bool assign) {
   result.bus = std::move(bus);
   analyse_messages(result);
   if (std::ranges::any_of(result.bus.messages, &BusMessage::in_vain)) result.schedulable = false;
-  const AnalysedBus there = let_through(result);
+  const AnalysedBus there = counted(result);
   const auto sent = messages_of(there.bus, &BusMessage::sent);
   const Harm harm = harm_of_uncounted(there.bus, sent, there.fit);
   result.met_alone = !result.late && harm.late;
   result.kept_alone = harm.lost;
   result.schedulable = result.schedulable && result.bus.sure && !result.met_alone && !harm.lost;
-  result.load = utilisation_ppm(there.bus.assumptions, sent);
+  result.load = load_of(there);
   result.why_unbounded = unbounded_words(there, sent);
   if (result.why_unbounded.empty()) result.why_unbounded = unbounded_elsewhere(result.bus);
   result.assigned = assign;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/can/message.hpp"
+#include "core/design/bus_responses.hpp"
 #include "mlcca/satisfies.hpp"
 
 namespace mlcca::tools::design {
@@ -24,7 +25,8 @@ struct BusMessage {
   std::optional<bool> granted;     ///< of a description: whether check grants it, with certainty
   Outcome outcome = Outcome::fit;  ///< what check says of it
   bool held = true;         ///< of a description: check grants it, or would where best cases hold
-  bool let_through = true;  ///< it can really be on the bus: core/design/let_through.hpp
+  bool present = true;      ///< on the bus if all best cases hold
+  core::Standing standing;  ///< whether it counts: core/design/bus_responses.hpp
   /// Of what is granted: the response with what else is, and what of it is this bus's; ns.
   std::optional<std::uint64_t> granted_response;
   std::uint64_t granted_on_bus = 0;
@@ -36,7 +38,7 @@ struct BusMessage {
   std::string unbounded_on;     ///< bus on the way before where it is not bounded, so that its
                                 ///< jitter here is kNever
   core::can::Message message;   ///< as it is with all messages on all buses
-  /// As it is beside what is let through; nothing: the same.
+  /// As it is beside what counts; nothing: the same.
   std::optional<core::can::Message> beside;
 
   [[nodiscard]] const core::can::Message& sent() const { return beside ? *beside : message; }
@@ -50,8 +52,9 @@ struct Bus {
   /// What is not stated although bounds depend on it, and what is left out: sentences.
   std::vector<std::string> unknown;
   std::vector<std::string> left_out;
-  /// Nothing is unknown of what is let through: bounds hold.
+  /// Nothing is unknown of what counts, or of what is granted: bounds hold.
   bool sure = true;
+  bool all_known = true;  ///< nothing else can be there than the messages that count
   /// Of what is left out: what it sends here if it does; nothing where the description does not say
   /// enough.
   std::vector<std::optional<core::can::Message>> uncounted;

@@ -101,6 +101,7 @@ class DescribedBuses {
     name_ways(bus);
     std::ranges::move(clashes_on(n, bus), std::back_inserter(bus.why_not));
     add_lacking(bus);
+    add_varying(n, bus);
     for (const core::Finding& f : inspection_.findings) {
       if (f.id == core::FindingId::unused_publisher && is_on(f.publisher, n)) {
         bus.left_out.push_back(f.text);
@@ -139,14 +140,25 @@ class DescribedBuses {
     return message;
   }
 
+  /// What may come in another form than that of the messages.
+  void add_varying(std::size_t n, Bus& bus) const {
+    bus.all_known = inspected_.all_known[n];
+    if (!inspected_.guarded[n] && !bus.all_known) bus.sure = false;
+    for (const std::size_t c : inspected_.varying[n])
+      bus.unknown.push_back(fmt::format(
+          "which attribute set or which way channel {} uses is decided at run time: it counts as "
+          "if all best cases hold",
+          system_.channels[c].name));
+  }
+
   /// What is not known of messages. Without any message there is nothing to say of a bus.
   void add_lacking(Bus& bus) {
-    for (const auto& [text, let_through] : std::exchange(lacking_, {})) {
+    for (const auto& [text, standing] : std::exchange(lacking_, {})) {
       if (bus.messages.empty()) {
         bus.why_not.push_back(text);
-      } else if (let_through) {
+      } else if (standing.counted) {
         bus.unknown.push_back(text + "; it counts as nothing");
-        bus.sure = false;
+        bus.sure = bus.sure && standing.admitted;
       } else {
         bus.left_out.push_back(text +
                                "; mlccactl check refuses it, and it does not come to this bus");
@@ -162,7 +174,7 @@ class DescribedBuses {
       const bool of_network = lacks_data_rate(network, binding);
       lacking_.emplace_back(
           at(of_network ? network.origin : p.origin, why_not(p, network, binding)),
-          from.let_through);
+          core::standing_of(inspected_, from));
       return;
     }
     const AttributeSet& offered = core::attributes_in(p, from.set);
@@ -178,7 +190,8 @@ class DescribedBuses {
     m.granted = from.outcome == Outcome::fit;
     m.outcome = from.outcome;
     m.held = from.held;
-    m.let_through = from.let_through;
+    m.present = from.present;
+    m.standing = core::standing_of(inspected_, from);
     if (from.granted_response && *from.granted_response != core::can::kNever) {
       m.granted_response = from.granted_response;
       m.granted_on_bus = *from.granted_response - from.granted_jitter;
@@ -192,7 +205,7 @@ class DescribedBuses {
     m.message.key = core::Ledger::key_of({from.publisher, from.network, from.from});
     if (m.beside) m.beside->key = m.message.key;
     froms_.push_back(from.from);
-    if (from.let_through && !from.unknown.empty()) bus.sure = false;
+    if (m.standing.counted && !m.standing.admitted && !from.unknown.empty()) bus.sure = false;
     for (const Place place : from.unknown)
       bus.unknown.push_back(fmt::format("how long {} delays events of {} is not known{}",
                                         core::name_of(system_, place), p.name,
@@ -293,8 +306,8 @@ class DescribedBuses {
   core::Inspection inspection_;
   core::InspectedBuses inspected_;
   std::vector<std::size_t> froms_;  ///< of all messages, in their order
-  /// Of messages of the bus that are not known: what, and whether they are let through.
-  std::vector<std::pair<std::string, bool>> lacking_;
+  /// Of messages of the bus that are not known: what, and whether they count.
+  std::vector<std::pair<std::string, core::Standing>> lacking_;
   std::vector<Bus> buses_;
   std::vector<std::string> problems_;
 };

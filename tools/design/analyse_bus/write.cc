@@ -17,6 +17,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t kMicrosecond = 1'000;  // ns
 constexpr double kWhole = 1e6;                 // 1e-6 units
+constexpr int kFormVersion = 1;                // of the JSON
 
 std::string in_us(std::uint64_t ns) {
   if (ns == core::can::kNever) return "-";
@@ -76,7 +77,7 @@ bool has_length(const core::can::Queue& queue) {
 std::string verdict_of(const AnalysedBus& analysed, std::size_t i) {
   switch (fate_of(analysed, i)) {
     case Fate::met:
-      return {};
+      return analysed.by_admission[i] ? "by admission" : "";
     case Fate::late:
       return "late";
     case Fate::not_bounded:
@@ -137,8 +138,8 @@ std::string_view word_of(Outcome outcome) {
 bool has_short_queue(const AnalysedBus& analysed) {
   for (std::size_t i = 0; i < analysed.responses.size(); ++i)
     if (const auto* queue = queue_of(analysed, i);
-        queue != nullptr && analysed.bus.messages[i].let_through && analysed.responses[i].bounded &&
-        analysed.responses[i].queued_frames > queue->length)
+        queue != nullptr && analysed.bus.messages[i].standing.counted &&
+        analysed.responses[i].bounded && analysed.responses[i].queued_frames > queue->length)
       return true;
   return false;
 }
@@ -148,43 +149,49 @@ std::string assumed_text(const AnalysedBus& analysed) {
   bool differs = false;
   bool dropped = false;
   bool competes = false;
+  bool by_admission = false;
   bool late_though_granted = false;
   for (std::size_t i = 0; i < analysed.responses.size(); ++i) {
     const BusMessage& m = analysed.bus.messages[i];
     differs = differs || !checked_of(m, analysed.responses[i]).empty();
-    dropped = dropped || (!m.let_through && m.outcome == Outcome::unfit);
-    competes = competes || (!m.let_through && m.outcome == Outcome::run_time);
+    dropped = dropped || !m.standing.counted;
+    competes = competes || (m.standing.counted && !m.present);
+    by_admission = by_admission || analysed.by_admission[i];
     late_though_granted = late_though_granted || (m.held && m.granted_response &&
                                                   !analysed.responses[i].meets(m.sent().deadline));
   }
   std::string text;
   if (differs)
     text +=
-        "Response us: what mlccactl check grants sends, and whatever else the bus's own nodes "
-        "send. "
-        "Check us: only what it grants, and the message of the row.\n";
+        "Check us counts what mlccactl check grants, and the message of the row. Response us also "
+        "counts what the bus's own nodes send although it is refused.\n";
   if (late_though_granted)
     text +=
         "mlccactl check grants a message that is late here: it counts what it refuses as silent, "
-        "and no gate keeps off the bus what its own nodes send.\n";
+        "but no gate is between a bus and its own nodes.\n";
   if (dropped)
     text +=
-        "What is refused and comes from elsewhere is dropped before this bus: its times are as if "
-        "it came.\n";
+        "What is refused and comes from another network is dropped before this bus. Its row says "
+        "how "
+        "late it would be if it came.\n";
   if (competes)
     text +=
-        "What may be granted in the place of others, at run time, is not counted beside them: with "
-        "it "
-        "times can be longer, and what is granted is in time all the same.\n";
+        "Response us also counts what may be granted in the place of others, as if all of it came "
+        "at once.\n";
+  if (by_admission)
+    text +=
+        "By admission: the response is the deadline, or less. A gateway grants nothing beside "
+        "which "
+        "a granted message would be late, and the analysis of all at once has no smaller bound.\n";
   return text;
 }
 
 std::string messages(std::size_t n) { return n == 1 ? "1 message" : fmt::format("{} messages", n); }
 
-/// What becomes of the deadlines of what is let through.
+/// What becomes of the deadlines of what counts.
 std::string deadlines_of(const AnalysedBus& analysed) {
   const auto& all = analysed.bus.messages;
-  if (!all.empty() && std::ranges::none_of(all, &BusMessage::let_through))
+  if (!all.empty() && std::ranges::none_of(all, [](const auto& m) { return m.standing.counted; }))
     return "nothing is let through";
   if (analysed.late) return "a deadline can be missed";
   if (!analysed.bus.sure) return "whether every deadline is met is not known";
@@ -269,6 +276,15 @@ std::string sizes_text(const Bus& bus) {
       names);
 }
 
+std::string load_text(const core::BusLoad& load) {
+  const auto percent = [](std::uint64_t ppm) { return static_cast<double>(ppm) * 100 / kWhole; };
+  std::string text = fmt::format("Bus load {:.2f} %", percent(load.present));
+  if (load.at_most != load.present)
+    text += fmt::format(", up to {:.2f} % with what may be granted in the place of others,",
+                        percent(load.at_most));
+  return text;
+}
+
 std::string bus_text(const AnalysedBus& analysed, Color color) {
   const Bus& bus = analysed.bus;
   std::string text;
@@ -304,8 +320,7 @@ std::string bus_text(const AnalysedBus& analysed, Color color) {
                 : "What is described here has no subscriber, and is not counted.\n";
   else
     text += table.text(color);
-  text += fmt::format("Bus load {:.2f} % at {}", static_cast<double>(analysed.load) * 100 / kWhole,
-                      print_bitrate(bus.assumptions.timing.bitrate));
+  text += load_text(analysed.load) + " at " + print_bitrate(bus.assumptions.timing.bitrate);
   if (bus.assumptions.timing.data_bitrate != 0)
     text +=
         fmt::format(", {} in the data phase", print_bitrate(bus.assumptions.timing.data_bitrate));
@@ -345,7 +360,8 @@ Json message_json(const AnalysedBus& analysed, std::size_t i) {
   if (m.granted) {
     out["granted"] = *m.granted;
     out["outcome"] = word_of(m.outcome);
-    out["let_through"] = m.let_through;
+    out["counted"] = m.standing.counted;
+    out["by_admission"] = static_cast<bool>(analysed.by_admission[i]);
   }
   if (m.granted_response) {
     out["granted_response_us"] = as_us(*m.granted_response);
@@ -382,7 +398,8 @@ Json bus_json(const AnalysedBus& analysed) {
   out["bitrate"] = bus.assumptions.timing.bitrate;
   if (bus.assumptions.timing.data_bitrate != 0)
     out["data_bitrate"] = bus.assumptions.timing.data_bitrate;
-  out["bus_load"] = static_cast<double>(analysed.load) / kWhole;
+  out["bus_load"] = static_cast<double>(analysed.load.present) / kWhole;
+  out["bus_load_at_most"] = static_cast<double>(analysed.load.at_most) / kWhole;
   out["schedulable"] = analysed.schedulable;
   if (!analysed.why_unbounded.empty()) out["not_bounded"] = analysed.why_unbounded;
   if (!bus.unknown.empty()) out["unknown"] = bus.unknown;
@@ -419,7 +436,7 @@ std::string write_text(const std::vector<AnalysedBus>& buses, Color color) {
 }
 
 std::string write_json(const std::vector<AnalysedBus>& buses) {
-  Json out{{"schedulable", true}, {"networks", Json::array()}};
+  Json out{{"version", kFormVersion}, {"schedulable", true}, {"networks", Json::array()}};
   for (const AnalysedBus& bus : buses) {
     if (!bus.schedulable || refused_by_check(bus) != 0) out["schedulable"] = false;
     out["networks"].push_back(bus_json(bus));

@@ -14,14 +14,15 @@ namespace mlcca::tools::design {
 
 struct AnalysedBus {
   Bus bus;                                     ///< messages in the order of arbitration
-  std::vector<core::can::Response> responses;  ///< of these, beside what is let through
+  std::vector<core::can::Response> responses;  ///< of these, beside what counts
+  std::vector<bool> by_admission;              ///< that is the bound: core/design/bus_responses.hpp
   std::vector<bool> fit;                       ///< in time, with room in the queue
-  bool late = false;                           ///< one that is let through is, or is not bounded
+  bool late = false;                           ///< one that counts is, or is not bounded
   bool met_alone = false;     ///< none is, but one would be if what is not counted sends
   bool kept_alone = false;    ///< a queue that is long enough would not be if that sends
   bool schedulable = true;    ///< all fit, as far as is known, and check refuses none for the bus
   std::string why_unbounded;  ///< a sentence, if one is not
-  std::uint64_t load = 0;     ///< 1e-6 of the bus time
+  core::BusLoad load;         ///< 1e-6 of the bus time
   bool assigned = false;      ///< an order was searched for
   std::optional<std::vector<std::size_t>> order;  ///< highest priority first, if there is one
 };

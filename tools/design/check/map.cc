@@ -9,7 +9,7 @@
 #include <string>
 #include <tuple>
 
-#include "core/design/let_through.hpp"
+#include "core/design/bus_responses.hpp"
 #include "core/model/text.hpp"
 #include "tools/design/check/rows.hpp"
 
@@ -29,16 +29,16 @@ bool is_best_case(const AttributeSet& provision, const core::UserValues& user) {
 }
 
 /// The largest part of what may be taken of a network; nothing: no limit is known.
-/// `on_bus_ppm`: time of an analysed bus that is taken.
+/// `on_bus`: of an analysed bus.
 std::optional<double> part_of(const core::Network& network, const core::NetworkLoad& load,
-                              std::optional<std::uint64_t> on_bus_ppm) {
+                              const std::optional<core::BusLoad>& on_bus) {
   std::optional<double> most;
   const auto take = [&](double part) { most = std::max(most.value_or(0.0), part); };
   const auto capacity = static_cast<double>(network.provision[Attribute::bandwidth]);
   if (network.provision.has(Attribute::bandwidth) && capacity > 0)
     take(static_cast<double>(load.reserved) / capacity);
-  if (on_bus_ppm)
-    take(static_cast<double>(*on_bus_ppm) / core::mesh::kWhole);
+  if (on_bus)
+    take(static_cast<double>(on_bus->present) / core::mesh::kWhole);
   else if (load.time_ppm)
     take(static_cast<double>(*load.time_ppm) /
          (network.mesh ? std::max(network.mesh->limit, 1U) : core::mesh::kWhole));
@@ -104,8 +104,7 @@ class Mapper {
       note += note.empty() ? "best cases only" : ", best cases only";
     add_errors(out, network.name, note);
     if (n < r_.inspection.networks.size())
-      if (const auto part =
-              part_of(network, r_.inspection.networks[n], core::let_through_ppm(r_.buses, n)))
+      if (const auto part = part_of(network, r_.inspection.networks[n], core::load_on(r_.buses, n)))
         out["load"] = *part;
     return out;
   }

@@ -11,7 +11,7 @@
 
 #include "core/can/analysis.hpp"
 #include "core/can/of_system.hpp"
-#include "core/design/let_through.hpp"
+#include "core/design/bus_responses.hpp"
 #include "core/mesh/roles.hpp"
 #include "core/model/text.hpp"
 #include "tools/design/check/tables.hpp"
@@ -52,9 +52,10 @@ Said said_of_other(const core::BusMessage& m) {
   return {"✕", m.in_vain ? "others would be late" : "refused for another reason", "unfit"};
 }
 
-/// `r`: beside what is let through.
-Response response_of(const core::BusMessage& m, const core::can::Response& r,
+/// `sent`: beside what counts.
+Response response_of(const core::BusMessage& m, const core::SentMessage& sent,
                      const core::can::Assumptions& bus) {
+  const core::can::Response& r = sent.response;
   if (!m.sent)
     return {verdict({"?", "not analysed: the description does not say enough", "run-time"}), "", "",
             ""};
@@ -64,7 +65,7 @@ Response response_of(const core::BusMessage& m, const core::can::Response& r,
   out.deadline = time_text(deadline);
   // What check refuses it for, where it does not come to the bus and so has no other time there.
   std::optional<Value> response = m.refused_response;
-  if (m.let_through) response = r.bounded ? r.response : core::can::kNever;
+  if (m.is_counted()) response = r.bounded ? r.response : core::can::kNever;
   if (!response) return out;
   if (*response == core::can::kNever) {
     out.time = time_text(*response);
@@ -72,6 +73,7 @@ Response response_of(const core::BusMessage& m, const core::can::Response& r,
   }
   const auto words = core::format_bound(Attribute::latency, *response, deadline);
   out.time = words.bound;
+  if (sent.by_admission) out.time += " <span class=\"quiet\">by admission</span>";
   out.deadline = words.limit;
   out.left = *response <= deadline ? time_text(deadline - *response) + " to spare"
                                    : time_text(*response - deadline) + " too late";
@@ -103,18 +105,13 @@ std::string way_in(const core::System& system, const core::BusMessage& m) {
 std::string counted_words(const std::vector<const core::BusMessage*>& messages) {
   bool refused = false;
   bool unknown = false;
-  bool competes = false;
   for (const core::BusMessage* m : messages) {
-    refused = refused || (m->let_through && !m->held && m->sent);
-    unknown = unknown || (m->let_through && !m->sent);
-    competes = competes || (!m->let_through && m->outcome == Outcome::run_time);
+    refused = refused || (m->present && !m->held && m->sent);
+    unknown = unknown || (m->present && !m->sent);
   }
   std::string words = "what is granted";
   if (refused) words += " and what its own nodes send though it is refused";
   if (unknown) words += "; how much others of them send is not known";
-  if (competes)
-    words +=
-        "; what may be granted in the place of others is not counted: with it times can be longer";
   return words;
 }
 
@@ -123,9 +120,9 @@ std::string bus_table(const SystemReport& report, std::size_t n) {
   const core::Network& network = system.networks[n];
   Rows rows("Bus " + html_text(network.name),
             {"Message", "Identifier", "In time", "Response, at most", "Deadline", "Left"});
-  std::map<const core::BusMessage*, core::can::Response> responses;
+  std::map<const core::BusMessage*, core::SentMessage> responses;
   for (const core::SentMessage& sent : core::sent_beside(report.buses, n))
-    responses[sent.message] = sent.response;
+    responses[sent.message] = sent;
   std::vector<const core::BusMessage*> messages;
   for (const core::BusMessage& m : report.buses.messages)
     if (m.network == n) messages.push_back(&m);
@@ -143,14 +140,17 @@ std::string bus_table(const SystemReport& report, std::size_t n) {
               response.deadline, response.left},
              m->held ? "fit" : "unfit");
   }
-  const auto above =
-      fmt::format("<p class=\"load\">{} of the time of the bus at {} for {}{}</p>\n",
-                  meter(core::let_through_ppm(report.buses, n).value_or(0), kWholeTime),
-                  print_bitrate(network.bus.bitrate), counted_words(messages),
-                  network.bus.background == 0
-                      ? ""
-                      : fmt::format(", {:.2f} % of it taken by others",
-                                    static_cast<double>(network.bus.background) / 10'000));
+  const core::BusLoad load = core::load_on(report.buses, n).value_or(core::BusLoad{});
+  const auto percent = [](std::uint64_t ppm) { return static_cast<double>(ppm) / 10'000; };
+  auto above = fmt::format("<p class=\"load\">{} of the time of the bus at {} for {}",
+                           meter(load.present, kWholeTime), print_bitrate(network.bus.bitrate),
+                           counted_words(messages));
+  if (load.at_most != load.present)
+    above += fmt::format("; up to {:.2f} % with what may be granted in the place of others",
+                         percent(load.at_most));
+  if (network.bus.background != 0)
+    above += fmt::format(", {:.2f} % of it taken by others", percent(network.bus.background));
+  above += "</p>\n";
   auto html = rows.html(above);
   if (!html.empty()) return html;
   return fmt::format("<div class=\"card\">\n<h3>Bus {}</h3>\n{}<p>No message is on it.</p></div>\n",

@@ -10,7 +10,7 @@
 #include <unordered_set>
 #include <utility>
 
-#include "core/design/let_through.hpp"
+#include "core/design/bus_responses.hpp"
 #include "core/model/members.hpp"
 #include "core/model/text.hpp"
 #include "description/read.hpp"

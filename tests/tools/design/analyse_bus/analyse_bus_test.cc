@@ -61,6 +61,11 @@ TEST_F(AnalyseBusTest, AnIdentifierOf11BitsGoesBeforeOneOf29WithTheSameStart) {
   EXPECT_EQ(out["messages"][1]["response_us"], 1280 + 1080);
 }
 
+TEST_F(AnalyseBusTest, JsonSaysWhichFormItHas) {
+  const auto done = slow(table("A,1,0,7,1000,1000,0\n"), {"--json"});
+  EXPECT_TRUE(done.out.starts_with("{\"version\":1,\"schedulable\":")) << done.out;
+}
+
 TEST_F(AnalyseBusTest, UnboundedIsNull) {
   const auto done = slow(table("A,1,0,7,1000,1000,0\nB,2,0,7,5000,5000,0\n"), {"--json"});
   EXPECT_EQ(done.status, 1);

@@ -111,10 +111,10 @@ TEST_F(AnalyseBusTest, SaysWhyCheckGrantsWhatIsLateWhereEverythingSends) {
   const auto crowded = analyse(file("crowded.xml", crowded_bus(3)));
   EXPECT_EQ(crowded.status, 1);
   EXPECT_TRUE(crowded.out.contains(
-      "Response us: what mlccactl check grants sends, and whatever else the bus's own nodes send. "
-      "Check us: only what it grants, and the message of the row.\n"
-      "mlccactl check grants a message that is late here: it counts what it refuses as silent, "
-      "and no gate keeps off the bus what its own nodes send.\n"))
+      "Check us counts what mlccactl check grants, and the message of the row. Response us also "
+      "counts what the bus's own nodes send although it is refused.\n"
+      "mlccactl check grants a message that is late here: it counts what it refuses as silent, but "
+      "no gate is between a bus and its own nodes.\n"))
       << crowded.out;
   EXPECT_TRUE(crowded.out.contains(
       "'mlccactl check' refuses these; their times are beside the messages that it grants:"))

@@ -173,7 +173,7 @@ TEST_F(AnalyseBusTest, OneBindingWithoutABitRateForItsDataLeavesTheOthersAnalyse
       << near;
   const Json far = Json::parse(done.out)["networks"][1];
   EXPECT_EQ(far["messages"].size(), 9U) << "there its frames are classic, and it does not come";
-  EXPECT_EQ(message_of(far, "p3")["let_through"], false);
+  EXPECT_EQ(message_of(far, "p3")["counted"], false);
   EXPECT_EQ(message_of(far, "p0")["verdict"], "met");
   EXPECT_EQ(analyse(path, {"--data-bitrate", "1M"}).status, 0);
 }

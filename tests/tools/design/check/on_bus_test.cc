@@ -75,7 +75,7 @@ TEST_F(OnBusTest, WhatWaitsForItsTagIsLeftToTheRunTimeEverywhere) {
   EXPECT_FALSE(page.contains("\"outcome\":\"fit\""));
   const std::string json = test::run({"analyse-bus", "--json", path}).out;
   EXPECT_TRUE(json.contains("\"granted\":false,\"outcome\":\"run-time\"")) << json;
-  EXPECT_TRUE(json.contains("\"let_through\":true")) << json;
+  EXPECT_TRUE(json.contains("\"counted\":true")) << json;
   EXPECT_TRUE(page.contains("in time, if it is granted")) << page;
 }
 

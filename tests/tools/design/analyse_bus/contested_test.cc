@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Bounds where it is decided at run time what is granted: none of what then is on the bus exceeds
+// what analyse-bus and the page of check print.
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tests/tools/design/analyse_bus/described_buses.hpp"
+
+namespace mlcca {
+namespace {
+
+struct Frame {
+  std::string name;
+  std::string from;
+  std::string id;
+  unsigned bytes;
+  std::string deadline;
+};
+
+/// Channels to the bus b: over a gateway from a, whose Latency is a best case, over another one
+/// from c, and on b itself.
+std::string onto_b(const std::vector<Frame>& frames, const std::string& far = "") {
+  std::string text;
+  std::string ends;
+  std::map<std::string, std::string> bindings;
+  unsigned subject = 0;
+  for (const Frame& f : frames) {
+    text += fmt::format(
+        "<EventChannel name='{}'><SubjectUID>0x{:x}</SubjectUID><Attributes period='20ms' "
+        "maxPayload='{}' deadline='{}'/></EventChannel>\n",
+        f.name, ++subject, f.bytes, f.deadline);
+    for (const std::string& bus :
+         f.from == "b" ? std::vector<std::string>{"b"} : std::vector<std::string>{f.from, "b"})
+      bindings[bus] +=
+          fmt::format("<Binding channel='{}'><Identifier form='standard'>{}</Identifier></Binding>",
+                      f.name, f.id);
+    ends += fmt::format(
+        "<Publisher name='{0}' channel='{0}' network='{1}'/><Subscriber name='to-{0}' "
+        "channel='{0}' network='b'/>\n",
+        f.name, f.from);
+  }
+  for (const std::string bus : {"a", "b", "c"})
+    text += fmt::format(
+        "<Network name='{}'><Kind>can</Kind><Profile>raw</Profile><Bus bitrate='500000'/>{}"
+        "</Network>\n",
+        bus, bindings[bus]);
+  for (const std::string from : {"a", "c"})
+    text += fmt::format(
+        "<Gateway name='g{0}'><Provision{1} latency='0.1ms' jitter='0.1ms'/><Port network='{0}'>"
+        "<Interface name='can0'/></Port><Port network='b'><Interface name='can1'/></Port>"
+        "</Gateway>\n",
+        from, from == "a" ? " dynamic='true'" : "");
+  return test::system_of(text + far + ends);
+}
+
+/// x comes if the best case of its gateway holds, v if not: with both, V would take 940 us. With x
+/// low takes 670 us, with v 810.
+std::vector<Frame> one_of_two() {
+  return {{"V", "b", "0x30", 8, "900us"},
+          {"low", "b", "0x40", 8, "20ms"},
+          {"x", "a", "0x10", 1, "10ms"},
+          {"v", "c", "0x20", 8, "10ms"}};
+}
+
+TEST_F(AnalyseBusTest, WhatMayBeGrantedInThePlaceOfOthersCounts) {
+  const auto path = file("contested.xml", onto_b(one_of_two()));
+  const Json b = bus_of(analyse(path, {"--json", "--network", "b"}).out);
+  EXPECT_EQ(message_of(b, "v")["verdict"], "run-time") << b;
+  EXPECT_EQ(message_of(b, "v")["outcome"], "run-time");
+  EXPECT_EQ(message_of(b, "v")["counted"], true);
+  EXPECT_GE(message_of(b, "low")["response_us"].get<double>(), 810) << "if v is granted";
+  EXPECT_EQ(message_of(b, "low")["verdict"], "met");
+  EXPECT_EQ(message_of(b, "low")["granted"], true);
+  EXPECT_EQ(message_of(b, "V")["response_us"], 900) << "x and v are never granted both";
+  EXPECT_EQ(message_of(b, "V")["by_admission"], true);
+  EXPECT_EQ(message_of(b, "V")["verdict"], "met");
+  EXPECT_GT(b["bus_load_at_most"].get<double>(), b["bus_load"].get<double>());
+}
+
+TEST_F(AnalyseBusTest, BoundsOfWhatIsContestedAreTheSameInTextAndOnThePage) {
+  const auto path = file("contested.xml", onto_b(one_of_two()));
+  const auto text = analyse(path, {"--network", "b"}).out;
+  EXPECT_TRUE(text.contains("by admission")) << text;
+  EXPECT_TRUE(text.contains("also counts what may be granted in the place of others")) << text;
+  EXPECT_FALSE(text.contains("is not counted beside them")) << text;
+  const auto page = test::run({"check", "--format", "html", path}).out;
+  EXPECT_TRUE(page.contains("900 us <span class=\"quiet\">by admission</span>")) << page;
+  EXPECT_FALSE(page.contains("is not counted: with it times can be longer"));
+}
+
+/// own is refused and sent all the same: admission keeps nothing on its bus.
+TEST_F(AnalyseBusTest, NothingIsBoundedByAdmissionWhereARefusedNodeSends) {
+  auto frames = one_of_two();
+  frames.push_back({"own", "b", "0x05", 8, "200us"});
+  const auto path = file("own.xml", onto_b(frames));
+  const Json b = bus_of(analyse(path, {"--json", "--network", "b"}).out);
+  EXPECT_EQ(message_of(b, "own")["granted"], false) << b;
+  EXPECT_EQ(message_of(b, "V")["by_admission"], false);
+  EXPECT_EQ(message_of(b, "V")["verdict"], "late");
+}
+
+/// If own is refused at run time, its node sends it and v is granted beside it.
+TEST_F(AnalyseBusTest, NorWhereANodeOfTheBusMayBeRefusedAtRunTime) {
+  auto frames = one_of_two();
+  frames[2] = {"x", "b", "0x10", 1, "10ms"};
+  auto text = onto_b(frames);
+  const std::string to = "<Subscriber name='to-x' channel='x' network='b'/>";
+  text.replace(text.find(to), to.size(), "<Subscriber name='to-x' channel='x' network='a'/>");
+  text.insert(text.find("<Network name='b'>") - 11,
+              "<Binding channel='x'><Identifier form='standard'>0x10</Identifier></Binding>");
+  const Json b = bus_of(analyse(file("own.xml", text), {"--json", "--network", "b"}).out);
+  EXPECT_EQ(message_of(b, "x")["outcome"], "run-time") << b;
+  EXPECT_EQ(message_of(b, "v")["outcome"], "run-time");
+  EXPECT_EQ(message_of(b, "V")["by_admission"], false);
+  EXPECT_EQ(message_of(b, "V")["verdict"], "late");
+}
+
+/// A second set of x is more frequent: how often x comes is not known.
+TEST_F(AnalyseBusTest, OfAChannelWhoseAttributeSetIsOpenTheDeadlineIsTheBoundOfOthers) {
+  auto text = onto_b(one_of_two());
+  const std::string stated = "<Attributes period='20ms' maxPayload='1' deadline='10ms'/>";
+  text.replace(text.find(stated), stated.size(),
+               "<Attributes priority='2' period='20ms' maxPayload='1' deadline='10ms'/>"
+               "<Attributes priority='1' period='5ms' maxPayload='1' deadline='10ms'/>");
+  const auto path = file("open.xml", text);
+  const Json b = bus_of(analyse(path, {"--json", "--network", "b"}).out);
+  EXPECT_EQ(message_of(b, "low")["response_us"], 20000) << b;
+  EXPECT_EQ(message_of(b, "low")["by_admission"], true);
+  EXPECT_TRUE(analyse(path).out.contains(
+      "which attribute set or which way channel x uses is decided at run time"));
+}
+
+}  // namespace
+}  // namespace mlcca
