@@ -9,13 +9,16 @@
 #include <libxml/xmlerror.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <functional>
 #include <memory>
+#include <span>
 
 #include "base/handle.hpp"
 #include "description/guard.hpp"
+#include "description/suggest.hpp"
 
 namespace mlcca::description {
 namespace {
@@ -45,8 +48,29 @@ class CaughtMessages {
   xmlStructuredErrorFunc old_function_;
 };
 
+/// An end tag that is not the one of the element that is open. `open`: the names of all that are,
+/// the innermost last.
+std::string wrong_end(const xmlError& error, std::span<const xmlChar* const> open) {
+  const std::string_view wanted(error.str1);
+  const std::string_view got(error.str2);
+  const bool crossed =
+      std::ranges::any_of(open, [&](const xmlChar* name) { return view(name) == got; });
+  const std::array known{wanted};
+  const std::string text = fmt::format("not well-formed XML: </{}> in line {} ", got, error.line);
+  if (crossed)
+    return text +
+           fmt::format("closes <{0}> of line {1}: </{0}> has to come first", wanted, error.int1);
+  if (!closest(got, known).empty())
+    return text + fmt::format(
+                      "is not spelt like the start tag <{0}> of line {1}: write </{0}>, or "
+                      "correct the start tag",
+                      wanted, error.int1);
+  return text + fmt::format("has no start tag: <{0}> of line {1} is open, and ends with </{0}>",
+                            wanted, error.int1);
+}
+
 /// The library's message; what only reports a limit inside it becomes ours.
-std::string words_for(const xmlError& error) {
+std::string words_for(const xmlError& error, std::span<const xmlChar* const> open) {
   std::string_view text = error.message;
   while (text.ends_with('\n')) text.remove_suffix(1);
   if (text.contains("Huge input lookup") || text.contains("AttValue length too long"))
@@ -66,9 +90,7 @@ std::string words_for(const xmlError& error) {
            "\"<!--\", "
            "and the character itself is written &lt;";
   if (error.code == XML_ERR_TAG_NAME_MISMATCH && error.str1 != nullptr && error.str2 != nullptr)
-    return fmt::format(
-        "not well-formed XML: </{}> in line {} closes <{}> of line {}: </{}> has to come first",
-        error.str2, error.line, error.str1, error.int1, error.str1);
+    return wrong_end(error, open);
   return fmt::format("not well-formed XML: {}", text);
 }
 
@@ -122,6 +144,11 @@ class Parser {
   void start(const xmlChar* name, const xmlChar* uri, int attributes, const xmlChar** rows);
   [[nodiscard]] int line() const { return context_->input == nullptr ? 0 : context_->input->line; }
   [[nodiscard]] int line_of(const char* text) const;
+  /// Names of the elements that are open, the innermost last.
+  [[nodiscard]] std::span<const xmlChar* const> open() const {
+    if (!context_ || context_->nameTab == nullptr || context_->nameNr <= 0) return {};
+    return {context_->nameTab, static_cast<std::size_t>(context_->nameNr)};
+  }
   [[nodiscard]] const char* tag_begin() const;
   [[nodiscard]] core::Origin here() const { return {.file = file_, .line = line()}; }
   void end_here() {
@@ -178,7 +205,7 @@ void Parser::message(void* data, xmlError* error) noexcept {
   }
   const bool has_line = error->domain == XML_FROM_PARSER || error->domain == XML_FROM_NAMESPACE;
   self.builder_.fail({.file = self.file_, .line = has_line ? error->line : self.line()},
-                     self.builder_.inside(), words_for(*error), id_of(*error));
+                     self.builder_.inside(), words_for(*error, self.open()), id_of(*error));
   if (error->level == XML_ERR_FATAL) self.end_here();
 }
 

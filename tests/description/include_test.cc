@@ -145,8 +145,19 @@ TEST_F(Include, SaysWhatIsWrongInAFileOfThatFile) {
       "s.xml:4: <Zebra>: is not known here; known: EventChannel, UserAttribute, Network, "
       "Gateway, Component, Placement, Route, Publisher, Subscriber|"
       "b.xml:3: <SubjectUID>: '2' is not right: it must be 0x and up to 16 hexadecimal digits|"
-      "c.xml:2: <EventChannel>: not well-formed XML: </EventChanel> in line 2 closes "
-      "<EventChannel> of line 1: </EventChannel> has to come first");
+      "c.xml:2: <EventChannel>: not well-formed XML: </EventChanel> in line 2 is not spelt like "
+      "the "
+      "start tag <EventChannel> of line 1: write </EventChannel>, or correct the start tag");
+}
+
+TEST_F(Include, TellsCrossedTagsFromOnesThatNothingHasOpened) {
+  file("b.xml", "<EventChannel name=\"b\">\n<SubjectUID>0x2</EventChannel></SubjectUID>");
+  file("c.xml", "<EventChannel name=\"c\">\n<SubjectUID>0x3</Zebra></EventChannel>");
+  EXPECT_EQ(problems_of(include("b.xml") + include("c.xml")),
+            "b.xml:2: <SubjectUID>: not well-formed XML: </EventChannel> in line 2 closes "
+            "<SubjectUID> of line 2: </SubjectUID> has to come first|"
+            "c.xml:2: <SubjectUID>: not well-formed XML: </Zebra> in line 2 has no start tag: "
+            "<SubjectUID> of line 2 is open, and ends with </SubjectUID>");
 }
 
 TEST_F(Include, LeavesNothingOpenOfAFileThatBreaksOff) {
