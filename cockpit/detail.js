@@ -42,7 +42,8 @@ export function channelDetail(c, actions, taken) {
       c.media.map((m) => fact(`On ${m.network}`, [
         m.response_ns ? `response ${duration(m.response_ns)}, at most ${duration(m.guaranteed_ns)}` : "",
         m.nodes.length ? `path ${m.nodes.join(" › ")}` : "", m.available ? `${rate(m.available)} left` : ""].filter(Boolean).join("; "))),
-      fact("Frames", `${count(c.passed)} passed, ${count(c.dropped)} dropped, ${count(c.excess)} in excess`),
+      fact("Frames", c.crosses_no_gate ? "not counted: they cross no gate of this gateway" :
+        `${count(c.passed)} passed, ${count(c.dropped)} dropped, ${count(c.excess)} in excess`),
       fact("Audit mode let through", c.would_drop ? count(c.would_drop) : ""),
       fact("Events", w ? `${count(w.events)} came, ${count(w.missing)} did not; ${silence(c)}` : ""),
       fact("Jitter", w && w.last_gap_ns && !w.shared ? duration(w.jitter_ns) : ""),

@@ -19,6 +19,8 @@ export const bits = (bit) => scaled(bit, [[1e9, "Gbit/s"], [1e6, "Mbit/s"], [1e3
 export const percent = (part) => `${shortened(part * 100)} %`;
 export const count = (n) => (n ?? 0).toLocaleString("en");
 export const many = (n, one, more = `${one}s`) => `${count(n)} ${n === 1 ? one : more}`;
+/// Frames that passed; where its events cross no gate of this gateway nobody counts them.
+export const passed = (c) => (c.crosses_no_gate ? "-" : count(c.passed));
 export const moment = (unixNs) => new Date(unixNs / 1e6).toLocaleString("sv");
 
 export function value(number, unit) {

@@ -6,7 +6,7 @@ import { admit, changeMode, reinstate, release, reload, withdraw } from "./chang
 import { channelDetail, placeDetail, silence, verdict } from "./detail.js";
 import { by, h, svg } from "./dom.js";
 import { draw } from "./drawing.js";
-import { count, many, moment, percent } from "./format.js";
+import { count, many, moment, passed, percent } from "./format.js";
 import { List } from "./list.js";
 import { Counted, graphOf, key, kStates, sorted, used } from "./model.js";
 
@@ -114,7 +114,7 @@ function openChannel(c, keep = false) {
 const filter = { text: "", state: "all" };
 const list = new List({
   label: "Deliveries", columns: ["Verdict", "Channel", "Way", "Why", "Passed", "Dropped", "Events"], open: (c) => openChannel(c),
-  cells: (c) => [verdict(c.state), c.name, `${c.from} › ${c.to}`, c.troubles[0] ?? c.reason, count(c.passed), count(c.dropped), silence(c)],
+  cells: (c) => [verdict(c.state), c.name, `${c.from} › ${c.to}`, c.troubles[0] ?? c.reason, passed(c), count(c.dropped), silence(c)],
 });
 
 function showChannels() {

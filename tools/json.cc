@@ -133,6 +133,13 @@ Json of(const control::MediumUse& m) {
   return out;
 }
 
+/// Where no gate counts frames, how many have passed is not known.
+Json of(const control::Channel& c) {
+  auto out = fields_of(c);
+  if (c.crosses_no_gate) out["passed"] = nullptr;
+  return out;
+}
+
 template <class T>
 concept HasRuleOfItsOwn = requires(const T& value) { of(value); };
 template <class T>

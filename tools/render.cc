@@ -137,6 +137,7 @@ std::string subscribers_of(const control::Channel& channel) {
 
 /// "in all 7 passed, 0 dropped; 2 would have been dropped, audit mode let them through"
 std::string frames_of(const control::Channel& channel) {
+  if (channel.crosses_no_gate) return "not counted: they cross no gate of this gateway";
   auto text = fmt::format("in all {} passed, {} dropped", channel.passed, channel.dropped);
   if (channel.would_drop != 0)
     text += fmt::format("; {} would have been dropped, audit mode let them through",
@@ -197,7 +198,7 @@ std::string render(const control::Channels& channels, Color color) {
                verdict_cell(channel.granted),
                now_cell(channel),
                {set_in_use(channel)},
-               frames(channel.passed),
+               channel.crosses_no_gate ? Cell{"-"} : frames(channel.passed),
                frames(channel.dropped, Style::warning),
                channel.would_drop == 0 ? Cell{} : frames(channel.would_drop, Style::warning),
                {channel.admission == 0 ? "" : fmt::format("{}", channel.admission)},
@@ -237,9 +238,16 @@ std::string what_stops(const control::Channels& channels, std::string_view name,
     if (!channel.reaction.empty())
       text += fmt::format("         reaction to its loss: {}\n", printable(channel.reaction));
   }
+  // What is refused is listed first: beside a listed one that is granted, all others are, too.
+  const std::size_t others = channels.left_out;
   std::string head = "nothing of it is granted now";
-  if (granted == 1) head = "1 delivery stops";
-  if (granted > 1) head = fmt::format("{} deliveries stop", granted);
+  if (granted == 1 && others == 0) head = "1 delivery stops";
+  if (granted + others > 1) head = fmt::format("{} deliveries stop", granted + others);
+  if (granted == 0 && others != 0)
+    head = fmt::format("up to {} {}, none of which is listed", others,
+                       others == 1 ? "delivery stops" : "deliveries stop");
+  else if (others != 0)
+    text += fmt::format("  and {} more that {} not listed\n", others, others == 1 ? "is" : "are");
   return fmt::format(
              "{}: {}; everything of it is refused, also what is described, until it is "
              "reinstated\n",

@@ -43,5 +43,31 @@ TEST(RenderLeftOutTest, JsonHasNoKeyOfAReceiver) {
   EXPECT_NE(text.find(R"("local":"0a1b2")"), std::string::npos) << text;
 }
 
+TEST(RenderLeftOutTest, WhatNobodyCountsIsNotZero) {
+  auto channel = test::granted_channel();
+  channel.crosses_no_gate = true;
+  const auto table = render(control::Channels{{channel}}, Color::no);
+  EXPECT_TRUE(table.contains("  -        0  ")) << table;
+  const auto text = explain({{channel}}, Color::no, true);
+  EXPECT_TRUE(text.contains("not counted: they cross no gate of this gateway")) << text;
+  const std::string json = to_json({0, control::Channels{{channel}}});
+  EXPECT_TRUE(json.contains("\"passed\":null")) << json;
+  EXPECT_TRUE(json.contains("\"crosses_no_gate\":true")) << json;
+  channel.crosses_no_gate = false;
+  EXPECT_TRUE(to_json({0, control::Channels{{channel}}}).contains("\"passed\":12"));
+}
+
+TEST(RenderLeftOutTest, AWithdrawalNamesWhatALongAnswerLeavesOut) {
+  control::Channels channels{{test::refused_channel(), test::granted_channel()}};
+  channels.left_out = 3;
+  const auto some = what_stops(channels, "a", Color::no);
+  EXPECT_TRUE(some.starts_with("a: 4 deliveries stop; ")) << some;
+  EXPECT_TRUE(some.ends_with("  and 3 more that are not listed\n")) << some;
+  channels.channels.pop_back();
+  EXPECT_TRUE(what_stops(channels, "a", Color::no)
+                  .starts_with("a: up to 3 deliveries stop, none of which is listed; "))
+      << "what is refused is listed first";
+}
+
 }  // namespace
 }  // namespace mlcca::tools

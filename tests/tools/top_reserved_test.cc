@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What `top` shows as reserved, held against what `reservations` lists.
+// What `top` shows as reserved, held against what `reservations` lists, and what nobody counts.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -97,6 +97,16 @@ TEST(TopReserved, ADescribedPublisherHoldsForWhoIsAdmitted) {
   now.channels.channels = {joined};
   now.reservations.resources = {bus("left", {holds("beat", 10'000)})};
   EXPECT_DOUBLE_EQ(rows_by_subject(nullptr, now).at(0).reserved.value(), 0.01);
+}
+
+TEST(TopRatesTest, OfEventsThatNobodyCountsTheRateIsNotKnown) {
+  Sample before;
+  before.at_ns = 10'000'000'000;
+  before.channels.channels = {delivery("beat", "b", {"a", "b"})};
+  before.channels.channels[0].crosses_no_gate = true;
+  Sample now = before;
+  now.at_ns += 2'000'000'000;
+  EXPECT_FALSE(rows_by_subject(&before, now).at(0).rate);
 }
 
 }  // namespace

@@ -281,7 +281,9 @@ void add_deliveries(const Sample& now, const std::vector<Row>& deliveries, Row& 
 /// Of events that cross no gate, such as from a program to a program, no frame is counted.
 std::optional<double> frame_rate(const Interval& interval, const Counts* before,
                                  const control::Channel& c) {
-  auto rate = interval.rate(before == nullptr ? nullptr : &before->passed, c.passed);
+  std::optional<double> rate;
+  if (!c.crosses_no_gate)
+    rate = interval.rate(before == nullptr ? nullptr : &before->passed, c.passed);
   if (c.watch)
     raise(rate, interval.rate(before == nullptr ? nullptr : &before->events, c.watch->events));
   return rate;

@@ -304,6 +304,20 @@ TEST_F(Endpoints, WhatTheRelayCarriesTooLateIsAnExceptionAndATrouble) {
   EXPECT_TRUE(troubles().empty()) << "it counts for a minute";
 }
 
+TEST_F(Endpoints, OfWhatGoesFromProgramToProgramNoFrameIsCounted) {
+  const auto crosses_none = [this](core::System system) {
+    start(std::move(system));
+    const auto answer = bench_->ask(control::ExplainRequest{"c0"});
+    return std::get<control::Channels>(answer.reply.body).channels.at(0).crosses_no_gate;
+  };
+  EXPECT_FALSE(crosses_none(small_system()));
+  core::System system = small_system();
+  system.publishers[0].place = kGateway;
+  system.publishers[0].uid = kUser;
+  system.subscribers[0].place = kGateway;
+  EXPECT_TRUE(crosses_none(std::move(system)));
+}
+
 TEST_F(Endpoints, WhatTheKernelCarriesIsNoTransfer) {
   start(small_system());
   ASSERT_TRUE(bench_->state().decisions()[0].verdicts.at(0).granted);
