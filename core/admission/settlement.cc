@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/admission/allocation.hpp"
+#include "core/admission/sharing.hpp"
 #include "core/admission/state.hpp"
 #include "core/model/progress.hpp"
 
@@ -92,7 +93,9 @@ class State::Settlement {
       Progress::step();
       if (s_.decisions_[c].granted == 0 || placed.contains(c)) continue;
       Component component;
-      component.sharing = sharing_with(c);
+      component.sharing = sharing_with(
+          c, [this](std::size_t channel) { return shared_by(channel); },
+          [this](const Shared& shared) { return users_of(shared); });
       for (const std::size_t other : component.sharing) {
         Progress::step();
         if (!s_.touched_.contains(other) || s_.decisions_[other].granted == 0) continue;
@@ -102,25 +105,6 @@ class State::Settlement {
       all.push_back(std::move(component));
     }
     return all;
-  }
-
-  /// The channel itself, and everything that shares with it.
-  std::set<std::size_t> sharing_with(std::size_t channel) {
-    std::set<std::size_t> channels{channel};
-    std::set<Shared> seen;
-    std::vector<std::size_t> open{channel};
-    while (!open.empty()) {
-      const std::size_t next = open.back();
-      open.pop_back();
-      for (const Shared& shared : shared_by(next)) {
-        if (!seen.insert(shared).second) continue;
-        for (const std::size_t user : users_of(shared)) {
-          if (channels.insert(user).second) open.push_back(user);
-          Progress::step();
-        }
-      }
-    }
-    return channels;
   }
 
   [[nodiscard]] std::set<Shared> shared_by(std::size_t channel) const {

@@ -7,6 +7,7 @@
 
 #include "core/admission/allocation.hpp"
 #include "core/admission/route_check.hpp"
+#include "core/admission/sharing.hpp"
 #include "core/admission/world.hpp"
 #include "core/design/room.hpp"
 
@@ -117,7 +118,10 @@ std::vector<std::size_t> Contest::settle(Decisions& decisions) {
   std::vector<bool> settled(s_.system.channels.size(), false);
   for (auto& [channel, decision] : decisions) {
     if (!uncertain_[channel] || settled[channel]) continue;
-    const std::vector<std::size_t> together = sharing_with(channel);
+    const auto sharing = sharing_with(
+        channel, [this](std::size_t c) -> const auto& { return shared_[c]; },
+        [this](std::size_t resource) -> const auto& { return users_.at(resource); });
+    const std::vector<std::size_t> together(sharing.begin(), sharing.end());
     for (const std::size_t c : together) settled[c] = true;
     settle_together(together, decisions);
   }
@@ -145,23 +149,11 @@ std::vector<std::size_t> Contest::shared_by(std::size_t channel) const {
 }
 
 void Contest::find_users() {
-  for (std::size_t c = 0; c < s_.system.channels.size(); ++c)
-    for (const std::size_t resource : shared_by(c)) users_[resource].push_back(c);
-}
-
-/// The channel and all that share something with it, directly or over others, sorted.
-std::vector<std::size_t> Contest::sharing_with(std::size_t channel) {
-  std::set<std::size_t> found{channel};
-  std::vector<std::size_t> open{channel};
-  while (!open.empty()) {
-    const std::size_t next = open.back();
-    open.pop_back();
-    for (const std::size_t resource : shared_by(next))
-      // Each resource leads to its users once.
-      for (const std::size_t user : std::exchange(users_[resource], {}))
-        if (found.insert(user).second) open.push_back(user);
+  shared_.resize(s_.system.channels.size());
+  for (std::size_t c = 0; c < shared_.size(); ++c) {
+    shared_[c] = shared_by(c);
+    for (const std::size_t resource : shared_[c]) users_[resource].push_back(c);
   }
-  return {found.begin(), found.end()};
 }
 
 void Contest::settle_together(const std::vector<std::size_t>& channels, Decisions& decisions) {

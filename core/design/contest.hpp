@@ -43,7 +43,6 @@ class Contest {
   struct Range;
   class Answers;
 
-  [[nodiscard]] std::vector<std::size_t> sharing_with(std::size_t channel);
   [[nodiscard]] std::vector<std::size_t> shared_by(std::size_t channel) const;
   [[nodiscard]] bool is_limited(std::size_t resource) const;
   void find_users();
@@ -61,6 +60,7 @@ class Contest {
   Ledger ledger_;                ///< to try things out: empty between two calls
   std::vector<Decision> tried_;  ///< of each channel, as it was tried last
   std::vector<bool> uncertain_;  ///< by channel: something of it is granted at best
+  std::vector<std::vector<std::size_t>> shared_;           ///< limited resources by channel
   std::map<std::size_t, std::vector<std::size_t>> users_;  ///< channels by resource
   std::set<std::size_t> open_sets_;
 };
