@@ -75,7 +75,7 @@ class Sense {
     f.has_place = true;
   }
 
-  /// Somebody who does not say how many events may stay out is never told that they do.
+  /// To who does not say how many events may stay out it is never reported that they do.
   void heart_beat(std::size_t c) {
     for (const std::size_t p : members_.publishers_of(c))
       for (const std::size_t s : members_.subscribers_of(c)) {
@@ -87,8 +87,8 @@ class Sense {
         Finding& f =
             add(FindingId::no_omission, to.origin,
                 from.name + " to " + to.name + ": silence of channel " + s_.channels[c].name +
-                    " is the safe state, and no Omission says when " + to.name +
-                    " is told that the events stay out",
+                    " is the safe state, and no Omission says when it is reported to " + to.name +
+                    " that the events stay out",
                 "state the Omission of " + to.name +
                     ", the events in a row that may be lost: 2, for example");
         f.channel = static_cast<std::uint32_t>(c);
