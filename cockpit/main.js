@@ -14,7 +14,7 @@ const kFindings = 200; // that are shown
 const kEntries = 200; // of the history that are shown, and that are asked for where nothing is searched
 const kSearched = 10000; // that are asked for else: as many as mlccactl gives
 const kSamples = 240; // of what is reserved and used, for as long as the page is open
-const kLoud = ["withdrawn", "revoked", "network-down", "refused", "missing", "lapsed", "drift", "bypass", "mode", "trouble"];
+const kLoud = ["withdrawn", "revoked", "network-down", "removed", "refused", "missing", "lapsed", "drift", "bypass", "mode", "trouble"];
 const now = { status: null, networks: [], channels: [], reservations: [], routes: { links: [] }, history: [], audit: null, live: false, taken: 0,
   counted: new Counted() };
 const samples = new Map();

@@ -30,6 +30,7 @@ constexpr std::array kKinds{
     KindInfo{"withdrawn", "08b8e094cb174563a6171d269dba6874"},
     KindInfo{"revoked", "b1f4d7a92c0e4e638a57c3d06f9e2b84"},
     KindInfo{"network-down", "e05c2b7d41fa4b96935d8c6a07f31e42"},
+    KindInfo{"removed", "4d7a0c95e1b2463f8f6e9a3b57d10c28"},
     KindInfo{"switched", "349a04610aa34f5dbd79b55781cb57a0"},
     KindInfo{"rerouted", "e7c1a84d52f043b6930d7be164a2f85c"},
     KindInfo{"released", "07140c11d56b4440bad6cc08ff7d96aa"},
@@ -69,6 +70,7 @@ const char* verdict_of(Kind kind) {
     case Kind::withdrawn:
     case Kind::revoked:
     case Kind::network_down:
+    case Kind::removed:
     case Kind::released:
       return "refused";
     default:

@@ -23,6 +23,7 @@ enum class Kind : std::uint8_t {
   withdrawn,
   revoked,       ///< withdrawn by an operator
   network_down,  ///< withdrawn because a network is not available
+  removed,       ///< was granted, and the description has it no more
   switched,
   rerouted,  ///< a delivery that is granted takes another way
   released,

@@ -44,7 +44,7 @@ Cell verdict_cell(bool granted) {
 Style style_of_event(std::string_view kind) {
   if (kind == "granted" || kind == "restored" || kind == "reinstated") return Style::good;
   if (kind == "refused" || kind == "withdrawn" || kind == "revoked" || kind == "network-down" ||
-      kind == "lapsed" || kind == "missing")
+      kind == "removed" || kind == "lapsed" || kind == "missing")
     return Style::bad;
   if (kind == "dropping" || kind == "excess" || kind == "lagged" || kind == "mode" ||
       kind == "switched" || kind == "rerouted" || kind == "gateway" || kind == "binding")

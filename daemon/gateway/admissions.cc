@@ -185,8 +185,8 @@ Result<void> Admissions::release(const std::vector<core::AdmissionId>& gone,
 
 void Admissions::take_back(const std::vector<core::AdmissionId>& lost) {
   for (const core::AdmissionId id : lost)
-    log_.warning(Kind::withdrawn,
-                 fmt::format("admission {} was never granted: it could not be written down", id),
+    log_.warning(Kind::refused,
+                 fmt::format("admission {} is refused: it could not be written down", id),
                  {.admissions = {id}});
   static_cast<void>(turn_.settle(forget(lost)));
   gone_(lost);

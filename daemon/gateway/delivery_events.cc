@@ -140,7 +140,7 @@ void DeliveryEvents::outcome(const Granted& before, const Reported& reported) {
 void DeliveryEvents::gone(const std::string& subject, const core::Delivery& delivery) {
   const auto channel = scene_.state->find_channel(subject);
   const std::string name = channel ? scene_.state->system().channels[*channel].name : subject;
-  log_.warning(Kind::withdrawn,
+  log_.warning(Kind::removed,
                fmt::format("{} ({}) of {} to {} is gone: the description has it no more", name,
                            subject, delivery.publisher, delivery.to),
                {.subject = core::parse_subject(subject).value_or(0),

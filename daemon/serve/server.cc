@@ -38,7 +38,7 @@ Standing standing_of(const Peer& peer) {
 
 /// Of a kind that only those know who ask for exact kinds.
 bool is_withdrawal(const control::Event& event) {
-  return event.kind == "revoked" || event.kind == "network-down";
+  return event.kind == "revoked" || event.kind == "network-down" || event.kind == "removed";
 }
 
 }  // namespace

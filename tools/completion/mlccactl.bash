@@ -82,7 +82,7 @@ _mlccactl() {
 		return
 		;;
 	--kind)
-		mapfile -t COMPREPLY < <(compgen -W "started stopped granted refused withdrawn revoked network-down switched rerouted released
+		mapfile -t COMPREPLY < <(compgen -W "started stopped granted refused withdrawn revoked network-down removed switched rerouted released
 			reinstated dropping excess missing restored late interface gateway mode reload lapsed
 			drift bypass binding trouble" -- "$cur")
 		return

@@ -134,5 +134,20 @@ TEST(Kinds, HaveOneNameInTheManualPagesAndInTheSchema) {
   }
 }
 
+/// The words from "started" on to the end of the list.
+std::vector<std::string> kinds_in(const std::string& file) {
+  const std::string text = content_of(file);
+  const auto begin = text.find("started stopped");
+  std::istringstream list(text.substr(begin, text.find_first_of("'\")", begin) - begin));
+  return {std::istream_iterator<std::string>(list), {}};
+}
+
+TEST(Kinds, AreWhatEachShellCompletes) {
+  std::vector<std::string> names;
+  for (const Kind kind : all_kinds()) names.emplace_back(name_of(kind));
+  for (const char* shell : {"mlccactl.bash", "_mlccactl", "mlccactl.fish"})
+    EXPECT_EQ(kinds_in(std::string("tools/completion/") + shell), names) << shell;
+}
+
 }  // namespace
 }  // namespace mlcca

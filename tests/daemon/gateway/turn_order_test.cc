@@ -78,6 +78,8 @@ TEST_F(OnTheBench, WhatTheDiskRefusesIsNotGranted) {
   EXPECT_FALSE(bench_.commits.front());
   EXPECT_TRUE(bench_.state().admissions().empty());
   EXPECT_EQ(wrong_gate(bench_), "");
+  EXPECT_EQ(std::ranges::count(bench_.events, "refused"), 1);
+  EXPECT_EQ(std::ranges::count(bench_.events, "withdrawn"), 0) << "it was never granted";
 }
 
 TEST_F(OnTheBench, WhatTheKernelRefusesLeavesNothing) {
@@ -111,7 +113,7 @@ TEST_F(OnTheBench, AReloadReportsOnlyWhatBecameDifferent) {
   };
   EXPECT_EQ(reload(), std::vector<std::string>{"reload"});
   bench_.system.subscribers.clear();
-  EXPECT_EQ(reload(), (std::vector<std::string>{"reload", "withdrawn"}));
+  EXPECT_EQ(reload(), (std::vector<std::string>{"reload", "removed"}));
   EXPECT_EQ(reload(), std::vector<std::string>{"reload"});
 }
 

@@ -20,7 +20,7 @@ TEST_F(ServerTest, ExactKindsAreForWhoAsksForThem) {
   ask(exact, 1, true, control::MonitorRequest{.exact_kinds = true});
   ask(other, 2, true, control::MonitorRequest{});
   ASSERT_EQ(replies(exact, of_exact).size() + replies(other, of_other).size(), 2U);
-  for (const char* kind : {"revoked", "network-down", "withdrawn", "granted"})
+  for (const char* kind : {"revoked", "network-down", "removed", "withdrawn", "granted"})
     server_->publish({.unix_ns = 0, .kind = kind, .subject = 41});
   const auto kinds_of = [this](const Fd& socket, control::Buffer& buffer) {
     std::vector<std::string> kinds;
@@ -28,10 +28,12 @@ TEST_F(ServerTest, ExactKindsAreForWhoAsksForThem) {
       kinds.push_back(std::get<control::Event>(reply.body).kind);
     return kinds;
   };
-  EXPECT_EQ(kinds_of(exact, of_exact),
-            (std::vector<std::string>{"revoked", "network-down", "withdrawn", "granted"}));
-  EXPECT_EQ(kinds_of(other, of_other),
-            (std::vector<std::string>{"withdrawn", "withdrawn", "withdrawn", "granted"}));
+  EXPECT_EQ(
+      kinds_of(exact, of_exact),
+      (std::vector<std::string>{"revoked", "network-down", "removed", "withdrawn", "granted"}));
+  EXPECT_EQ(
+      kinds_of(other, of_other),
+      (std::vector<std::string>{"withdrawn", "withdrawn", "withdrawn", "withdrawn", "granted"}));
 }
 
 }  // namespace
