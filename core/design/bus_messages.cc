@@ -2,6 +2,7 @@
 #include "core/design/bus_messages.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -90,6 +91,12 @@ void join(std::optional<can::Message>& there, const std::optional<can::Message>&
 
 void BusMessages::add(const Situation& situation, const Ledger& ledger, const Decision& decision) {
   for (const Verdict& v : decision.verdicts) add(situation, ledger, v);
+}
+
+void BusMessages::add_contested(const Decision& decision) {
+  std::ranges::copy_if(decision.verdicts, std::back_inserter(refused_), [](const Verdict& v) {
+    return !v.granted && v.outcome == Outcome::run_time;
+  });
 }
 
 void BusMessages::add(const Situation& situation, const Ledger& ledger, const Verdict& v) {

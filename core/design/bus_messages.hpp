@@ -81,6 +81,9 @@ class BusMessages {
   /// All verdicts of a channel as they were decided in the end.
   void add(const Situation& situation, const Ledger& ledger, const Decision& decision);
 
+  /// Those alone that may be granted in the place of others.
+  void add_contested(const Decision& decision);
+
   /// When everything is decided. `ledger` is left as it was. In the order of networks and
   /// publishers.
   [[nodiscard]] std::vector<BusMessage> take(const Situation& situation, Ledger& ledger);

@@ -75,7 +75,8 @@ class Inspector {
         out_.channels[c].open_set = true;
     for (const auto& [channel, decision] : waiting_) examine(situation, channel, decision);
     report(situation);
-    refused_on_bus_.report(s_, members_, ledger_, out_.findings);
+    refused_on_bus_.report(s_, members_, ledger_, contested_.take(situation, ledger_),
+                           out_.findings);
     if (buses_ != nullptr) report_buses(situation);
     for (std::size_t n = 0; n < s_.networks.size(); ++n)
       out_.networks.push_back(load_of(ledger_, world_, n));
@@ -103,6 +104,7 @@ class Inspector {
     const std::size_t before = out_.findings.size();
     check_channel(channel, decision, Explainer(situation, ledger_, out_.findings));
     for (const Verdict& v : decision.verdicts) refused_on_bus_.add(v);
+    contested_.add_contested(decision);
     if (buses_ != nullptr) messages_.add(situation, ledger_, decision);
     if (each_) keep(channel, decision, std::span(out_.findings).subspan(before));
   }
@@ -405,6 +407,7 @@ class Inspector {
   const EachDecided& each_;
   InspectedBuses* buses_;
   BusMessages messages_;
+  BusMessages contested_;
   RefusedOnBus refused_on_bus_;
   std::vector<Kept> kept_;
   bool has_best_cases_ = false;

@@ -54,18 +54,30 @@ void RefusedOnBus::add(const Verdict& verdict) {
 }
 
 void RefusedOnBus::report(const System& system, const Members& members, const Ledger& ledger,
-                          std::vector<Finding>& to) const {
-  if (refused_.empty()) return;
-  for (std::size_t n = 0; n < system.networks.size(); ++n)
-    if (const can::Schedule* const bus = ledger.schedule(n); bus != nullptr)
-      report(system, members, *bus, n, to);
+                          std::span<const BusMessage> contested, std::vector<Finding>& to) const {
+  if (refused_.empty() && contested.empty()) return;
+  for (std::size_t n = 0; n < system.networks.size(); ++n) {
+    const can::Schedule* const bus = ledger.schedule(n);
+    if (bus == nullptr) continue;
+    std::vector<can::Message> here;
+    for (const BusMessage& m : contested)
+      if (m.network == n && m.message && !m.present) here.push_back(*m.message);
+    report(system, members, *bus, n, here, to);
+  }
 }
 
 void RefusedOnBus::report(const System& system, const Members& members, const can::Schedule& bus,
-                          std::size_t network, std::vector<Finding>& to) const {
+                          std::size_t network, std::span<const can::Message> contested,
+                          std::vector<Finding>& to) const {
   std::vector<can::Message> messages(bus.messages().begin(), bus.messages().end());
   const std::size_t held = messages.size();
+  messages.insert(messages.end(), contested.begin(), contested.end());
   std::vector<std::size_t> senders;
+  // Refused at run time they are sent all the same, and others may be granted in their place.
+  for (const std::size_t number : perhaps_)
+    if (!contested.empty() && granted_.contains(number) &&
+        members.publisher(number).place == Place{Place::Kind::network, network})
+      senders.push_back(number);
   std::vector<std::size_t> unknown;
   for (const auto& [number, set] : refused_) {
     const Publisher& p = members.publisher(number);

@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <map>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "core/design/bus_messages.hpp"
 #include "core/design/findings.hpp"
 #include "core/model/members.hpp"
 #include "core/model/verdict.hpp"
@@ -21,12 +23,15 @@ class RefusedOnBus {
   /// MLCCA044 of each analysed bus where something that is granted would be late if what is refused
   /// there is sent all the same, or may be because nobody knows how much that is. When everything
   /// is decided.
+  /// `contested`: messages on buses that may be granted in the place of others.
   void report(const System& system, const Members& members, const Ledger& ledger,
-              std::vector<Finding>& to) const;
+              std::span<const BusMessage> contested, std::vector<Finding>& to) const;
 
  private:
+  /// `contested`: of this bus.
   void report(const System& system, const Members& members, const can::Schedule& bus,
-              std::size_t network, std::vector<Finding>& to) const;
+              std::size_t network, std::span<const can::Message> contested,
+              std::vector<Finding>& to) const;
   void add(const Members& members, const std::vector<std::size_t>& senders, std::size_t network,
            const std::string& harm, std::vector<Finding>& to) const;
 

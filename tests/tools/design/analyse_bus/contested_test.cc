@@ -98,6 +98,7 @@ TEST_F(AnalyseBusTest, NothingIsBoundedByAdmissionWhereARefusedNodeSends) {
   EXPECT_EQ(message_of(b, "own")["granted"], false) << b;
   EXPECT_EQ(message_of(b, "V")["by_admission"], false);
   EXPECT_EQ(message_of(b, "V")["verdict"], "late");
+  EXPECT_TRUE(test::run({"check", path}).out.contains("MLCCA044: own is refused"));
 }
 
 /// If own is refused at run time, its node sends it and v is granted beside it.
@@ -109,11 +110,17 @@ TEST_F(AnalyseBusTest, NorWhereANodeOfTheBusMayBeRefusedAtRunTime) {
   text.replace(text.find(to), to.size(), "<Subscriber name='to-x' channel='x' network='a'/>");
   text.insert(text.find("<Network name='b'>") - 11,
               "<Binding channel='x'><Identifier form='standard'>0x10</Identifier></Binding>");
-  const Json b = bus_of(analyse(file("own.xml", text), {"--json", "--network", "b"}).out);
+  const auto path = file("own.xml", text);
+  const Json b = bus_of(analyse(path, {"--json", "--network", "b"}).out);
   EXPECT_EQ(message_of(b, "x")["outcome"], "run-time") << b;
   EXPECT_EQ(message_of(b, "v")["outcome"], "run-time");
   EXPECT_EQ(message_of(b, "V")["by_admission"], false);
   EXPECT_EQ(message_of(b, "V")["verdict"], "late");
+  const auto checked = test::run({"check", path}).out;
+  EXPECT_TRUE(
+      checked.contains("MLCCA044: x may be refused, and no gate keeps its frames off b: "
+                       "while they are sent, V could take 940 us of the 900 us"))
+      << checked;
 }
 
 /// A second set of x is more frequent: how often x comes is not known.
