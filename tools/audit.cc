@@ -40,7 +40,7 @@ std::string clean_words(const control::Audit& audit) {
   const bool any = std::ranges::any_of(audit.findings,
                                        [](const control::Finding& f) { return f.would_drop != 0; });
   return any ? "within the last second something would have been dropped"
-             : "nothing would have been dropped in the second since it is counted";
+             : "nothing would have been dropped yet: it is counted for less than a second";
 }
 
 }  // namespace

@@ -78,13 +78,13 @@ std::string verdict_line(const control::Channel& channel, Color color) {
   return line + '\n';
 }
 
-/// "awds 600 kB/s with its own, robot-can response 310 us"
+/// "awds 600 kB/s free or its own, robot-can response 310 us"
 std::string media_of(const control::Channel& channel) {
   std::vector<std::string> parts;
   for (const auto& use : channel.media) {
     if (use.paper_rate != 0)
       parts.push_back(
-          fmt::format("{} {} with its own", use.network, bytes_per_second(use.available)));
+          fmt::format("{} {} free or its own", use.network, bytes_per_second(use.available)));
     if (use.response_ns != 0)
       parts.push_back(fmt::format("{} response {}", use.network, print_duration(use.response_ns)));
   }

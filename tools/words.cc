@@ -93,8 +93,8 @@ std::string describe(const control::MediumUse& use) {
   if (!use.nodes.empty()) parts.push_back("path " + way(use.nodes));
   if (use.paper_rate != 0) {
     parts.push_back(by_the_links(use) + " by the links");
-    parts.push_back(bytes_per_second(use.available) + " left with what it holds itself");
-    if (!use.limiting_domain.empty()) parts.back() += " in " + use.limiting_domain;
+    parts.push_back(bytes_per_second(use.available) + " free or its own");
+    if (!use.limiting_domain.empty()) parts.back() += ", in " + use.limiting_domain;
   }
   return fmt::format("{}", fmt::join(parts, ", "));
 }

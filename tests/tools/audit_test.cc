@@ -47,8 +47,9 @@ TEST_F(AuditReport, SaysInWordsThatSomethingWouldHaveBeenDroppedJustNow) {
   EXPECT_TRUE(render(audit_, Color::no)
                   .contains("within the last second something would have been dropped; the gates"));
   audit_.findings.clear();
-  EXPECT_TRUE(render(audit_, Color::no)
-                  .contains("nothing would have been dropped in the second since it is counted"));
+  EXPECT_TRUE(
+      render(audit_, Color::no)
+          .contains("nothing would have been dropped yet: it is counted for less than a second"));
 }
 
 TEST_F(AuditReport, ListsWhatWasRefusedAndWhatADescriptionWouldNeed) {

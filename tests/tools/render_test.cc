@@ -65,7 +65,7 @@ TEST_F(RenderTest, ExplainsWhatTheMediaGiveAndWhichSetIsInUse) {
   robot-can  Period        50 ms   12.5 ms  fit      37.5 ms to spare
   set          2 of 2
   route        awds > bridge > robot-can
-  awds         path laptop > relay > control, 7.543 Mbit/s by the links, 600 kB/s left with what it holds itself in all links
+  awds         path laptop > relay > control, 7.543 Mbit/s by the links, 600 kB/s free or its own, in all links
   robot-can    response 310 us, at most 5 ms guaranteed
   publisher    switch
   subscribers  motor-left, motor-right
@@ -132,9 +132,9 @@ emergency-switch  0xa4efeccc3210b497  robot-can   robot-can  granted  nothing ha
 TEST_F(RenderTest, ListsSetsAndMediaWhereThereAreAny) {
   EXPECT_EQ(
       render(control::Channels{{test::refused_channel(), test::switched_channel()}}, Color::no),
-      R"(CHANNEL           SUBJECT             FROM        TO         VERDICT  SET     PASSED  DROPPED  WOULD DROP  MEDIA                                                  REASON
-emergency-switch  0xa4efeccc3210b497  second-can  robot-can  refused              12      345                                                                     Omission 2 required, bridge provides 5 (3 too many)
-video             0x0000000000000010  awds        robot-can  granted  2 of 2      12        0          12  awds 600 kB/s with its own, robot-can response 310 us  Period 50 ms required, the route provides 12.5 ms (37.5 ms to spare)
+      R"(CHANNEL           SUBJECT             FROM        TO         VERDICT  SET     PASSED  DROPPED  WOULD DROP  MEDIA                                                     REASON
+emergency-switch  0xa4efeccc3210b497  second-can  robot-can  refused              12      345                                                                        Omission 2 required, bridge provides 5 (3 too many)
+video             0x0000000000000010  awds        robot-can  granted  2 of 2      12        0          12  awds 600 kB/s free or its own, robot-can response 310 us  Period 50 ms required, the route provides 12.5 ms (37.5 ms to spare)
 )");
 }
 
