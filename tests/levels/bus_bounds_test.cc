@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Response times that check and analyse-bus print hold whichever best cases do: of random systems
+// each case is decided, and what is then on the bus is analysed.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "core/admission/allocation.hpp"
+#include "core/admission/world.hpp"
+#include "core/can/analysis.hpp"
+#include "core/can/of_system.hpp"
+#include "core/design/bus_responses.hpp"
+#include "core/design/inspect.hpp"
+#include "description/read.hpp"
+#include "tests/description/twin/random_values.hpp"
+
+namespace mlcca::testing {
+namespace {
+
+constexpr std::uint64_t kSystems = 1500;
+constexpr std::size_t kB = 1;  // the bus where they meet
+
+/// Channels to b: from a over a gateway whose Latency is a best case, from c over another one, and
+/// of nodes of b, whose events go on to a or not.
+std::string random_buses(Random& random) {
+  std::string text;
+  std::string ends;
+  std::map<char, std::string> bindings;
+  std::vector<unsigned> identifiers{1, 2, 3, 4, 5, 6, 7, 8};
+  const bool several_sets = random.one_in(4);
+  const bool importances = random.one_in(3);
+  const std::uint64_t count = 3 + random.below(4);
+  for (std::uint64_t c = 0; c < count; ++c) {
+    const auto at =
+        identifiers.begin() + static_cast<std::ptrdiff_t>(random.below(identifiers.size()));
+    const unsigned id = *at;
+    identifiers.erase(at);
+    text +=
+        fmt::format("<EventChannel name=\"c{}\"{}><SubjectUID>0x{}</SubjectUID>", c,
+                    importances ? fmt::format(" importance=\"{}\"", random.below(3)) : "", c + 1);
+    const std::uint64_t sets = several_sets ? 1 + random.below(2) : 1;
+    for (std::uint64_t set = 0; set < sets; ++set)
+      text += fmt::format("<Attributes{} period=\"{}ms\" deadline=\"{}us\" maxPayload=\"{}\"/>",
+                          sets > 1 ? fmt::format(" priority=\"{}\"", 9 - set) : "",
+                          random.one_of(std::array{2, 5, 20}),
+                          random.one_of(std::array{350, 600, 900, 1200, 1900, 5000}),
+                          1 + random.below(8));
+    text += "</EventChannel>\n";
+    constexpr std::array<const char*, 5> ways{"ab", "ab", "cb", "bb", "ba"};
+    const std::string way = random.one_of(ways);
+    for (const char bus : way == "bb" ? std::string("b") : way)
+      bindings[bus] += fmt::format(
+          "<Binding channel=\"c{}\"><Identifier form=\"standard\">{}</Identifier></Binding>", c,
+          fmt::format("0x{}0", id));
+    ends += fmt::format(
+        "<Publisher name=\"p{0}\" channel=\"c{0}\" network=\"{1}\"/><Subscriber channel=\"c{0}\" "
+        "network=\"{2}\"/>\n",
+        c, way.front(), way.back());
+  }
+  for (const char bus : {'a', 'b', 'c'})
+    text += fmt::format(
+        "<Network name=\"{}\"><Kind>can</Kind><Profile>raw</Profile><Bus bitrate=\"500000\"/>{}"
+        "</Network>\n",
+        bus, bindings[bus]);
+  for (const char from : {'a', 'c'})
+    text += fmt::format(
+        "<Gateway name=\"g{0}\"><Provision{1} latency=\"10us\" jitter=\"10us\"/><Port "
+        "network=\"{0}\">"
+        "<Interface name=\"can0\"/></Port><Port network=\"b\"><Interface name=\"can1\"/></Port>"
+        "</Gateway>\n",
+        from, from == 'a' ? " dynamic=\"true\"" : "");
+  return "<System name=\"z\">" + text + ends + "</System>";
+}
+
+struct Bound {
+  bool counted = false;
+  core::SentMessage sent;
+};
+
+struct Bounds {
+  std::map<std::tuple<std::size_t, std::size_t>, Bound> of;  ///< by publisher and from
+  bool sure = false;
+  bool all_known = false;
+};
+
+Bounds bounds_on(const core::InspectedBuses& buses, std::size_t network) {
+  Bounds out;
+  for (const core::SentMessage& sent : core::sent_beside(buses, network))
+    out.of[{sent.message->publisher, sent.message->from}] = {sent.message->is_counted(), sent};
+  out.all_known = buses.all_known[network];
+  out.sure = buses.guarded[network] || out.all_known;
+  return out;
+}
+
+struct Met {
+  std::size_t compared = 0;
+  std::size_t by_admission = 0;
+  std::size_t contested = 0;
+  std::size_t reached = 0;
+};
+
+/// What is on b if those best cases hold: what is granted, and what its nodes send though refused.
+std::vector<core::can::Message> messages_on_b(const core::System& system, unsigned holding,
+                                              std::vector<core::Decision>& decisions) {
+  const core::Topology topology(system);
+  const core::Members members(system);
+  const core::World world = core::described_world(system);
+  const std::vector<bool> withdrawn(system.channels.size(), false);
+  core::Situation situation{system, topology, members, world, withdrawn, true};
+  const core::BestCasesHold hold = [holding](const core::Verdict& v) {
+    return (holding >> v.publisher & 1U) != 0;
+  };
+  situation.hold = &hold;
+  core::Ledger ledger = core::empty_ledger(system, world);
+  decisions.assign(system.channels.size(), {});
+  core::decide_each(situation, ledger, [&](std::size_t channel, const core::Decision& decision) {
+    decisions[channel] = decision;
+  });
+  const core::can::Schedule& bus = *ledger.schedule(kB);
+  std::vector<core::can::Message> messages(bus.messages().begin(), bus.messages().end());
+  for (const core::Decision& decision : decisions)
+    for (const core::Verdict& v : decision.verdicts) {
+      const core::Publisher& p = system.publishers[v.publisher];
+      if (v.granted || p.place != core::Place{core::Place::Kind::network, kB}) continue;
+      auto message = core::can::message_of(system, p, v.set, kB, bus.assumptions().timing);
+      message->key = core::Ledger::key_of({v.publisher, kB, core::Flow::kOwn});
+      message->deadline = core::can::kNever;
+      messages.push_back(*message);
+    }
+  return messages;
+}
+
+void compare(const std::string& text, Met& met) {
+  auto system = description::read_memory(text, "z.xml", {}, description::Users::any);
+  ASSERT_TRUE(system) << description::to_string(system.error().front()) << text;
+  core::InspectedBuses buses;
+  static_cast<void>(core::inspect(*system, {}, {}, &buses));
+  const Bounds bounds = bounds_on(buses, kB);
+  if (!bounds.sure) return;
+  const core::can::Assumptions& assumptions = *buses.assumptions[kB];
+  met.contested += std::ranges::count_if(
+      buses.messages, [](const auto& m) { return m.is_counted() && !m.present; });
+  std::vector<core::Decision> decisions;
+  for (unsigned holding = 0; holding < 1U << system->publishers.size(); ++holding) {
+    const auto messages = messages_on_b(*system, holding, decisions);
+    const auto responses = core::can::analyse(assumptions, messages);
+    for (std::size_t i = 0; i < messages.size(); ++i) {
+      const std::size_t publisher = core::Ledger::publisher_of(messages[i].key);
+      const bool own = system->publishers[publisher].place.index == kB;
+      const auto found = std::ranges::find_if(
+          bounds.of, [&](const auto& one) { return std::get<0>(one.first) == publisher; });
+      if (!bounds.all_known && found == bounds.of.end()) continue;
+      ASSERT_NE(found, bounds.of.end()) << publisher << own << text;
+      const Bound& bound = found->second;
+      ASSERT_TRUE(bound.counted || !bounds.all_known) << publisher << text;
+      const auto& decision = decisions[system->publishers[publisher].channel];
+      if (!bound.counted || decision.set != bound.sent.message->set) continue;
+      if (!bound.sent.response.bounded) continue;
+      ASSERT_TRUE(responses[i].bounded) << publisher << text;
+      ASSERT_LE(responses[i].response, bound.sent.response.response)
+          << publisher << " if " << holding << "\n"
+          << text;
+      ++met.compared;
+      met.by_admission += bound.sent.by_admission ? 1 : 0;
+      met.reached += responses[i].response == bound.sent.response.response ? 1 : 0;
+    }
+  }
+}
+
+TEST(BusBounds, NothingIsLaterThanItsRowSaysWhicheverBestCasesHold) {
+  Met met;
+  Random random(1);
+  for (std::uint64_t i = 0; i < kSystems; ++i) {
+    compare(random_buses(random), met);
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(met.compared, kSystems * 10);
+  EXPECT_GT(met.by_admission, kSystems / 10);
+  EXPECT_GT(met.contested, kSystems / 20);
+  EXPECT_GT(met.reached, met.compared / 10);
+}
+
+}  // namespace
+}  // namespace mlcca::testing
