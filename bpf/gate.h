@@ -77,7 +77,7 @@
 #define GATE_GAP_BITS	  56 /* of gap * scale behind the point */
 /*
  * A gap as long as `silence` of its watch, or as so many periods where that is 0, and no shorter
- * than GATE_RECOVERY_HOLD, is a silence: what was found begins anew with the event that ends it.
+ * than GATE_RECOVERY_HOLD, is a silence: what was found starts over with the event that ends it.
  */
 #define GATE_SILENT_PERIODS 16
 #define GATE_LONGEST_PERIOD (1ULL << 50) /* ns, 13 days: longer ones are not watched */
@@ -342,7 +342,7 @@ struct gate_sample {
  * One for the whole gateway, pinned, memory-mapped. The gates are open only while `open` is set,
  * `lapsed` is not, and `deadline` is not over. Each heart-beat moves the deadline; a beat that
  * comes after it, or a kernel timer that finds `heartbeat` older than `grace_ns`, sets `lapsed`;
- * only the daemon clears it, after it has observed the interfaces anew. A daemon that starts gives
+ * only the daemon clears it, after it has observed the interfaces again. A daemon that starts gives
  * each gate that it holds the next epoch, and then the word itself: from then on a gate that it
  * does not know is closed, wherever its device went. Layout version and `open` stand at the head in
  * all layouts: a daemon closes what one of another layout has left.
@@ -376,7 +376,7 @@ struct gate_program {
 /* What gate_beat is run for. */
 enum gate_beat {
 	GATE_BEAT = 0,	   /* the daemon lives */
-	GATE_BEAT_CLEAR,   /* it has observed anew: the lapse is over */
+	GATE_BEAT_CLEAR,   /* it has observed again: the lapse is over */
 	GATE_BEAT_SHORTEN, /* the grace has changed: the deadline may come nearer, no more */
 };
 

@@ -141,7 +141,7 @@ static __always_inline void report_news(__u32 half)
 
 /*
  * Joins the second half of a reply to the first one for the same node. A reply of which one half is
- * not the broker's binds nothing anew.
+ * not the broker's binds nothing new.
  */
 static __always_inline void join(struct reply *r, __u32 direction, __u32 node)
 {

@@ -16,7 +16,7 @@ namespace mlcca::cluster {
 [[nodiscard]] Result<void> prepare_http();
 
 /// All calls share one connection, which is made by the first one. Each connection reads the files
-/// of `settings` anew. Nothing is ever sent twice.
+/// of `settings` again. Nothing is ever sent twice.
 [[nodiscard]] Result<std::unique_ptr<Channel>> open_http(sd_event* loop, const Settings& settings,
                                                          const std::string& endpoint);
 

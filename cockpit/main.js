@@ -218,7 +218,7 @@ function auditPanel() {
     audit.findings.length > kFindings ? h("p", { class: "quiet" }, `and ${count(audit.findings.length - kFindings)} older ones`) : ""];
 }
 
-// What a tab has, and what shows it anew: those with fields are not made again.
+// What a tab has, and what shows it again: those with fields are not made again.
 const kTabs = { channels: ["Channels", channelsPanel, showChannels], reserved: ["Reserved", reservedPanel],
   history: ["History", historyPanel, showHistory], found: ["Refused", auditPanel] };
 let tab = "channels";

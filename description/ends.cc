@@ -440,7 +440,7 @@ class Ends {
     if (!known)
       known = users_of_ == Users::of_this_machine
                   ? uid_of(user)
-                  : static_cast<std::uint32_t>(known_users_.size());  // told apart, no more
+                  : static_cast<std::uint32_t>(known_users_.size());  // distinguished, no more
     return *known;
   }
 

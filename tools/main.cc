@@ -288,7 +288,7 @@ std::optional<Exit> ask_back(const Options& options, const control::Channels& ch
 
 /// On a connection of its own: an answer may take longer than the daemon keeps an idle one.
 Exit ask_withdraw(const Options& options, const Arguments& arguments) {
-  // A program that reads JSON is told by the reply.
+  // A program that reads JSON has the reply.
   if (!arguments.yes || !options.json) {
     const auto now = reply_to(options, control::ExplainRequest{arguments.channel});
     if (!now) return now.error();

@@ -31,7 +31,7 @@ class Senders {
     Device other = 0;
   };
   /// The first network of the route where another device has been added for this publisher's
-  /// frames, a bus before others. Publishers on one bus are told apart by the rules of the
+  /// frames, a bus before others. Publishers on one bus are distinguished by the rules of the
   /// description.
   [[nodiscard]] std::optional<Conflict> conflict(std::size_t publisher, const Route& route) const {
     std::optional<Conflict> out;

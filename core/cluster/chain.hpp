@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The transactions of one gateway. Each demands that the gateway's own entry is as the one before
-// left it, and writes it anew: so each is a beat, they happen in one order, and one whose answer
+// left it, and writes it again: so each is a beat, they happen in one order, and one whose answer
 // was lost has either been done by the time that a later one is, or never will be. Times in ns.
 #pragma once
 #include <cstdint>

@@ -143,7 +143,7 @@ struct ProfileTraits {
 [[nodiscard]] bool can_send(const Publisher& publisher, const Network& network);
 
 /// Who a publisher is to those who receive its frames. Two publishers with one sender could not be
-/// told apart: what one is granted the other would use.
+/// distinguished: what one is granted the other would use.
 struct Sender {
   std::size_t channel = 0;
   Place place;

@@ -87,7 +87,7 @@ Result<void> put_gate_first(const Place& place, const GatePrograms& programs,
                             const GatePrograms& former);
 
 /// Ids of the programs of a gate. An error where the kernel does not tell one of them: without it,
-/// the gate's own program cannot be told from another one that is to go.
+/// the gate's own program cannot be distinguished from another one that is to go.
 Result<InPlace> ids_of(const GatePrograms& programs);
 
 }  // namespace mlcca::enforce

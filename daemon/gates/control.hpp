@@ -51,7 +51,7 @@ class Control {
   /// The maps were there before: a daemon has run since boot.
   [[nodiscard]] bool reused() const;
   /// What had names that are ours, and was no object of ours: replaced, a line of each, once. The
-  /// gates that are attached hold what they read, pinned or not; those close, and are made anew.
+  /// gates that are attached hold what they read, pinned or not; those close, and are made again.
   [[nodiscard]] std::vector<std::string> take_replaced();
 
   /// Every gate that this daemon holds is in place: whatever is left of one before it, and held by
@@ -75,7 +75,7 @@ class Control {
   /// Quarter of the grace, at most 1 s, in ns.
   [[nodiscard]] std::uint64_t beat_interval() const;
 
-  /// The kernel has closed the gates because of our silence. Observe the interfaces anew, then
+  /// The kernel has closed the gates because of our silence. Observe the interfaces again, then
   /// clear.
   [[nodiscard]] bool lapsed() const;
   [[nodiscard]] std::uint64_t lapses() const;

@@ -22,7 +22,7 @@ class Starting {
   /// A heart-beat between two steps of the start, while the time lasts and the gates are open and
   /// have not lapsed. False: there was none.
   bool beat(Control& control, std::uint64_t now);
-  /// The gates hold what this daemon has decided: whoever comes next begins anew.
+  /// The gates hold what this daemon has decided: whoever comes next starts over.
   void finish();
 
  private:

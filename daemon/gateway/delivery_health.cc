@@ -172,7 +172,7 @@ void DeliveryHealth::note_leaving(std::size_t channel, const core::GateState& ru
     const std::uint64_t came = gates_.frames({*in}).passed;
     if (left == 0) continue;
     LatestLeft& latest = leaving_[channel][{in->entry, rule.entry}];
-    // A slot that was made anew counts from 0.
+    // A slot that was made again counts from 0.
     if (left != latest.out || came < latest.in) latest = {came, left};
   }
 }

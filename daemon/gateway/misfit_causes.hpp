@@ -21,7 +21,7 @@ class MisfitCauses {
 
   /// All slots are sampled from now on, and were sampled since the call before.
   void begin_round();
-  /// The counters begin anew.
+  /// The counters start from 0.
   void forget() { before_.clear(), began_.clear(); }
 
   struct Cause {

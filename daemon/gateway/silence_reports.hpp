@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // When events stay out: a gate watches each publisher for the subscriber that waits least; each
-// other one is told when its own time is over.
+// other one is reported when its own time is over.
 #pragma once
 #include <systemd/sd-event.h>
 

@@ -22,7 +22,7 @@ class InterfaceHold {
   /// nothing; a reason is reported once.
   Result<void> attach(const net::Link& link, const GateSpec& spec, GateSet& gates,
                       const Close& close, const Problem& report);
-  /// The same port was held so before it was described anew.
+  /// The same port was held so before it was described again.
   void take_over(const InterfaceHold& former) { closed_ = former.closed_; }
 
   /// The gate that is there is of a former description.

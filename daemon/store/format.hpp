@@ -28,9 +28,9 @@ Result<std::uint64_t> read_file_head(std::string_view bytes);
 
 /// One entry, with its head.
 std::string encode(const Entry& entry);
-/// Not for one that only takes something away: a file written anew has nothing of that.
+/// Not for one that only takes something away: a file written again has nothing of that.
 bool is_alive(const Entry& entry);
-/// Bytes that the entry needs in a file written anew.
+/// Bytes that the entry needs in a file written again.
 std::uint64_t live_bytes(const Entry& entry);
 
 /// A batch of `count` encoded entries, with its head and filled up to kAlign.

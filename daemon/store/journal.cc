@@ -86,7 +86,7 @@ Result<Journal> Journal::open(const std::string& directory, Disk& disk) {
     if (errno == EWOULDBLOCK) return fail(directory + ": in use by another process");
     return system_error(directory);
   }
-  disk.unlink(journal.path_ + ".new");  // of a crash while the file was written anew
+  disk.unlink(journal.path_ + ".new");  // of a crash while the file was written again
 
   journal.file_ = OpenFile(disk, disk.open(journal.path_, O_RDWR));
   if (!journal.file_ && errno != ENOENT) return system_error(journal.path_);
@@ -266,7 +266,7 @@ Result<void> Journal::mend() {
   return {};
 }
 
-// --- writing it anew -----------------------------------------------------------------------------
+// --- writing it again ----------------------------------------------------------------------------
 
 Result<void> Journal::compact() {
   if (dirty()) return fail(path_ + ": something is not yet committed");

@@ -23,7 +23,7 @@ namespace mlcca::store {
 inline constexpr std::size_t kMaxEntry = control::Request::kMaxBytes + 64;
 /// Bytes of all entries between two commits; append() refuses more.
 inline constexpr std::size_t kMaxBatch = 64UL * 1024 * 1024;
-/// The file is written anew when it is larger than this many times what lives in it …
+/// The file is written again when it is larger than this many times what lives in it …
 inline constexpr std::uint64_t kCompactAbove = 4;
 /// … and than this many bytes: rewriting less is not worth the wait.
 inline constexpr std::uint64_t kCompactAtLeast = 1024UL * 1024;
@@ -54,7 +54,7 @@ class Journal {
   /// One write and one fdatasync for everything since the last commit. On failure all of it is
   /// undone, in memory and on disk, and the error says so; the journal can be used again, unless
   /// the disk refuses even the undoing: then every commit tries that first, and fails while it
-  /// fails. Writes the file anew when too little in it is alive; a failure of that is reported by
+  /// fails. Writes the file again when too little in it is alive; a failure of that is reported by
   /// trouble().
   Result<void> commit();
 
@@ -62,7 +62,7 @@ class Journal {
   /// bring it back. Each commit does it first. Does nothing where all was undone.
   Result<void> mend();
 
-  /// Writes the file anew if another program has removed or replaced it, or its directory: what
+  /// Writes the file again if another program has removed or replaced it, or its directory: what
   /// goes into a file without a name is lost with the process. True if so. commit() does the same,
   /// and refuses what was to be committed. There must be nothing uncommitted.
   Result<bool> keep();
@@ -72,13 +72,13 @@ class Journal {
   /// Drops what is not committed.
   void roll_back();
 
-  /// Writes the file anew, with nothing in it but what is alive. On failure the old one stays.
+  /// Writes the file again, with nothing in it but what is alive. On failure the old one stays.
   /// There must be nothing uncommitted.
   Result<void> compact();
 
   /// What was cut off when the journal was opened, in words; nothing if it was whole.
   [[nodiscard]] const std::optional<std::string>& recovered() const { return recovered_; }
-  /// Why the file could not be written anew the last time it was too large; nothing if it could.
+  /// Why the file could not be written again the last time it was too large; nothing if it could.
   [[nodiscard]] const std::optional<std::string>& trouble() const { return trouble_; }
 
   /// Bytes of the file, and those of what is alive in it.
@@ -117,7 +117,7 @@ class Journal {
     std::uint64_t salt = 0;
     std::uint64_t bytes = 0;
   };
-  Fresh fresh_;  ///< written anew and perhaps renamed; no file: there is none
+  Fresh fresh_;  ///< written again and perhaps renamed; no file: there is none
 
   std::string batch_;              ///< entries as they will be on disk
   std::uint32_t count_ = 0;        ///< of them

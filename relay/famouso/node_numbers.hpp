@@ -8,7 +8,7 @@
 // those whose bits are others fall silent, and begin again after that answer.
 //
 // In FAMOUSO neither side has a time limit: a node that dies in the middle blocks all later ones.
-// Here the broker begins anew after a second and says so, by an answer of zeros, which every node
+// Here the broker starts over after a second and says so, by an answer of zeros, which every node
 // understands; and a node asks again.
 #pragma once
 #include <array>

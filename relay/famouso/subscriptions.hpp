@@ -55,7 +55,7 @@ class Subscriptions {
   void answered(std::uint64_t request, const control::Reply& reply, std::uint64_t now);
   /// Something was decided about the subject: what peers were answered may be wrong.
   void decided(std::uint64_t subject);
-  /// There is a daemon again, or everything was decided anew.
+  /// There is a daemon again, or everything was decided again.
   void ask_all();
   /// Nothing that was asked is answered any more.
   void daemon_gone() { asked_.clear(); }

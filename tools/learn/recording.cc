@@ -14,7 +14,7 @@ namespace {
 
 using Reader = Result<void> (*)(Recording&);
 
-/// By what a file begins with; text is told apart by its first line.
+/// By what a file begins with; text is distinguished by its first line.
 Reader reader_of(Bytes bytes) {
   const std::string_view text(
       reinterpret_cast<const char*>(bytes.data()),  // NOLINT(*-reinterpret-cast)
