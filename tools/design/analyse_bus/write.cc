@@ -182,7 +182,7 @@ std::string assumed_text(const AnalysedBus& analysed) {
     text +=
         "By admission: the response is the deadline, or less. A gateway grants nothing beside "
         "which "
-        "a granted message would be late, and the analysis of all at once has no smaller bound.\n";
+        "a granted message would be late, and the analysis has no smaller bound.\n";
   return text;
 }
 
