@@ -17,7 +17,10 @@ constexpr std::size_t kMostOfTurn = 64;
 
 Layer* Carrier::layer_of(const control::Endpoint& endpoint) {
   const auto known = layers_.find(endpoint.ifindex);
-  if (known != layers_.end()) return known->second.get();
+  if (known != layers_.end()) {
+    if (known->second.serves(endpoint)) return known->second.layer.get();
+    close(endpoint.ifindex);  // with what used it, which the daemon is asked for once more
+  }
   auto layer = outside_.open(endpoint);
   if (!layer) {
     note_problem(endpoint.interface, endpoint.interface + " cannot be used: " + layer.error().text);
@@ -26,7 +29,8 @@ Layer* Carrier::layer_of(const control::Endpoint& endpoint) {
   if (problems_.erase(endpoint.interface) != 0)
     outside_.log(endpoint.interface + " can be used again");
   outside_.watch(endpoint.ifindex, (*layer)->fd());
-  return layers_.emplace(endpoint.ifindex, std::move(*layer)).first->second.get();
+  return layers_.emplace(endpoint.ifindex, OpenedLayer{form_of_layer(endpoint), std::move(*layer)})
+      .first->second.layer.get();
 }
 
 void Carrier::note_problem(const std::string& of, const std::string& text) {
@@ -74,7 +78,8 @@ void Carrier::retry() {
 void Carrier::remove(std::size_t number) {
   const control::Transfer& transfer = slots_[number]->transfer;
   if (const auto from = layers_.find(transfer.from.ifindex); from != layers_.end())
-    from->second->leave(static_cast<Layer::Follower>(number), transfer.from, transfer.subject);
+    from->second.layer->leave(static_cast<Layer::Follower>(number), transfer.from,
+                              transfer.subject);
   const auto known = by_subject_.find(transfer.subject);
   std::erase(known->second, number);
   if (known->second.empty()) by_subject_.erase(known);
@@ -122,14 +127,14 @@ void Carrier::set_all(const std::vector<control::Transfer>& transfers) {
 void Carrier::receive(std::uint32_t ifindex) {
   const auto known = layers_.find(ifindex);
   if (known == layers_.end()) return;
-  const bool there = known->second->receive(
+  const bool there = known->second.layer->receive(
       kMostOfTurn, [this](const Layer::Arrival& arrival) { carry(arrival); });
   if (!there) close(ifindex);
 }
 
 void Carrier::expire() {
-  for (const auto& [ifindex, layer] : layers_)
-    if (layer->holds_parts()) layer->expire();
+  for (const auto& [ifindex, one] : layers_)
+    if (one.layer->holds_parts()) one.layer->expire();
 }
 
 void Carrier::carry(const Layer::Arrival& arrival) {
@@ -166,8 +171,8 @@ void Carrier::each(
 
 Losses Carrier::losses() const {
   Losses all;
-  for (const auto& [ifindex, layer] : layers_) {
-    const Losses some = layer->losses();
+  for (const auto& [ifindex, one] : layers_) {
+    const Losses some = one.layer->losses();
     all.malformed += some.malformed;
     all.incomplete += some.incomplete;
     all.crowded += some.crowded;

@@ -78,6 +78,7 @@ class Carrier {
     std::optional<std::uint64_t> taken_at = {};  ///< when the last one was
   };
 
+  /// Opened where it is not, and again where the network has become one of another kind.
   Layer* layer_of(const control::Endpoint& endpoint);
   void exchange(std::uint64_t subject, const std::vector<control::Transfer>& transfers);
   /// False: an interface cannot be used, or does not follow the subject.
@@ -93,9 +94,9 @@ class Carrier {
   std::vector<std::optional<Slot>> slots_;  ///< by follower
   std::vector<std::size_t> free_;
   std::unordered_map<std::uint64_t, std::vector<std::size_t>> by_subject_;
-  std::map<std::uint32_t, std::unique_ptr<Layer>> layers_;  ///< by interface
-  std::vector<control::Transfer> waiting_;                  ///< could not be carried yet
-  std::map<std::string, std::string> problems_;             ///< why, as it was logged
+  std::map<std::uint32_t, OpenedLayer> layers_;  ///< by interface
+  std::vector<control::Transfer> waiting_;       ///< could not be carried yet
+  std::map<std::string, std::string> problems_;  ///< why, as it was logged
 };
 
 }  // namespace mlcca::relay

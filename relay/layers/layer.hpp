@@ -83,4 +83,17 @@ class Layer {
 /// Of the interface that the endpoint is on.
 [[nodiscard]] Result<std::unique_ptr<Layer>> open_layer(const control::Endpoint& endpoint);
 
+/// All that open_layer() makes of an endpoint depends on, and what the events of a channel depend
+/// on is empty. Where it differs the layer has to be opened again.
+[[nodiscard]] control::Endpoint form_of_layer(control::Endpoint endpoint);
+
+/// A layer, and what it was opened for.
+struct OpenedLayer {
+  control::Endpoint form;
+  std::unique_ptr<Layer> layer;
+  [[nodiscard]] bool serves(const control::Endpoint& endpoint) const {
+    return form == form_of_layer(endpoint);
+  }
+};
+
 }  // namespace mlcca::relay

@@ -31,6 +31,7 @@ struct World {
   std::map<std::uint32_t, Interface> interfaces;
   std::map<std::uint32_t, int> watched;
   std::vector<std::string> log;
+  unsigned opened = 0;
   std::uint64_t now = 1'000'000;
 };
 
@@ -108,6 +109,7 @@ class CarrierTest : public ::testing::Test {
       {.open = [this](const control::Endpoint& endpoint) -> Result<std::unique_ptr<Layer>> {
          auto& interface = world_.interfaces[endpoint.ifindex];
          if (!interface.usable) return fail("no such device");
+         ++world_.opened;
          return std::make_unique<FakeLayer>(interface);
        },
        .watch = [this](std::uint32_t ifindex, int fd) { world_.watched[ifindex] = fd; },
@@ -223,6 +225,54 @@ TEST_F(CarrierTest, WhatCannotBeCarriedIsReportedAndHindersNothing) {
                                       "if30 cannot be used: no such device"}));
   come(10, 3, "goes");
   EXPECT_EQ(world_.interfaces[20].sent.size(), 1U);
+}
+
+/// A network of another kind on the same interface, after a reload.
+TEST_F(CarrierTest, AnInterfaceIsOpenedAgainWhereItsNetworkHasAnotherForm) {
+  std::vector<Transfer> all{transfer(1, 10, 20), transfer(2, 10, 20), transfer(3, 30, 10)};
+  carrier_.set_all(all);
+  const unsigned before = world_.opened;
+  for (Transfer& one : all) {
+    if (one.to.ifindex == 20) one.to.broadcast = true;
+    one.from.id = 7;  // is of the channel alone
+  }
+  carrier_.set_all(all);
+  EXPECT_EQ(world_.opened, before + 1);
+  EXPECT_EQ(carrier_.transfers(), 3U);
+  EXPECT_EQ(world_.watched[20], 7);
+  come(10, 1, "one");
+  come(10, 2, "two");
+  EXPECT_EQ(world_.interfaces[20].sent, (Sents{{1, "one"}, {2, "two"}}));
+  // Each by itself, as after events of channels: the first one opens it, and the daemon is asked
+  // for the others.
+  all[1].to.broadcast = false;
+  carrier_.set(2, {all[1]});
+  come(10, 2, "two");
+  EXPECT_EQ(world_.interfaces[20].sent.back().second, "two");
+  EXPECT_EQ(carrier_.transfers(), 2U);
+  all[0].to.broadcast = false;
+  carrier_.set_all(all);
+  EXPECT_EQ(carrier_.transfers(), 3U);
+}
+
+TEST(FormOfLayer, IsEachFieldThatIsNotOfAChannelAlone) {
+  const auto differs = [](auto change) {
+    control::Endpoint other;
+    change(other);
+    return form_of_layer(other) != form_of_layer({});
+  };
+  using Endpoint = control::Endpoint;
+  EXPECT_TRUE(differs([](Endpoint& e) { e.can = true; }));
+  EXPECT_TRUE(differs([](Endpoint& e) { e.wpan = true; }));
+  EXPECT_TRUE(differs([](Endpoint& e) { e.broadcast = true; }));
+  EXPECT_TRUE(differs([](Endpoint& e) { e.profile = "j1939"; }));
+  EXPECT_TRUE(differs([](Endpoint& e) { e.interface = "can1"; }));
+  EXPECT_TRUE(differs([](Endpoint& e) { e.ifindex = 7; }));
+  EXPECT_FALSE(differs([](Endpoint& e) {
+    e.id = e.mask = e.frame_bytes = 7;
+    e.classic = e.fd = e.fragmented = true;
+    e.network = e.address = "other";
+  }));
 }
 
 /// Another program may hold the port for a while.
