@@ -76,22 +76,15 @@ class Ends {
   [[nodiscard]] const std::string& name_of(std::size_t end) const {
     return role_ == Role::publisher ? members_.publisher(end).name : members_.subscriber(end).name;
   }
-  /// Why a program that states this cannot be that end; nothing: it can. Where deliveries are
-  /// granted, the attribute sets that are in use count; else the preferred one.
+  /// Why a program that states this cannot be that end; nothing: it can. What one of the attribute
+  /// sets of the end has is in order, whichever is in use: that changes while programs run, and
+  /// the answer says which one it is.
   [[nodiscard]] std::optional<std::string> conflict(std::size_t end,
                                                     const AttributeSet& announced) const {
-    std::optional<std::string> found;
-    bool granted = false;
-    for (const core::Verdict& v : state_.decisions()[channel_].verdicts) {
-      if (found || !v.granted || !concerns(v, end)) continue;
-      granted = true;
-      found = requests::conflict(
-          role_, announced, attributes_of(end, v.set),
-          v.set == 0 ? "for this end"
-                     : fmt::format("in attribute set {}, which is in use for this end", v.set));
-    }
-    return granted ? found
-                   : requests::conflict(role_, announced, attributes_of(end, 0), "for this end");
+    auto found = requests::conflict(role_, announced, attributes_of(end, 0), "for this end");
+    for (std::size_t set = 1; found && set <= lower_sets(end); ++set)
+      if (!requests::conflict(role_, announced, attributes_of(end, set), "")) found.reset();
+    return found;
   }
   /// Why the program may not be that end; nothing: it may. Frames of a publisher pass for one user
   /// alone. What a bus brings can be read by every user, unless the end states who may.
@@ -136,9 +129,9 @@ class Ends {
     return role_ == Role::publisher ? core::attributes_in(members_.publisher(end), set)
                                     : core::attributes_in(members_.subscriber(end), set);
   }
-  [[nodiscard]] bool concerns(const core::Verdict& v, std::size_t end) const {
-    return role_ == Role::publisher ? v.publisher == end
-                                    : std::ranges::find(v.subscribers, end) != v.subscribers.end();
+  [[nodiscard]] std::size_t lower_sets(std::size_t end) const {
+    return role_ == Role::publisher ? members_.publisher(end).lower.size()
+                                    : members_.subscriber(end).lower.size();
   }
   [[nodiscard]] core::Place place_of(std::size_t end) const {
     return role_ == Role::publisher ? members_.publisher(end).place
