@@ -21,6 +21,7 @@
 #include "client/answers.hpp"
 #include "control/codec.hpp"
 #include "control/slices.hpp"
+#include "control/utf8.hpp"
 
 namespace mlcca::client {
 namespace {
@@ -44,6 +45,16 @@ bool add_to(const Fd& epoll, const Fd& fd, std::uint32_t events) {
 
 int for_poll(milliseconds time) {
   return time.count() < 0 ? -1 : static_cast<int>(std::min(time, kLongest).count());
+}
+
+/// The daemon would close the connection, of all channels; null: it can be sent.
+const char* why_not_sent(const control::AnnounceRequest& request, std::size_t size) {
+  constexpr std::size_t length = 3;  // its varint, of a body of 16 KiB and more
+  if (size > control::Request::kMaxBytes + length)
+    return "the names and attributes are longer than a request may be, 65,536 bytes";
+  if (!control::is_utf8(request.channel) || !control::is_utf8(request.name))
+    return "the names are not UTF-8";
+  return nullptr;
 }
 
 std::shared_ptr<const Answer> no_daemon(const std::string& why) {
@@ -147,10 +158,17 @@ void Client::Connection::take_up(const PartOf& part) {
 
 void Client::Connection::ask(const PartOf& part) {
   if (part->request.role == control::Role::subscriber) part->request.local = data_.address();
-  part->asked = ++last_id_;
   part->outdated = part->failed = false;
+  const std::string request = control::encode(control::Request{last_id_ + 1, part->request, true});
+  if (const char* wrong = why_not_sent(part->request, request.size())) {
+    part->asked = 0;
+    part->take(std::make_shared<Answer>(
+        Answer{.state = State::rejected, .reason = wrong, .deliveries = {}}));
+    return;
+  }
+  part->asked = ++last_id_;
   asked_.emplace(part->asked, Asked{part});
-  out_ += control::encode(control::Request{part->asked, part->request, true});
+  out_ += request;
 }
 
 void Client::Connection::ask_again(const PartOf& part) {
@@ -241,8 +259,16 @@ void Client::Connection::run(milliseconds time) {
   for (const epoll_event& one : std::span(ready).first(count < 0 ? 0 : count))
     if (!data_.receive(one.data.fd)) other = true;
   if (other) turn();
-  data_.call_handlers();
-  if (other) call_exception_handlers();
+  const auto happened = data_.take_happened();
+  for (const auto& [part, event] : happened) on_happened(part, event);
+  if (!happened.empty()) wake();
+  try {
+    data_.call_handlers();
+  } catch (...) {
+    if (data_.has_waiting()) wake();
+    throw;
+  }
+  if (other || !happened.empty()) call_exception_handlers();
 }
 
 /// Whatever there is for handlers.

@@ -23,6 +23,8 @@ using relay::Sent;
 
 /// Of each socket in one call of process(): what is left keeps the descriptor readable.
 constexpr std::size_t kMostEvents = 64;
+/// Of programs on the gateway, before it is said that none have come.
+constexpr std::size_t kMostBefore = 1024;
 constexpr std::chrono::seconds kExpiry(1);
 
 std::chrono::system_clock::time_point time_of(std::uint64_t unix_ns) {
@@ -44,8 +46,11 @@ bool is_same(const auto& a, const auto& b) { return !a.owner_before(b) && !b.own
 // --- sockets -------------------------------------------------------------------------------------
 
 Client::Data::Data(const Fd& epoll)
-    : epoll_(epoll), timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)) {
-  if (timer_) static_cast<void>(watch(timer_.get()));
+    : epoll_(epoll),
+      timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)),
+      supervision_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)) {
+  for (const Fd* timer : {&timer_, &supervision_})
+    if (*timer) static_cast<void>(watch(timer->get()));
 }
 
 bool Client::Data::watch(int fd) const {
@@ -64,12 +69,26 @@ std::string Client::Data::address() {
 
 Result<relay::Layer*> Client::Data::layer_of(const control::Endpoint& endpoint) {
   const auto known = layers_.find(endpoint.ifindex);
-  if (known != layers_.end()) return known->second.get();
+  if (known != layers_.end() && !known->second.serves(endpoint))
+    return fail(endpoint.network + " is not what it was: the daemon is asked");
+  if (known != layers_.end()) return known->second.layer.get();
   auto layer = relay::open_layer(endpoint);
   if (!layer) return std::unexpected(layer.error());
   if (!watch((*layer)->fd()))
     return fail(std::string("epoll: ") + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
-  return layers_.emplace(endpoint.ifindex, std::move(*layer)).first->second.get();
+  return layers_
+      .emplace(endpoint.ifindex,
+               relay::OpenedLayer{relay::form_of_layer(endpoint), std::move(*layer)})
+      .first->second.layer.get();
+}
+
+/// Who followed it as it was does not any more, and is given its endpoints by the daemon.
+Result<relay::Layer*> Client::Data::renewed_layer_of(const control::Endpoint& endpoint) {
+  const auto known = layers_.find(endpoint.ifindex);
+  if (known != layers_.end() && !known->second.serves(endpoint))
+    for (const Following& one : close(endpoint.ifindex))
+      if (const auto part = one.part.lock()) std::erase(part->endpoints, one.endpoint);
+  return layer_of(endpoint);
 }
 
 // --- who sends and receives where ----------------------------------------------------------------
@@ -79,7 +98,7 @@ void Client::Data::leave(const std::weak_ptr<Channel::Part>& part) {
     const auto& [follower, following] = one;
     if (!is_same(following.part, part)) return false;
     if (const auto layer = layers_.find(following.endpoint.ifindex); layer != layers_.end())
-      layer->second->leave(follower, following.endpoint, following.subject);
+      layer->second.layer->leave(follower, following.endpoint, following.subject);
     return true;
   });
 }
@@ -94,20 +113,25 @@ void Client::Data::leave_expired() {
   }
 }
 
-/// Its socket is of no use any more. Where the interface is there all the same, who followed it
-/// does so again; else when the daemon says that it is there.
-void Client::Data::renew(std::uint32_t ifindex) {
-  const auto known = layers_.find(ifindex);
-  if (known == layers_.end()) return;
-  closed_losses_ += known->second->losses().all();
-  layers_.erase(known);
+/// Who followed it.
+std::vector<Client::Data::Following> Client::Data::close(std::uint32_t ifindex) {
   std::vector<Following> former;
+  const auto known = layers_.find(ifindex);
+  if (known == layers_.end()) return former;
+  other_losses_ += known->second.layer->losses().all();
+  layers_.erase(known);
   std::erase_if(following_, [&](auto& one) {
     if (one.second.endpoint.ifindex != ifindex) return false;
     former.push_back(std::move(one.second));
     return true;
   });
-  for (Following& one : former) {
+  return former;
+}
+
+/// Its socket is of no use any more. Where the interface is there all the same, who followed it
+/// does so again; else when the daemon says that it is there.
+void Client::Data::renew(std::uint32_t ifindex) {
+  for (Following& one : close(ifindex)) {
     const auto part = one.part.lock();
     if (!part) continue;
     const auto layer = layer_of(one.endpoint);
@@ -127,7 +151,7 @@ Result<void> Client::Data::use(const PartOf& part, const control::Reply& reply) 
 
 /// Of a publisher as well: the first event must not wait until its socket is there.
 Result<void> Client::Data::use_endpoint(const PartOf& part, const control::Endpoint& endpoint) {
-  const auto layer = layer_of(endpoint);
+  const auto layer = renewed_layer_of(endpoint);
   if (!layer) return std::unexpected(layer.error());
   if (part->request.role == control::Role::publisher) return {};
   auto followed = (*layer)->follow(++last_, endpoint, part->subject, kMostLocalBytes);
@@ -141,20 +165,39 @@ Result<void> Client::Data::use_endpoints(const PartOf& part,
   const bool publishes = part->request.role == control::Role::publisher;
   if (!publishes && endpoints == part->endpoints) return {};
   leave(part);
-  for (auto* list : {&locals_, &publishers_})
-    std::erase_if(*list,
-                  [&](const auto& other) { return other.expired() || is_same(other, part); });
+  std::erase_if(publishers_,
+                [&](const auto& other) { return other.expired() || is_same(other, part); });
+  use_local(part, endpoints);
   Result<void> done;
-  for (const control::Endpoint& endpoint : endpoints) {
-    if (endpoint.user) locals_.push_back(part);
-    if (endpoint.user || is_local(endpoint)) continue;
-    if (const auto used = use_endpoint(part, endpoint); !used)
-      done = fail(endpoint.network + ": " + used.error().text);
-  }
+  std::erase_if(endpoints, [&](const control::Endpoint& endpoint) {
+    if (endpoint.user || is_local(endpoint)) return false;
+    const auto used = use_endpoint(part, endpoint);
+    if (!used) done = fail(endpoint.network + ": " + used.error().text);
+    return !used && !publishes;  // so that it is tried again
+  });
   part->endpoints = std::move(endpoints);
   if (publishes && std::ranges::any_of(part->endpoints, is_local)) publishers_.push_back(part);
   close_unused_senders();
   return done;
+}
+
+/// What is known of a user stays.
+void Client::Data::use_local(const PartOf& part, const std::vector<control::Endpoint>& endpoints) {
+  std::vector<Local> before;
+  std::erase_if(locals_, [&](Local& one) {
+    if (!one.part.expired() && !is_same(one.part, part)) return false;
+    if (!one.part.expired()) before.push_back(std::move(one));
+    return true;
+  });
+  const std::uint64_t now = monotonic_ns();
+  for (const control::Endpoint& endpoint : endpoints) {
+    if (!endpoint.user) continue;
+    const auto known = std::ranges::find_if(
+        before, [&](const Local& one) { return one.source.granted().user == endpoint.user; });
+    locals_.push_back(known == before.end() ? Local{part, LocalSource(endpoint, now)} : *known);
+    locals_.back().source.grant(endpoint);
+    if (const auto due = locals_.back().source.due()) supervise_at(*due, now);
+  }
 }
 
 /// A receiver may be gone without a word, and its name another one's.
@@ -176,20 +219,26 @@ Published Client::Data::publish(const Channel::Part& part, Octets event) {
   std::size_t sent = 0;
   bool too_long = false;
   for (const control::Endpoint& endpoint : part.endpoints) {
-    if (is_local(endpoint)) {
-      if (send_local(endpoint.local, part.subject, event)) ++sent;
-      continue;
-    }
-    const auto layer = layer_of(endpoint);
-    const Sent how = layer ? (*layer)->send(endpoint, part.subject, event) : Sent::failed;
+    const Sent how = send_to(endpoint, part.subject, event);
     too_long = too_long || how == Sent::too_long;
     if (how == Sent::sent) ++sent;
-    // Its interface has gone; it may be there again with the same number.
-    if (how == Sent::failed) renew(endpoint.ifindex);
   }
   if (sent == part.endpoints.size()) return Published::sent;
   if (sent != 0) return Published::partly;
   return too_long ? Published::too_long : Published::lost;
+}
+
+Sent Client::Data::send_to(const control::Endpoint& endpoint, std::uint64_t subject, Octets event) {
+  if (is_local(endpoint)) {
+    if (endpoint.frame_bytes != 0 && event.size() > endpoint.frame_bytes) return Sent::too_long;
+    return send_local(endpoint.local, subject, event) ? Sent::sent : Sent::dropped;
+  }
+  const auto layer = layer_of(endpoint);
+  if (!layer) return Sent::failed;
+  const Sent how = (*layer)->send(endpoint, subject, event);
+  // Its interface has gone; it may be there again with the same number.
+  if (how == Sent::failed) renew(endpoint.ifindex);
+  return how;
 }
 
 /// False: the event is lost to that receiver.
@@ -209,16 +258,50 @@ bool Client::Data::send_local(const std::string& address, std::uint64_t subject,
 }
 
 void Client::Data::take_local(const LocalEvent& event) {
-  for (const auto& weak : locals_) {
-    const auto part = weak.lock();
-    if (!part || part->subject != event.subject) continue;
-    const auto is_from = [&](const control::Endpoint& e) { return e.user == event.from; };
-    if (std::ranges::any_of(part->endpoints, is_from))
-      arrived_.push_back({weak,
-                          {},
-                          {event.octets.begin(), event.octets.end()},
-                          event.unix_ns == 0 ? unix_ns() : event.unix_ns});
+  const std::uint64_t when = event.unix_ns == 0 ? unix_ns() : event.unix_ns;
+  const std::uint64_t now = monotonic_ns();
+  for (Local& one : locals_) {
+    const auto part = one.part.lock();
+    if (!part || part->subject != event.subject || one.source.granted().user != event.from)
+      continue;
+    if (one.source.takes(event.octets.size(), when, now))
+      arrived_.push_back({one.part, {}, {event.octets.begin(), event.octets.end()}, when});
+    else
+      ++other_losses_;
+    if (const auto due = one.source.due()) supervise_at(*due, now);
   }
+}
+
+/// The timer may be early: events have come since it was set. Then it is set again.
+void Client::Data::supervise_at(std::uint64_t due, std::uint64_t now) {
+  if (supervised_at_ != 0 && supervised_at_ <= due) return;
+  supervised_at_ = due;
+  constexpr std::uint64_t in_a_milli = 1'000'000;
+  const std::uint64_t left = due > now ? due - now : 0;
+  start_timer(supervision_, std::chrono::milliseconds(left / in_a_milli + 1));
+}
+
+/// What waits in the socket has come in time.
+void Client::Data::supervise() {
+  std::uint64_t expired = 0;
+  if (::read(supervision_.get(), &expired, sizeof expired) != sizeof expired) return;
+  if (receiver_)
+    receiver_->receive(kMostBefore, [this](const LocalEvent& event) { take_local(event); });
+  supervised_at_ = 0;
+  const std::uint64_t now = monotonic_ns();
+  for (Local& one : locals_) {
+    const auto part = one.part.lock();
+    if (!part) continue;
+    while (auto event = one.source.happened(now)) {
+      event->subject = part->subject;
+      happened_.push_back({part, std::move(*event)});
+    }
+    if (const auto due = one.source.due()) supervise_at(*due, now);
+  }
+}
+
+std::vector<Client::Data::Happened> Client::Data::take_happened() {
+  return std::exchange(happened_, {});
 }
 
 void Client::Data::take(const relay::Layer::Arrival& arrival) {
@@ -240,18 +323,23 @@ bool Client::Data::receive(int fd) {
     expire();
     return true;
   }
+  if (supervision_.get() == fd) {
+    supervise();
+    return true;
+  }
   const auto found =
-      std::ranges::find_if(layers_, [fd](const auto& one) { return one.second->fd() == fd; });
+      std::ranges::find_if(layers_, [fd](const auto& one) { return one.second.layer->fd() == fd; });
   if (found == layers_.end()) return false;
-  if (!found->second->receive(kMostEvents, [this](const auto& arrival) { take(arrival); }))
+  if (!found->second.layer->receive(kMostEvents, [this](const auto& arrival) { take(arrival); }))
     renew(found->first);
-  else if (!is_timed_ && found->second->holds_parts())
+  else if (!is_timed_ && found->second.layer->holds_parts())
     time_expiry();
   return true;
 }
 
 bool Client::Data::holds_parts() const {
-  return std::ranges::any_of(layers_, [](const auto& one) { return one.second->holds_parts(); });
+  return std::ranges::any_of(layers_,
+                             [](const auto& one) { return one.second.layer->holds_parts(); });
 }
 
 void Client::Data::time_expiry() {
@@ -264,8 +352,8 @@ void Client::Data::expire() {
   std::uint64_t expired = 0;
   if (::read(timer_.get(), &expired, sizeof expired) != sizeof expired) return;
   is_timed_ = false;
-  for (const auto& [ifindex, layer] : layers_)
-    if (layer->holds_parts()) layer->expire();
+  for (const auto& [ifindex, one] : layers_)
+    if (one.layer->holds_parts()) one.layer->expire();
   if (holds_parts()) time_expiry();
 }
 
@@ -292,8 +380,8 @@ void Client::Data::call_handlers() {
 }
 
 std::uint64_t Client::Data::lost() const {
-  std::uint64_t all = closed_losses_;
-  for (const auto& [ifindex, layer] : layers_) all += layer->losses().all();
+  std::uint64_t all = other_losses_;
+  for (const auto& [ifindex, one] : layers_) all += one.layer->losses().all();
   return all;
 }
 

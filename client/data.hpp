@@ -16,6 +16,7 @@
 
 #include "base/handle.hpp"
 #include "client/local_socket.hpp"
+#include "client/local_source.hpp"
 #include "client/part.hpp"
 #include "mlcca/client/client.hpp"
 #include "relay/layers/layer.hpp"
@@ -41,6 +42,12 @@ class Client::Data {
   [[nodiscard]] bool receive(int fd);
   /// Of what was taken.
   void call_handlers();
+  /// To events of programs on the gateway, as the daemon reports it of a gate.
+  struct Happened {
+    PartOf part;
+    control::Event event;
+  };
+  [[nodiscard]] std::vector<Happened> take_happened();
   /// A handler threw, and those behind it were not called yet.
   [[nodiscard]] bool has_waiting() const { return !arrived_.empty(); }
   /// Of all interfaces since it began.
@@ -55,6 +62,12 @@ class Client::Data {
     std::uint64_t subject = 0;
   };
 
+  /// A subscriber and programs of one user on the gateway.
+  struct Local {
+    std::weak_ptr<Channel::Part> part;
+    LocalSource source;
+  };
+
   /// An event that waits for its handler, which may do with channels what it likes.
   struct Arrived {
     std::weak_ptr<Channel::Part> part;
@@ -67,29 +80,41 @@ class Client::Data {
   [[nodiscard]] bool holds_parts() const;
   void time_expiry();
   void expire();
+  /// Opened where it is not. Error: or it is open for a network of another kind, of which the end
+  /// does not know yet.
   Result<relay::Layer*> layer_of(const control::Endpoint& endpoint);
+  /// The same, opened again for the network as it is now.
+  Result<relay::Layer*> renewed_layer_of(const control::Endpoint& endpoint);
   Result<void> use_endpoint(const PartOf& part, const control::Endpoint& endpoint);
   Result<void> use_endpoints(const PartOf& part, std::vector<control::Endpoint> endpoints);
   void leave(const std::weak_ptr<Channel::Part>& part);
   void leave_expired();
+  std::vector<Following> close(std::uint32_t ifindex);
   void renew(std::uint32_t ifindex);
+  relay::Sent send_to(const control::Endpoint& endpoint, std::uint64_t subject, Octets event);
   [[nodiscard]] bool send_local(const std::string& address, std::uint64_t subject, Octets event);
   void close_unused_senders();
+  void use_local(const PartOf& part, const std::vector<control::Endpoint>& endpoints);
   void take_local(const LocalEvent& event);
+  void supervise();
+  void supervise_at(std::uint64_t due, std::uint64_t now);
   void take(const relay::Layer::Arrival& arrival);
 
   const Fd& epoll_;
   Fd timer_;  ///< for what is begun and not completed
   bool is_timed_ = false;
+  Fd supervision_;                   ///< the timer of local deliveries
+  std::uint64_t supervised_at_ = 0;  ///< when it is due; 0: never
   std::optional<LocalReceiver> receiver_;
-  std::map<std::string, LocalSender> senders_;                     ///< by address
-  std::map<std::uint32_t, std::unique_ptr<relay::Layer>> layers_;  ///< by interface
-  std::uint64_t closed_losses_ = 0;  ///< of interfaces that were closed
+  std::map<std::string, LocalSender> senders_;          ///< by address
+  std::map<std::uint32_t, relay::OpenedLayer> layers_;  ///< by interface
+  std::uint64_t other_losses_ = 0;  ///< of interfaces that were closed, and of local deliveries
   std::map<Follower, Following> following_;
   Follower last_ = 0;
-  std::vector<std::weak_ptr<Channel::Part>> locals_;  ///< that receive from programs on the gateway
+  std::vector<Local> locals_;
   std::vector<std::weak_ptr<Channel::Part>> publishers_;  ///< that send to such programs
   std::vector<Arrived> arrived_;
+  std::vector<Happened> happened_;
 };
 
 }  // namespace mlcca::client

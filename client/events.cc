@@ -39,6 +39,8 @@ struct __attribute__((visibility("hidden"))) mlcca_events {
       on_event;                      ///< of mlcca_events_process()
   std::uint64_t without_memory = 0;  ///< how often events were lost since memory was at an end
 
+  std::vector<Client::Data::Happened> happened;  ///< not taken yet, the next one at the end
+
   const std::shared_ptr<Part>& end(std::uint64_t number, mlcca_role role);
   std::string use(const std::shared_ptr<Part>& part, std::string_view reply);
 };
@@ -137,6 +139,30 @@ void mlcca_events_process(mlcca_events* events, mlcca_on_event on_event, void* c
   } catch (const std::bad_alloc&) {
     ++events->without_memory;
   }
+}
+
+size_t mlcca_events_happened(mlcca_events* events, uint64_t* end, void* reply, size_t size) {
+  try {
+    if (events->happened.empty()) {
+      events->happened = events->data.take_happened();
+      std::ranges::reverse(events->happened);
+    }
+    for (; !events->happened.empty(); events->happened.pop_back()) {
+      const auto& [part, event] = events->happened.back();
+      const auto known =
+          std::ranges::find(events->ends, part, &decltype(events->ends)::value_type::second);
+      if (known == events->ends.end()) continue;  // it has left
+      const std::string text = control::encode(control::Reply{.id = 0, .body = event});
+      if (text.size() > size) return text.size();
+      text.copy(static_cast<char*>(reply), text.size());
+      *end = known->first;
+      events->happened.pop_back();
+      return text.size();
+    }
+  } catch (const std::bad_alloc&) {
+    ++events->without_memory;
+  }
+  return 0;
 }
 
 uint64_t mlcca_events_lost(const mlcca_events* events) {

@@ -98,6 +98,10 @@ struct GateChanges {
 /// less the Latency. 0: unknown, or nothing was granted.
 [[nodiscard]] Value silence_of(const Verdict& verdict);
 
+/// The same of a delivery from program to program on one gateway, where nothing is in between: a
+/// Jitter that is not stated is none.
+[[nodiscard]] Value silence_here(const Verdict& verdict);
+
 /// Granted events of a publisher at a gateway: how their frames enter it and how they leave it.
 struct Passage {
   std::size_t publisher = 0;

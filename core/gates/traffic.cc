@@ -73,13 +73,26 @@ Policing policing_of(const AttributeSet& offered, std::uint64_t frames, Value la
   return out;
 }
 
-Value silence_of(const Verdict& v) {
-  if (!v.granted || !worst_case_reaction(v)) return 0;
-  AttributeSet terms = reaction_terms(v);
+namespace {
+
+Value silence_by(AttributeSet terms) {
   terms.set(Attribute::period, slower(terms[Attribute::period]));
   terms.set(Attribute::latency, 0);
   const Value silence = mlcca::worst_case_reaction(terms);
   return silence == kUnbounded ? 0 : silence;
+}
+
+}  // namespace
+
+Value silence_of(const Verdict& v) {
+  return v.granted && worst_case_reaction(v) ? silence_by(reaction_terms(v)) : 0;
+}
+
+Value silence_here(const Verdict& v) {
+  AttributeSet terms = reaction_terms(v);
+  if (!v.granted || !terms.has(Attribute::omission) || !terms.has(Attribute::period)) return 0;
+  if (!terms.has(Attribute::jitter)) terms.set(Attribute::jitter, 0);
+  return silence_by(terms);
 }
 
 }  // namespace mlcca::core

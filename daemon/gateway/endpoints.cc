@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <string>
 #include <utility>
 
 #include "core/gates/control_traffic.hpp"
+#include "core/gates/together.hpp"
 #include "core/model/medium.hpp"
 #include "core/model/words.hpp"
 #include "daemon/gateway/pace.hpp"
@@ -135,24 +137,74 @@ std::vector<control::Endpoint> Endpoints::of_publisher(std::size_t channel,
          local_ends_.addresses(scene_.state->system().channels[channel].subject)) {
       control::Endpoint here;
       here.local = std::move(address);
+      here.frame_bytes = event_bytes(passage);
       add_once(out, std::move(here));
     }
   }
   return out;
 }
 
-std::vector<control::Endpoint> Endpoints::of_subscribers(std::size_t channel) const {
+/// Programs of one user cannot be distinguished by the kernel, as publishers that share an entry of
+/// a gate.
+class Endpoints::FromPrograms {
+ public:
+  void add(const core::Publisher& publisher, std::size_t set, std::uint32_t bytes, Value silence) {
+    if (!publisher.uid) return;
+    const AttributeSet& offered = core::attributes_in(publisher, set);
+    const core::Policing policing = core::policing_of(offered, 1, bytes);
+    const core::Watching watching{offered[Attribute::period], silence, 0};
+    const auto [at, fresh] =
+        by_user_.try_emplace(*publisher.uid, One{publisher.name, bytes, policing, watching});
+    One& one = at->second;
+    if (fresh || one.publisher == publisher.name) return;
+    one.publisher.clear();
+    one.bytes = std::max(one.bytes, bytes);
+    one.policing = core::together(one.policing, policing, one.bytes);
+    one.watching = core::together(one.watching, watching);
+  }
+  void add_to(std::vector<control::Endpoint>& to) const {
+    for (const auto& [user, one] : by_user_) {
+      control::Endpoint here;
+      here.user = user;
+      here.publisher = one.publisher;
+      here.frame_bytes = one.bytes;
+      here.period_ns = one.watching.period;
+      here.silence_ns = one.watching.silence;
+      here.event_cost_ns = one.policing.per_frame;
+      here.byte_cost = one.policing.per_byte;
+      here.tolerance_ns = one.policing.tolerance;
+      to.push_back(std::move(here));
+    }
+  }
+
+ private:
+  struct One {
+    std::string publisher;
+    std::uint32_t bytes = 0;
+    core::Policing policing;
+    core::Watching watching;
+  };
+  std::map<uid_t, One> by_user_;
+};
+
+std::vector<control::Endpoint> Endpoints::of_subscriber(std::size_t channel,
+                                                        std::size_t subscriber) const {
+  const core::State& state = *scene_.state;
+  std::map<std::size_t, Value> silences;  // of publishers
+  for (const core::Verdict& v : state.decisions()[channel].verdicts)
+    if (std::ranges::find(v.subscribers, subscriber) != v.subscribers.end())
+      silences[v.publisher] = core::silence_here(v);
   std::vector<control::Endpoint> out;
+  FromPrograms from_programs;
   for (const core::Passage& passage : passages(channel)) {
     if (passage.out) continue;
-    if (passage.in) {
+    if (passage.in)
       add_once(out, endpoint(channel, *passage.in, event_bytes(passage)));
-      continue;
-    }
-    control::Endpoint here;
-    here.user = scene_.state->members().publisher(passage.publisher).uid;
-    if (here.user) add_once(out, std::move(here));
+    else
+      from_programs.add(state.members().publisher(passage.publisher), passage.set,
+                        event_bytes(passage), silences[passage.publisher]);
   }
+  from_programs.add_to(out);
   return out;
 }
 

@@ -24,8 +24,9 @@ class Endpoints {
   /// Of a publisher that is a program here; none where nothing of it is granted.
   [[nodiscard]] std::vector<control::Endpoint> of_publisher(std::size_t channel,
                                                             std::size_t publisher) const;
-  /// Of the subscribers that a channel has here.
-  [[nodiscard]] std::vector<control::Endpoint> of_subscribers(std::size_t channel) const;
+  /// Of a subscriber that is a program here.
+  [[nodiscard]] std::vector<control::Endpoint> of_subscriber(std::size_t channel,
+                                                             std::size_t subscriber) const;
 
   /// Where subscriptions come from and go to on a network of this gateway that accepts them.
   [[nodiscard]] control::SubscriptionNetwork of_subscriptions(std::size_t port) const;
@@ -48,6 +49,8 @@ class Endpoints {
   [[nodiscard]] std::optional<control::Endpoint> endpoint(std::size_t channel,
                                                           const core::GateEntry& entry,
                                                           std::uint32_t event_bytes) const;
+  /// What programs here send, by their users, and how it is supervised.
+  class FromPrograms;
   [[nodiscard]] std::uint32_t event_bytes(const core::Passage& passage) const;
 
   const Scene& scene_;

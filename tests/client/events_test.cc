@@ -318,6 +318,108 @@ TEST_F(EventsInC, APartOfAnEventIsGivenUpOnTime) {
   EXPECT_FALSE(is_readable());
 }
 
+/// As a peer sends it to a network of FAMOUSO on the loopback.
+void send_as_a_peer(std::uint16_t port, const std::string& event) {
+  const int sender = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in own{};
+  own.sin_family = AF_INET;
+  own.sin_addr.s_addr = htonl(INADDR_LOOPBACK + 1);
+  sockaddr_in to = own;
+  to.sin_port = htons(port);
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  ASSERT_EQ(::bind(sender, reinterpret_cast<sockaddr*>(&own), sizeof own), 0);
+  const std::string all = std::string("stop\0\0\0\0\0", 9) + event;
+  ASSERT_EQ(
+      ::sendto(sender, all.data(), all.size(), 0, reinterpret_cast<sockaddr*>(&to), sizeof to),
+      static_cast<ssize_t>(all.size()));
+  ::close(sender);
+}
+
+/// After a reload the network on an interface may be one of another kind.
+TEST_F(EventsInC, AnInterfaceIsOpenedAgainWhereItsNetworkHasAnotherForm) {
+  constexpr std::uint16_t multicast = 9999;
+  constexpr std::uint16_t broadcast = 8888;
+  control::Endpoint field;
+  field.interface = "lo";
+  field.ifindex = ::if_nametoindex("lo");
+  const std::string before = reply_with({field});
+  field.broadcast = true;
+  const std::string after = reply_with({field});
+  for (const std::uint64_t end : {1, 2})
+    ASSERT_EQ(use(subscriber_, end, MLCCA_SUBSCRIBER, before), "");
+  send_as_a_peer(multicast, "a");
+  EXPECT_EQ(came(), (std::vector<std::string>{"1 a", "2 a"}));
+  ASSERT_EQ(use(subscriber_, 1, MLCCA_SUBSCRIBER, after), "");
+  send_as_a_peer(broadcast, "b");
+  EXPECT_EQ(came(), std::vector<std::string>{"1 b"}) << "the other one is answered later";
+  ASSERT_EQ(use(subscriber_, 2, MLCCA_SUBSCRIBER, after), "");
+  send_as_a_peer(multicast, "c");
+  send_as_a_peer(broadcast, "d");
+  EXPECT_EQ(came(), (std::vector<std::string>{"1 d", "2 d"}));
+  ASSERT_EQ(use(subscriber_, 1, MLCCA_SUBSCRIBER, before), "");
+  ASSERT_EQ(use(subscriber_, 2, MLCCA_SUBSCRIBER, before), "");
+  send_as_a_peer(multicast, "e");
+  EXPECT_EQ(came(), (std::vector<std::string>{"1 e", "2 e"}));
+}
+
+TEST_F(EventsInC, AnEndpointThatCannotBeUsedIsTriedAgain) {
+  control::Endpoint nowhere;
+  nowhere.network = "field";
+  nowhere.interface = "none0";
+  nowhere.ifindex = 999'999;
+  const std::string reply = reply_with({nowhere});
+  for (int i = 0; i < 2; ++i) EXPECT_NE(use(subscriber_, 3, MLCCA_SUBSCRIBER, reply), "") << i;
+}
+
+/// Each event comes once to a subscriber, however many users may send it.
+TEST_F(EventsInC, WhereTwoUsersPublishAnEventComesOnce) {
+  ASSERT_EQ(use(publisher_, 7, MLCCA_PUBLISHER, reply_with({to_program(address_)})), "");
+  ASSERT_EQ(use(subscriber_, 3, MLCCA_SUBSCRIBER,
+                reply_with({from_programs_of(::getuid()), from_programs_of(::getuid() + 1)})),
+            "");
+  EXPECT_EQ(publish("go"), MLCCA_SENT);
+  EXPECT_EQ(came(), std::vector<std::string>{"3 go"});
+}
+
+TEST_F(EventsInC, WhatIsLongerThanTheChannelHasIsNeitherSentNorReceived) {
+  control::Endpoint short_one = to_program(address_);
+  short_one.frame_bytes = 8;
+  ASSERT_EQ(use(publisher_, 7, MLCCA_PUBLISHER, reply_with({short_one})), "");
+  EXPECT_EQ(publish("123456789"), MLCCA_TOO_LONG);
+  ASSERT_EQ(use(publisher_, 7, MLCCA_PUBLISHER, reply_with({to_program(address_)})), "");
+  control::Endpoint from = from_programs_of(::getuid());
+  from.frame_bytes = 8;
+  ASSERT_EQ(use(subscriber_, 3, MLCCA_SUBSCRIBER, reply_with({from})), "");
+  EXPECT_EQ(publish("123456789"), MLCCA_SENT) << "by a library that does not look";
+  EXPECT_EQ(publish("12345678"), MLCCA_SENT);
+  EXPECT_EQ(came(), std::vector<std::string>{"3 12345678"});
+  EXPECT_EQ(mlcca_events_lost(subscriber_.get()), 1U);
+}
+
+TEST_F(EventsInC, ASilenceIsGivenAsAReply) {
+  control::Endpoint from = from_programs_of(::getuid());
+  from.silence_ns = 1'000'000;
+  ASSERT_EQ(use(subscriber_, 3, MLCCA_SUBSCRIBER, reply_with({from})), "");
+  std::uint64_t end = 0;
+  std::string reply(4096, '?');
+  std::size_t size = 0;
+  while (size == 0) {
+    pollfd waits{.fd = mlcca_events_fd(subscriber_.get()), .events = POLLIN, .revents = 0};
+    ASSERT_EQ(::poll(&waits, 1, 60'000), 1);
+    EXPECT_TRUE(came().empty());
+    size = mlcca_events_happened(subscriber_.get(), &end, reply.data(), 3);
+  }
+  EXPECT_GT(size, 3U) << "there is no room";
+  EXPECT_EQ(mlcca_events_happened(subscriber_.get(), &end, reply.data(), reply.size()), size);
+  EXPECT_EQ(end, 3U);
+  control::Buffer buffer;
+  buffer.append(std::string_view(reply).substr(0, size));
+  const auto decoded = control::decode_reply(buffer);
+  ASSERT_TRUE(decoded && *decoded);
+  EXPECT_EQ(std::get<control::Event>((*decoded)->body).kind, "missing");
+  EXPECT_EQ(mlcca_events_happened(subscriber_.get(), &end, reply.data(), reply.size()), 0U);
+}
+
 TEST_F(EventsInC, AnEventMayHaveSoManyBytesAndNoMore) {
   ASSERT_EQ(use(publisher_, 7, MLCCA_PUBLISHER, reply_with({to_program(address_)})), "");
   ASSERT_EQ(use(subscriber_, 3, MLCCA_SUBSCRIBER, reply_with({from_programs_of(::getuid())})), "");

@@ -86,7 +86,16 @@ TEST(Exceptions, WhatWasMissingIsNotSaidAnyMoreOnceItIsRestored) {
 
 /// What `mlccactl generate` makes knows no network.
 struct GeneratedSpec {
-  enum class Why : std::uint8_t { refused, withdrawn, switched, violated };
+  enum class Why : std::uint8_t {
+    refused,
+    withdrawn,
+    switched,
+    violated,
+    granted,
+    restored,
+    unknown,
+    known
+  };
   static void exception(Why why) { last = why; }
   static inline std::optional<Why> last;
 };
@@ -96,6 +105,42 @@ TEST(Exceptions, ANetworkThatIsDownIsAWithdrawalToGeneratedHandlers) {
   down.cause = Cause::network_down;
   detail::call_handler<GeneratedSpec>(down);
   EXPECT_EQ(GeneratedSpec::last, GeneratedSpec::Why::withdrawn);
+}
+
+TEST(Exceptions, GeneratedHandlersAreCalledForWhatIsWellAgainToo) {
+  using Why = GeneratedSpec::Why;
+  const auto reason = [](Cause cause) {
+    GeneratedSpec::last.reset();
+    Exception exception;
+    exception.cause = cause;
+    detail::call_handler<GeneratedSpec>(exception);
+    return GeneratedSpec::last;
+  };
+  EXPECT_EQ(reason(Cause::granted), Why::granted);
+  EXPECT_EQ(reason(Cause::restored), Why::restored);
+  EXPECT_EQ(reason(Cause::daemon_gone), Why::unknown);
+  EXPECT_EQ(reason(Cause::daemon_back), Why::known);
+  for (const Cause none : {Cause::mode, Cause::lagged, Cause::other})
+    EXPECT_EQ(reason(none), std::nullopt);
+}
+
+/// The daemon would close the connection, again and again, and with it that of the other channels.
+TEST(Exceptions, WhatIsNoRequestIsRejectedByItself) {
+  Scene scene({{{channels({delivery("robot-can", true)})}}});
+  Client client(scene.options());
+  PublisherChannel stop(client, "stop");
+  ASSERT_EQ(stop.announce()->state, State::granted);
+  PublisherChannel longest(client, std::string(70'000, 'a'));
+  EXPECT_EQ(longest.announce()->state, State::rejected);
+  EXPECT_EQ(longest.answer()->reason,
+            "the names and attributes are longer than a request may be, 65,536 bytes");
+  SubscriberChannel unreadable(client, "stop", {}, "\xff");
+  EXPECT_EQ(unreadable.subscribe()->state, State::rejected);
+  EXPECT_EQ(unreadable.answer()->reason, "the names are not UTF-8");
+  client.process();
+  EXPECT_TRUE(client.is_connected());
+  EXPECT_EQ(stop.announce()->state, State::granted);
+  EXPECT_EQ(scene.requests().size(), 2U);
 }
 
 TEST(Exceptions, AnAnswerFromBeforeAChangeGrantsNothing) {

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: BSD-2-Clause
-$(eval $(call unit_test,client_test,tests/client/client_test.cc tests/client/exceptions_test.cc tests/client/events_test.cc tests/control/server.cc,$O/libclient.a $O/librelay.a $O/libcontrol.a,-lfmt))
+$(eval $(call unit_test,client_test,tests/client/client_test.cc tests/client/exceptions_test.cc tests/client/events_test.cc tests/client/local_source_test.cc tests/control/server.cc,$O/libclient.a $O/librelay.a $O/libcontrol.a,-lfmt))
 
 # Installed as a package would, and used by a program that knows nothing of this tree.
 check-client: $O/mlccad $O/mlccactl $O/mlcca-design $(CLIENT_LIBRARY) ## libmlcca, installed, against a real mlccad: root
 	$(call say,TEST,a program outside of the tree)
 	$(Q)rm -rf $O/client-installed
 	$(Q)$(MAKE) --no-print-directory DESTDIR=$(abspath $O)/client-installed PREFIX=/usr install-client install-headers install-python
-	$(Q)LD_LIBRARY_PATH=$O PYTHONPATH=$O/client-installed/usr/lib/python3/dist-packages /usr/bin/python3 -W ignore tests/client/python_test.py 2>$O/python_test.log || \
-		{ cat $O/python_test.log; exit 1; }
-	$(Q)tail -n 3 $O/python_test.log | head -n 1
+	$(Q)for test in python_test python_local_test; do \
+		LD_LIBRARY_PATH=$O PYTHONPATH=$O/client-installed/usr/lib/python3/dist-packages PYTHONDONTWRITEBYTECODE=1 \
+			/usr/bin/python3 -W ignore tests/client/$$test.py 2>$O/$$test.log || { cat $O/$$test.log; exit 1; }; \
+		tail -n 3 $O/$$test.log | head -n 1; done
 	$(Q)tests/client/run $O $O/client-installed
 .PHONY: check-client
 $(eval $(call program,tests/speak,tests/client/speak.cc,$O/libclient.a $O/librelay.a $O/libcontrol.a,-lfmt))

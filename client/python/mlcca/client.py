@@ -2,6 +2,7 @@
 """The blocking client: fits a program of one thread, or a loop over file descriptors."""
 from __future__ import annotations
 
+import os
 import select
 import socket
 import time
@@ -82,6 +83,8 @@ class Client:
         self._session = Session()
         self._epoll = select.epoll()
         self._epoll.register(self._session.sockets, select.EPOLLIN)
+        self._wakes = os.eventfd(0, os.EFD_CLOEXEC | os.EFD_NONBLOCK)  # something waits for handlers
+        self._epoll.register(self._wakes, select.EPOLLIN)
         self._socket: Optional[socket.socket] = None
         self._channels: list[Channel] = []
 
@@ -106,20 +109,23 @@ class Client:
         """Does what there is to do and calls handlers. Never waits. What a handler raises comes out of here; what else there
         is for handlers is kept for the next call."""
         self._turn()
-        for channel in list(self._channels):
-            part = channel._part
-            for _ in range(part.waits() if channel in self._channels else 0):
-                exception = part.take_exception()
-                if channel.on_exception:
-                    channel.on_exception(exception)
-                if channel not in self._channels:
-                    break
-            self._call_with_events(channel)
+        try:
+            for channel in list(self._channels):
+                part = channel._part
+                for _ in range(part.waits() if channel in self._channels else 0):
+                    exception = part.take_exception()
+                    if channel.on_exception:
+                        channel.on_exception(exception)
+                    if channel not in self._channels:
+                        break
+                self._call_with_events(channel)
+        finally:
+            self._wake_or_not()
 
     def wait(self, seconds: Optional[float] = None) -> None:
         """process(), after waiting until there is something to do, for at most so long; None: without end."""
         end = None if seconds is None else time.monotonic() + seconds
-        while not any(c._part.waits() or c._part.events for c in self._channels):
+        while not self._has_waiting():
             left = None if end is None else end - time.monotonic()
             if left is not None and left <= 0:
                 break
@@ -133,6 +139,8 @@ class Client:
         self._socket = None
         self._channels.clear()
         self._session.sockets.close()
+        if not self._epoll.closed:
+            os.close(self._wakes)
         self._epoll.close()
 
     def __enter__(self) -> "Client":
@@ -163,7 +171,23 @@ class Client:
         if part.asked != 0:
             part.lost = True  # the answer may come later
             part.answer = Answer(State.NO_DAEMON, f"no answer from mlccad within {self._patience:g} s")
+        self._wake_or_not()  # what has come meanwhile is taken from the sockets
         return part.answer
+
+    def _has_waiting(self) -> bool:
+        return any(channel._part.waits() or channel._part.events for channel in self._channels)
+
+    def _wake_or_not(self) -> None:
+        """fileno() can be read as long as something waits for a handler."""
+        if self._epoll.closed:
+            return
+        try:
+            if self._has_waiting():
+                os.eventfd_write(self._wakes, 1)
+            else:
+                os.eventfd_read(self._wakes)
+        except BlockingIOError:
+            pass
 
     def _forget(self, channel: Channel) -> None:
         if channel in self._channels:

@@ -10,6 +10,7 @@ from mlcca.v1 import control_pb2
 
 LIBRARY = "libmlcca.so.@ABI@"
 WHY_SIZE = 256
+HAPPENED_SIZE = 4096  # of one, mostly
 
 _OnEvent = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint64, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_char_p,
                             ctypes.c_uint64)
@@ -30,6 +31,7 @@ def _load() -> ctypes.CDLL:
                                     ("leave", None, (events, end)),
                                     ("publish", ctypes.c_int, (events, end, data, size)),
                                     ("process", None, (events, _OnEvent, ctypes.c_void_p)),
+                                    ("happened", size, (events, ctypes.POINTER(end), data, size)),
                                     ("lost", ctypes.c_uint64, (events,))):
         function = getattr(library, f"mlcca_events_{name}")
         function.restype, function.argtypes = result, arguments
@@ -104,6 +106,20 @@ class Events:
         self._library.mlcca_events_process(self._events, self._on_event, None)
         arrived, self._arrived = self._arrived, []
         return arrived
+
+    def happened(self) -> list[tuple[int, control_pb2.Event]]:
+        """To events of programs on the gateway, which no gate supervises: the end and what it is."""
+        out, end, room = [], ctypes.c_uint64(), HAPPENED_SIZE
+        while True:
+            reply = ctypes.create_string_buffer(room)
+            size = int(self._library.mlcca_events_happened(self._events, ctypes.byref(end), reply, room))
+            if size == 0:
+                return out
+            if size > room:
+                room = size
+                continue
+            head = next(i for i, byte in enumerate(reply.raw) if byte < 128) + 1
+            out.append((end.value, control_pb2.Reply.FromString(reply.raw[head:size]).event))
 
     def lost(self) -> int:
         return int(self._library.mlcca_events_lost(self._events)) if self._events else 0

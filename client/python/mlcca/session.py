@@ -15,6 +15,7 @@ from mlcca.types import Answer, Cause, ChannelException, Check, Delivery, Event,
 from mlcca.v1 import control_pb2
 
 MOST_REPLY = 16 << 20  # bytes, as control.proto has it
+MOST_REQUEST = 64 << 10
 MOST_WAITING = 256      # exceptions that wait for a program that does not take them
 MOST_EVENTS = 1024      # of a channel that wait for a program that does not take them
 MOST_ROWS = 1 << 18     # deliveries of one answer
@@ -32,7 +33,7 @@ VERDICT = {"granted", "refused", "withdrawn", "released", "switched", "rerouted"
 # Of a subscription that the gateway has passed on.
 FURTHER_ON = {"refused": Cause.REFUSED, "granted": Cause.GRANTED}
 # They are lost first where a program takes none.
-ONLY_INFORM = {Cause.POLICED, Cause.DROPPED, Cause.MISSING, Cause.RESTORED, Cause.MODE, Cause.OTHER}
+ONLY_INFORM = {Cause.POLICED, Cause.DROPPED, Cause.MISSING, Cause.RESTORED, Cause.LATE, Cause.MODE, Cause.OTHER}
 
 
 class ProtocolError(Exception):
@@ -216,11 +217,14 @@ class Session:
 
     def take_events(self) -> None:
         """What has come waits at its channels."""
-        arrived = self.sockets.take()
-        of_number = {part.number: part for part in self.parts} if arrived else {}
+        arrived, happened = self.sockets.take(), self.sockets.happened()
+        of_number = {part.number: part for part in self.parts} if arrived or happened else {}
         for arrival in arrived:
             if arrival.end in of_number:
                 of_number[arrival.end].arrived(arrival.event)
+        for end, event in happened:
+            if end in of_number:
+                self._on_happened(of_number[end], event)
 
     def connected(self) -> None:
         for part in self.parts:
@@ -240,9 +244,15 @@ class Session:
     def ask(self, part: Part) -> None:
         if not part.publishes:
             part.request.local = self.sockets.address()
+        request = control_pb2.Request(id=self._last_id + 1, announce=part.request, slices=True)
+        part.outdated, part.failed = False, False
+        if request.ByteSize() > MOST_REQUEST:  # the daemon would close the connection, of all channels
+            part.asked = 0
+            part.take(Answer(State.REJECTED, f"the names and attributes are longer than a request may be, {MOST_REQUEST:,} bytes"))
+            return
         self._last_id += 1
-        part.asked, part.outdated, part.failed = self._last_id, False, False
-        self.out += encode(control_pb2.Request(id=part.asked, announce=part.request, slices=True))
+        part.asked = self._last_id
+        self.out += encode(request)
 
     def ask_again(self, part: Part) -> None:
         """At once, or when the answer under way is there."""
@@ -344,6 +354,12 @@ class Session:
             part.lost = False
             part.note(Cause.DAEMON_BACK, part.answer.reason)
 
+    def _on_happened(self, part: Part, event: control_pb2.Event) -> None:
+        outdated = event.kind == "restored" and part.forget_trouble(event)
+        part.note(HAPPENED.get(event.kind, Cause.OTHER), event.message, event)
+        if outdated:  # something else may be wrong
+            self.ask_again(part)
+
     def _on_event(self, event: control_pb2.Event) -> None:
         for part in self.parts:
             # Without a delivery only the name is known.
@@ -360,10 +376,7 @@ class Session:
                 continue
             if event.kind not in VERDICT:
                 if event.subject == 0 or part.concerns(event):
-                    outdated = event.kind == "restored" and part.forget_trouble(event)
-                    part.note(HAPPENED.get(event.kind, Cause.OTHER), event.message, event)
-                    if outdated:  # something else may be wrong
-                        self.ask_again(part)
+                    self._on_happened(part, event)
                 continue
             if event.kind == "withdrawn":
                 part.withdraw(event)

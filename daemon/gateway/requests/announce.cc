@@ -190,7 +190,7 @@ Response announce(Context& context, const Asker& asker, const control::AnnounceR
     control::Channels out = publishes ? context.channels.of_publisher(channel, end)
                                       : context.channels.of_subscriber(channel, end);
     out.endpoints = publishes ? context.endpoints.of_publisher(channel, end)
-                              : context.endpoints.of_subscribers(channel);
+                              : context.endpoints.of_subscriber(channel, end);
     return out;
   };
   Response response = context.channels.has_many_lines(*channel) ? made_aside(context, asker, report)

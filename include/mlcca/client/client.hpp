@@ -238,8 +238,9 @@ class MLCCA_API SubscriberChannel : public Channel {
   /// The channel may be destroyed in it.
   void on_event(EventHandler handler) { receive(std::move(handler)); }
   /// Frames and events that came from networks to any channel of this Client and were not whole,
-  /// malformed, or lost in a socket of this process, since it was made. Those of programs on the
-  /// gateway itself, which the kernel drops where the socket is full, are not counted.
+  /// malformed, or lost in a socket of this process, since it was made. Of programs on the gateway
+  /// itself those that are longer than the channel's MaxPayload or more than is admitted, and not
+  /// those that the kernel drops where the socket is full.
   [[nodiscard]] std::uint64_t lost() const { return losses(); }
 };
 

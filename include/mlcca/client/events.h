@@ -67,8 +67,16 @@ typedef void (*mlcca_on_event)(void* context, uint64_t end, const void* data, si
 MLCCA_API void mlcca_events_process(struct mlcca_events* events, mlcca_on_event on_event,
                                     void* context);
 
+/* What has happened to events of programs on the gateway, which no gate supervises: call it after
+ * mlcca_events_process() until it returns 0. It writes one mlcca.v1.Reply with an `event` of kind
+ * missing, restored or excess, behind its length as a varint, and the end that it is of. The size
+ * of it; where that is more than `size` nothing is written, and it stays. */
+MLCCA_API size_t mlcca_events_happened(struct mlcca_events* events, uint64_t* end, void* reply,
+                                       size_t size);
+
 /* Frames and events that came and were not whole, malformed, or lost in a socket, and those for
- * which there was no memory, counted once for each call that had none. */
+ * which there was no memory, counted once for each call that had none. Of programs on the gateway
+ * those that are longer than the channel's MaxPayload, or more than is admitted. */
 MLCCA_API uint64_t mlcca_events_lost(const struct mlcca_events* events);
 
 #ifdef __cplusplus

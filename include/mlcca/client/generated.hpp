@@ -32,7 +32,7 @@ inline std::string subject_text(std::uint64_t subject) {
   return out;
 }
 
-/// Generated code knows four reasons, and what is none of them has no handler there.
+/// What is none of the reasons of generated code has no handler there: mode, lagged and other.
 template <class Spec>
 void call_handler(const Exception& exception) {
   using Why = WhyOf<Spec>;
@@ -56,7 +56,21 @@ void call_handler(const Exception& exception) {
     case Cause::late:
       Spec::exception(Why::violated);
       break;
-    default:
+    case Cause::granted:
+      Spec::exception(Why::granted);
+      break;
+    case Cause::restored:
+      Spec::exception(Why::restored);
+      break;
+    case Cause::daemon_gone:
+      Spec::exception(Why::unknown);
+      break;
+    case Cause::daemon_back:
+      Spec::exception(Why::known);
+      break;
+    case Cause::mode:
+    case Cause::lagged:
+    case Cause::other:
       break;
   }
 }

@@ -107,10 +107,17 @@ TEST_F(Endpoints, ProgramsOnTheGatewayReachEachOtherWithoutANetwork) {
   const auto from = endpoints(here, 2, 4711);
   ASSERT_EQ(from.size(), 1U);
   EXPECT_EQ(from[0].user, kUser) << "whose datagrams are the publisher's";
+  EXPECT_EQ(from[0].frame_bytes, 8U) << "MaxPayload";
+  EXPECT_EQ(from[0].publisher, "p0");
+  EXPECT_EQ(from[0].period_ns, 50'000'000U);
+  EXPECT_EQ(from[0].event_cost_ns, 49'975'000U) << "500 ppm faster: clocks differ";
+  EXPECT_EQ(from[0].tolerance_ns, 49'975'000U) << "one event early";
+  EXPECT_EQ(from[0].silence_ns, 0U) << "no subscriber states an Omission";
   ASSERT_EQ(bench_->events.back(), "local");
   const auto to = of_publisher();
   ASSERT_EQ(to.size(), 2U);
   EXPECT_EQ(to[0].local, kLocal);
+  EXPECT_EQ(to[0].frame_bytes, 8U);
   EXPECT_EQ(to[1].interface, "can1");
 
   const std::size_t events = bench_->events.size();

@@ -118,6 +118,10 @@ class Writer {
         "  withdrawn,  ///< it was, and the network can no longer carry it\n"
         "  switched,   ///< another of its attribute sets is in force now\n"
         "  violated,   ///< an event was late, lost or could not be sent as specified\n"
+        "  granted,    ///< it was refused or withdrawn, and is admitted now\n"
+        "  restored,   ///< events that were missing come again\n"
+        "  unknown,    ///< what decides is gone: what is admitted holds for a while\n"
+        "  known,      ///< it is back, and has decided\n"
         "}};\n\n");
   }
 

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""mlcca in Python: events between programs on a gateway, what wakes a loop, and tables that are those of the library in C++."""
+import os
+import re
+import select
+import unittest
+
+import mlcca
+from mlcca import Cause, State
+from mlcca.session import FURTHER_ON, MOST_REQUEST, ONLY_INFORM
+from mlcca.types import Published
+from python_test import Daemon, channels, granted_for
+
+CLIENT = os.path.join(os.path.dirname(__file__), "../../client")
+SECOND = 1_000_000_000
+
+
+def source(name):
+    with open(f"{CLIENT}/{name}", encoding="utf-8") as file:
+        return file.read()
+
+
+class Tables(unittest.TestCase):
+    def test_what_only_informs_is_the_same_in_both_languages(self):
+        body = re.search(r"bool only_informs\(.*?\n}", source("part.cc"), re.S)[0]
+        self.assertEqual(set(re.findall(r"case Cause::(\w+):", body)), {cause.name.lower() for cause in ONLY_INFORM})
+
+    def test_what_is_said_further_on_is_the_same_in_both_languages(self):
+        found = re.findall(r'event\.kind == "(\w+)"\) return Cause::(\w+);', source("answers.cc"))
+        self.assertEqual(dict(found), {kind: cause.name.lower() for kind, cause in FURTHER_ON.items()})
+
+    def test_causes_are_the_same_in_both_languages(self):
+        with open(f"{CLIENT}/../include/mlcca/client/client.hpp", encoding="utf-8") as file:
+            body = re.search(r"enum class Cause {(.*?)};", file.read(), re.S)[1]
+        self.assertEqual(set(re.findall(r"^\s*(\w+),", body, re.M)), {cause.name.lower() for cause in Cause})
+
+
+class Local(unittest.TestCase):
+    def subscriber(self, client, daemon):
+        """It, and who publishes to it."""
+        stop = client.subscriber("stop")
+        stop.subscribe()
+        self.publishers = Daemon([granted_for(local=daemon.requests[0].announce.local)])
+        self.addCleanup(self.publishers.close)
+        publisher = mlcca.Client(self.publishers.path, patience=60)
+        self.addCleanup(publisher.close)
+        lever = publisher.publisher("stop")
+        lever.announce()
+        return stop, lever
+
+    def start(self, **endpoint):
+        daemon = Daemon([granted_for(user=os.getuid(), **endpoint)])
+        self.addCleanup(daemon.close)
+        client = mlcca.Client(daemon.path, patience=60)
+        self.addCleanup(client.close)
+        return client, daemon
+
+    def is_readable(self, client):
+        return bool(select.select([client], [], [], 0)[0])
+
+    def test_a_silence_is_an_exception(self):
+        client, daemon = self.start(silence_ns=SECOND // 100, period_ns=SECOND // 200, publisher="lever")
+        stop, _ = self.subscriber(client, daemon)
+        told = []
+        stop.on_exception = told.append
+        while not told:
+            client.wait(60)
+        self.assertEqual((told[0].cause, told[0].publisher), (Cause.MISSING, "lever"))
+        self.assertGreaterEqual(told[0].silent_ns, SECOND // 100)
+        self.assertGreaterEqual(told[0].missing_events, 2)
+
+    def test_what_is_too_long_or_too_much_is_counted(self):
+        client, daemon = self.start(frame_bytes=8, event_cost_ns=3600 * SECOND)
+        stop, lever = self.subscriber(client, daemon)
+        told, came = [], []
+        stop.on_exception, stop.on_event = told.append, lambda event: came.append(event.data)
+        self.assertEqual([lever.publish(b"123456789"), lever.publish(b"go"), lever.publish(b"no")], [Published.SENT] * 3)
+        while not told:
+            client.wait(60)
+        self.assertEqual((told[0].cause, told[0].frames), (Cause.POLICED, 1))
+        self.assertEqual((came, stop.lost), ([b"go"], 2))
+
+    def test_a_loop_is_woken_as_long_as_events_wait(self):
+        client, daemon = self.start()
+        stop, lever = self.subscriber(client, daemon)
+        came = []
+
+        def handler(event):
+            came.append(event.data)
+            raise ZeroDivisionError
+        stop.on_event = handler
+        for event in (b"1", b"2"):
+            lever.publish(event)
+        other = client.publisher("stop")
+        other.announce()  # meanwhile what came is taken from the sockets
+        for number in (1, 2):
+            self.assertTrue(self.is_readable(client))
+            self.assertRaises(ZeroDivisionError, client.process)
+            self.assertEqual(len(came), number)
+        client.process()
+        self.assertFalse(self.is_readable(client))
+
+    def test_what_is_no_request_is_rejected_by_itself(self):
+        daemon = Daemon([channels(True)])
+        self.addCleanup(daemon.close)
+        with mlcca.Client(daemon.path, patience=60) as client:
+            self.assertEqual(client.publisher("stop").announce().state, State.GRANTED)
+            self.assertEqual(client.publisher("a" * MOST_REQUEST).announce().state, State.REJECTED)
+            client.process()
+            self.assertTrue(client.connected)
+            self.assertEqual(len(daemon.requests), 1)
+            self.assertEqual(client.publisher("stop").announce().state, State.GRANTED)
+
+
+if __name__ == "__main__":
+    unittest.main()
