@@ -26,7 +26,7 @@ if role == "send":
     due = time.monotonic()
     for number in range(count):
         s.sendto(subject.to_bytes(8, "big") + b"\0%07d" % number, (group(subject), PORT))
-        due += period
+        due = max(due + period, time.monotonic())
         time.sleep(max(0, due - time.monotonic()))
 else:
     s.bind(("", PORT))
