@@ -128,6 +128,32 @@ TEST_F(Endpoints, ProgramsOnTheGatewayReachEachOtherWithoutANetwork) {
   EXPECT_EQ(of_publisher().size(), 1U);
 }
 
+/// Programs of one user cannot be distinguished there.
+TEST_F(Endpoints, WhatProgramsSendIsSupervisedByTheirUsers) {
+  core::System system = with_programs();
+  for (core::Publisher& p : system.publishers) p.attributes.set(Attribute::omission, 0);
+  for (core::Subscriber& s : system.subscribers) s.attributes.set(Attribute::omission, 2);
+  core::Publisher other = system.publishers[0];
+  other.name = "other";
+  other.uid = kUser + 1;
+  system.publishers.push_back(other);
+  const AnnounceRequest here{"c0", Role::subscriber, "here", {}, kLocal};
+  start(system);
+  const auto apart = endpoints(here, 2, 4711);
+  ASSERT_EQ(apart.size(), 2U);
+  EXPECT_EQ(apart[0].user, kUser);
+  EXPECT_EQ(apart[1].publisher, "other");
+  for (const Endpoint& one : apart)
+    EXPECT_EQ(one.silence_ns, 150'075'000U) << "(Omission + 1) * Period, 500 ppm slower";
+  system.publishers[1].uid = kUser;
+  start(system);
+  const auto together = endpoints(here, 2, 4711);
+  ASSERT_EQ(together.size(), 1U);
+  EXPECT_EQ(together[0].publisher, "");
+  EXPECT_EQ(together[0].event_cost_ns, 49'975'000U / 2);
+  EXPECT_EQ(together[0].silence_ns, 150'075'000U);
+}
+
 TEST_F(Endpoints, AnAddressIsOneThatTheKernelGaveToASubscriberWithItsKey) {
   start(with_programs());
   const std::string digits = kLocal;

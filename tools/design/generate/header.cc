@@ -16,6 +16,7 @@
 #include "tools/design/generate/attributes.hpp"
 #include "tools/design/generate/checks.hpp"
 #include "tools/design/generate/names.hpp"
+#include "tools/design/generate/reasons.hpp"
 #include "tools/values.hpp"
 
 namespace mlcca::tools::design {
@@ -112,17 +113,7 @@ class Writer {
         "#include \"mlcca/der_encode.hpp\"\n#include \"mlcca/static_check.hpp\"\n\n");
     add("namespace {} {{\nnamespace {} {{\n\nusing namespace mlcca::literals;\n\n",
         system_namespace(system_), unit_.scope);
-    add("/// Why an exception handler is called.\n"
-        "enum class ChannelException : uint8_t {{\n"
-        "  refused,    ///< the channel was not admitted\n"
-        "  withdrawn,  ///< it was, and the network can no longer carry it\n"
-        "  switched,   ///< another of its attribute sets is in force now\n"
-        "  violated,   ///< an event was late, lost or could not be sent as specified\n"
-        "  granted,    ///< it was refused or withdrawn, and is admitted now\n"
-        "  restored,   ///< events that were missing come again\n"
-        "  unknown,    ///< what decides is gone: what is admitted holds for a while\n"
-        "  known,      ///< it is back, and has decided\n"
-        "}};\n\n");
+    out_.text += kChannelExceptionText;
   }
 
   void user_attributes() {
