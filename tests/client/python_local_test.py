@@ -31,7 +31,7 @@ class Tables(unittest.TestCase):
 
     def test_causes_are_the_same_in_both_languages(self):
         with open(f"{CLIENT}/../include/mlcca/client/client.hpp", encoding="utf-8") as file:
-            body = re.search(r"enum class Cause {(.*?)};", file.read(), re.S)[1]
+            body = re.search(r"enum class Cause[^{]*{(.*?)};", file.read(), re.S)[1]
         self.assertEqual(set(re.findall(r"^\s*(\w+),", body, re.M)), {cause.name.lower() for cause in Cause})
 
 
