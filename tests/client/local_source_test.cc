@@ -41,7 +41,7 @@ struct LocalSourceTest : ::testing::Test {
     EXPECT_EQ(event->publisher, "lever");
     return event->kind + ": " + event->message;
   }
-  std::uint64_t due_ms() { return (source_.due().value_or(kBegin) - kBegin) / kMilli; }
+  std::uint64_t due_ms() const { return (source_.due().value_or(kBegin) - kBegin) / kMilli; }
 };
 
 TEST_F(LocalSourceTest, ASilenceIsReportedOnceAndThatItIsOverWhenEventsHaveComeForAWhile) {
@@ -128,7 +128,7 @@ struct LocalClient {
     const std::vector<std::uint8_t> octets(text.begin(), text.end());
     ASSERT_EQ(sender->send(kSubject, octets), LocalSender::Sent::sent);
   }
-  bool is_readable() {
+  bool is_readable() const {
     pollfd waits{.fd = client.fd(), .events = POLLIN, .revents = 0};
     return ::poll(&waits, 1, 0) == 1;
   }

@@ -131,7 +131,6 @@ TEST_F(Endpoints, ProgramsOnTheGatewayReachEachOtherWithoutANetwork) {
 /// Programs of one user cannot be distinguished there.
 TEST_F(Endpoints, WhatProgramsSendIsSupervisedByTheirUsers) {
   core::System system = with_programs();
-  for (core::Publisher& p : system.publishers) p.attributes.set(Attribute::omission, 0);
   for (core::Subscriber& s : system.subscribers) s.attributes.set(Attribute::omission, 2);
   core::Publisher other = system.publishers[0];
   other.name = "other";
