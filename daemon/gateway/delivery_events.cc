@@ -136,19 +136,24 @@ void DeliveryEvents::outcome(const Granted& before, const Reported& reported) {
     }
 }
 
-/// Was granted, and one of those whom it concerned is not there any more.
+/// Was granted, and one of those whom it concerned is not there any more: described no more, or
+/// admitted where that is not allowed any more. Admissions that are left out are kept.
 void DeliveryEvents::gone(const std::string& subject, const core::Delivery& delivery) {
   const auto channel = scene_.state->find_channel(subject);
   const std::string name = channel ? scene_.state->system().channels[*channel].name : subject;
-  log_.warning(Kind::removed,
-               fmt::format("{} ({}) of {} to {} is gone: the description has it no more", name,
-                           subject, delivery.publisher, delivery.to),
-               {.subject = core::parse_subject(subject).value_or(0),
-                .channel = name,
-                .network = delivery.to,
-                .publisher = delivery.publisher,
-                .admissions = delivery.admission != 0 ? std::vector{delivery.admission}
-                                                      : std::vector<core::AdmissionId>{}});
+  log_.warning(
+      Kind::removed,
+      fmt::format(
+          "{} ({}) of {} to {} is gone: {}", name, subject, delivery.publisher, delivery.to,
+          delivery.admission == 0
+              ? std::string("the description has it no more")
+              : fmt::format("admission {} has no place in the description", delivery.admission)),
+      {.subject = core::parse_subject(subject).value_or(0),
+       .channel = name,
+       .network = delivery.to,
+       .publisher = delivery.publisher,
+       .admissions = delivery.admission != 0 ? std::vector{delivery.admission}
+                                             : std::vector<core::AdmissionId>{}});
 }
 
 void DeliveryEvents::changes(const std::vector<core::Change>& changes) {
