@@ -249,8 +249,8 @@ std::string what_stops(const control::Channels& channels, std::string_view name,
   else if (others != 0)
     text += fmt::format("  and {} more that {} not listed\n", others, others == 1 ? "is" : "are");
   return fmt::format(
-             "{}: {}; everything of it is refused, also what is described, until it is "
-             "reinstated\n",
+             "{}, once it is withdrawn: {}; everything of it is refused, also what is described, "
+             "until it is reinstated\n",
              printable(name), head) +
          text;
 }

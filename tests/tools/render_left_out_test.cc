@@ -61,11 +61,11 @@ TEST(RenderLeftOutTest, AWithdrawalNamesWhatALongAnswerLeavesOut) {
   control::Channels channels{{test::refused_channel(), test::granted_channel()}};
   channels.left_out = 3;
   const auto some = what_stops(channels, "a", Color::no);
-  EXPECT_TRUE(some.starts_with("a: 4 deliveries stop; ")) << some;
+  EXPECT_TRUE(some.starts_with("a, once it is withdrawn: 4 deliveries stop; ")) << some;
   EXPECT_TRUE(some.ends_with("  and 3 more that are not listed\n")) << some;
   channels.channels.pop_back();
   EXPECT_TRUE(what_stops(channels, "a", Color::no)
-                  .starts_with("a: up to 3 deliveries stop, none of which is listed; "))
+                  .starts_with("a, once it is withdrawn: up to 3 deliveries stop, none of which is listed; "))
       << "what is refused is listed first";
 }
 

@@ -293,13 +293,15 @@ TEST_F(RenderTest, HealthIsOneLineForAMonitoringSystem) {
 TEST_F(RenderTest, SaysWhatAWithdrawalStops) {
   EXPECT_EQ(what_stops({{test::refused_channel(), test::granted_channel()}}, "emergency-switch",
                        Color::no),
-            "emergency-switch: 1 delivery stops; everything of it is refused, also what is "
+            "emergency-switch, once it is withdrawn: 1 delivery stops; everything of it is "
+            "refused, also what is "
             "described, until it is reinstated\n"
             "  stops  from robot-can (switch) to robot-can (motor-left, motor-right)\n"
             "         reaction to its loss: 174 ms = (Omission 2 + 1) x Period 50 ms + Latency 12 "
             "ms + Jitter 12 ms\n");
   EXPECT_EQ(what_stops({{test::refused_channel()}}, "a", Color::no),
-            "a: nothing of it is granted now; everything of it is refused, also what is described, "
+            "a, once it is withdrawn: nothing of it is granted now; everything of it is refused, "
+            "also what is described, "
             "until it is reinstated\n");
 }
 

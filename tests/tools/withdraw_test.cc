@@ -18,7 +18,8 @@ TEST(WithdrawTest, SaysWhatStopsAlsoWhereNobodyIsAsked) {
   const auto outcome = test::run_mlccactl({"withdraw", "a", "--yes", "--socket", server.path()});
   EXPECT_EQ(outcome.status, 0);
   EXPECT_EQ(outcome.out, "withdrawn\n");
-  EXPECT_TRUE(outcome.error.contains("a: 1 delivery stops; everything of it is refused"))
+  EXPECT_TRUE(outcome.error.contains(
+      "a, once it is withdrawn: 1 delivery stops; everything of it is refused"))
       << outcome.error;
   EXPECT_TRUE(outcome.error.contains("  stops  from ")) << outcome.error;
   EXPECT_FALSE(outcome.error.contains("[y/N]")) << outcome.error;

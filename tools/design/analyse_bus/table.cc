@@ -138,10 +138,21 @@ std::string_view other_encoding(std::string_view text) {
   return text[0] == '\0' && text[1] != '\0' ? "UTF-16BE" : "";
 }
 
-std::string values_wrong(std::size_t values, std::size_t columns, bool commented) {
+/// ','; "tab".
+std::string separator_words(char separator) {
+  return separator == '\t' ? "tab" : fmt::format("'{}'", separator);
+}
+
+/// `line`: of another separator than the header's, perhaps.
+std::string values_wrong(std::size_t values, std::size_t columns, bool commented, char separator,
+                         std::string_view line) {
+  std::string why = commented ? " (what follows a # is a comment)" : "";
+  if (const char other = separator_of(line);
+      values == 1 && other != separator && line.contains(other))
+    why = fmt::format(" (the columns of the header are separated by {}, those of this line by {})",
+                      separator_words(separator), separator_words(other));
   return fmt::format("{} value{}: must be {}, one for each column of the header{}", values,
-                     values == 1 ? "" : "s", columns,
-                     commented ? " (what follows a # is a comment)" : "");
+                     values == 1 ? "" : "s", columns, why);
 }
 
 class TableReader {
@@ -206,6 +217,7 @@ class TableReader {
   void take(std::string_view line) {
     if (trimmed(line).empty()) return;
     if (!header_) separator_ = separator_of(line);
+    const std::string_view content = line;
     std::vector<std::string> cells;
     for (bool more = true; more;) {
       auto cell = take_cell(line, separator_, more);
@@ -220,7 +232,7 @@ class TableReader {
       cells.push_back(std::move(*cell));
     }
     if (header_)
-      take_message(cells);
+      take_message(cells, content);
     else
       take_header(cells);
   }
@@ -259,9 +271,9 @@ class TableReader {
     readable_ = false;
   }
 
-  void take_message(const std::vector<std::string>& cells) {
+  void take_message(const std::vector<std::string>& cells, std::string_view line) {
     if (cells.size() != columns_) {
-      problem("values", values_wrong(cells.size(), columns_, commented_));
+      problem("values", values_wrong(cells.size(), columns_, commented_, separator_, line));
       return;
     }
     const std::size_t problems = found_;

@@ -140,6 +140,9 @@ TEST_F(AnalyseBusTest, EveryBadLineIsNamedAndNothingElseIsSaid) {
       {"a,1,0,8,1000,soon,0", "deadline_us 'soon'"},
       {"a,1,0,8,1000,1000,-1", "jitter_us '-1'"},
       {"a,1,0,8,1000,1000", "6 values: must be 7"},
+      {"a;1;0;8;1000;1000;0",
+       "1 value: must be 7, one for each column of the header (the columns of the header are "
+       "separated by ',', those of this line by ';')"},
       {",1,0,8,1000,1000,0", "name is empty"},
       {"a,1x,0,8,1000,1000,0", "id '1x'"},
   };
