@@ -11,7 +11,8 @@
     MLCCA020  a publisher does not offer the traffic that a subscriber asks of it
     MLCCA021  a network or gateway of the connection does not fulfil what the two ask together
     MLCCA034  a note: what a CAN bus or a mesh gives is computed, and is not decided here; nor is what
-              all channels together need of a Bandwidth
+              all channels together need of a Bandwidth, what the hops of a Route give together, and
+              what is said once for every description: identifiers, frames, and others who receive
     MLCCA038 to MLCCA041  notes on what is hardly meant
   The connection is the network that both sit on, or the Route that is declared between their
   places. Left to "mlccactl check": routes as a whole, others who hear the events, capacity, bindings,
@@ -122,6 +123,7 @@
       <xsl:apply-templates select="//EventChannel" mode="left"/>
       <xsl:apply-templates select="System/Network" mode="sum"/>
       <xsl:apply-templates select="System/Gateway" mode="sum"/>
+      <xsl:if test="System"><xsl:call-template name="rest-left"/></xsl:if>
       <xsl:apply-templates select="//EventChannel" mode="sense"/>
       <xsl:apply-templates select="System/Gateway/Port" mode="sense"/>
     </xsl:variable>
@@ -223,6 +225,16 @@
             <xsl:with-param name="publisher" select="$publisher"/>
             <xsl:with-param name="subscriber" select="."/>
             <xsl:with-param name="text" select="concat('no Route is declared between ', $from, ' and ', $to, ': left to mlccactl check')"/>
+          </xsl:call-template>
+        </xsl:if>
+        <!-- A gateway at an end is no hop. -->
+        <xsl:variable name="route" select="key('route', concat($from, ' ', $to))"/>
+        <xsl:if test="$from != $to and $route and
+                      count($route/Hop | key('place', $from)/self::Network | key('place', $to)/self::Network) &gt; 1">
+          <xsl:call-template name="left">
+            <xsl:with-param name="publisher" select="$publisher"/>
+            <xsl:with-param name="subscriber" select="."/>
+            <xsl:with-param name="text" select="concat('what the hops from ', $from, ' to ', $to, ' give together is not decided here, left to mlccactl check')"/>
           </xsl:call-template>
         </xsl:if>
       </xsl:for-each>

@@ -211,13 +211,6 @@ void Explainer::add(const Verdict& v) {
 
 void Explainer::add_obstacle(const Verdict& v) {
   const Publisher& publisher = s_.members.publisher(v.publisher);
-  // On the ends' own networks these are rules of the description, which have been checked.
-  const bool by_rule = v.obstacle == Obstacle::unbound || v.obstacle == Obstacle::no_node ||
-                       v.obstacle == Obstacle::too_long;
-  const bool own = v.obstacle_at == publisher.place ||
-                   (v.obstacle_at == v.to && v.obstacle == Obstacle::unbound);
-  // But a rule looks at no further attribute sets.
-  if (by_rule && own && (publisher.lower.empty() || v.obstacle != Obstacle::too_long)) return;
   Finding& f = new_finding(id_of(v.obstacle), v);
   const std::string ends =
       publisher.name + " to " + s_.members.subscriber(v.subscribers.front()).name + ": ";

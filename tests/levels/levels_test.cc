@@ -272,12 +272,36 @@ TEST_F(Levels, EverythingThatIsComputedOrChosenIsFrequent) {
                                       ">famouso<",
                                       ">raw<",
                                       ">j1939<",
-                                      ">cyphal<"}) {
+                                      ">cyphal<",
+                                      ">canopen<",
+                                      ">udp-broadcast<",
+                                      ">ieee802154<",
+                                      "<Value>70000<"}) {
     const auto with = static_cast<std::size_t>(std::ranges::count_if(
         texts_, [&](const std::string& text) { return text.contains(what); }));
     EXPECT_GT(with, kSystems / 50) << what;
   }
   EXPECT_GT(std::ranges::count_if(all_, has_several_ways, &Checked::system), kSystems / 10);
+}
+
+/// An error names what keeps each delivery from being granted: a count alone helps nobody.
+TEST_F(Levels, WhatCheckRefusesItHasAnErrorFor) {
+  std::size_t refused = 0;
+  for (std::size_t i = 0; i < all_.size(); ++i)
+    for (const auto& [delivery, granted] : all_[i].granted) {
+      if (granted) continue;
+      const auto& [channel, publisher, to] = delivery;
+      ++refused;
+      ASSERT_TRUE(std::ranges::any_of(
+          all_[i].inspection.findings,
+          [&](const core::Finding& f) {
+            return f.channel == channel && core::info(f.id).severity == core::Severity::error &&
+                   (f.publisher == core::kNone || f.publisher == publisher);
+          }))
+          << "channel " << channel << "\n"
+          << texts_[i];
+    }
+  EXPECT_GT(refused, kSystems);
 }
 
 /// What check says with certainty holds whatever the run time finds.
@@ -479,6 +503,53 @@ TEST_F(Levels, TheTwinNeverContradictsCheck) {
     }
   }
   EXPECT_GT(errors, kTwins / 10);
+}
+
+/// In one of the sets, so that check can refuse what the twin has nothing against.
+bool states_too_little(const core::Publisher& publisher) {
+  for (std::size_t set = 0; set <= publisher.lower.size(); ++set) {
+    const core::AttributeSet& stated = core::attributes_in(publisher, set);
+    if (!stated.has(Attribute::period) || !stated.has(Attribute::max_payload)) return true;
+  }
+  return false;
+}
+
+/// Where check refuses something, the twin has an error for the channel, or says that it does not
+/// decide. What a note of every description says is left: identifiers, frames, and others; so is
+/// what must be stated.
+TEST_F(Levels, TheTwinIsSilentOnNothingThatCheckRefuses) {
+  using enum core::FindingId;
+  const Folder folder;
+  std::vector<std::string> files;
+  for (std::size_t i = 0; i < kTwins; ++i)
+    files.push_back(folder.add(std::to_string(i) + ".xml", texts_[i]));
+  const auto twins = twin_findings(files);
+  const auto left = twin_left(files);
+  std::size_t open = 0;
+  for (std::size_t i = 0; i < kTwins; ++i) {
+    const auto& system = all_[i].system;
+    for (const core::Finding& f : all_[i].inspection.findings) {
+      if (f.publisher == core::kNone || f.subscriber == core::kNone) continue;
+      if (f.id != traffic_mismatch && f.id != hop_unfit && f.id != route_unfit &&
+          f.id != deadline_missed && f.id != medium_time)
+        continue;
+      if (states_too_little(system.publishers[f.publisher])) continue;
+      const std::string& publisher = system.publishers[f.publisher].name;
+      const std::string& subscriber = system.subscribers[f.subscriber].name;
+      const bool refuted = std::ranges::any_of(twins[i], [&](const Key& key) {
+        return !is_note(key) && (key.subscriber == subscriber || key.publisher == publisher);
+      });
+      // Where the set is open, the notes are of those whom a lower one may serve.
+      const bool is_left = std::ranges::any_of(system.publishers, [&](const auto& p) {
+        return p.channel == f.channel && std::ranges::any_of(left[i], [&](const std::string& ends) {
+                 return ends.starts_with(p.name + " ");
+               });
+      });
+      open += is_left ? 1 : 0;
+      ASSERT_TRUE(refuted || is_left) << core::code_of(f.id) << " " << f.text << "\n" << texts_[i];
+    }
+  }
+  EXPECT_GT(open, kTwins / 10);
 }
 
 }  // namespace

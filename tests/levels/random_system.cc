@@ -17,7 +17,10 @@ namespace mlcca::testing {
 namespace {
 
 constexpr std::uint64_t kNever = 1000000;
-constexpr std::array<std::string_view, 4> kProfiles = {"famouso", "raw", "j1939", "cyphal"};
+constexpr std::array<std::string_view, 5> kProfiles = {"famouso", "raw", "j1939", "cyphal",
+                                                       "canopen"};
+constexpr std::array<std::string_view, 3> kDatagrams = {"udp-multicast", "udp-broadcast",
+                                                        "ieee802154"};
 
 std::string stated(const std::string& name, const std::string& unit, std::uint64_t value,
                    int magnitude = 0, bool dynamic = false) {
@@ -36,6 +39,8 @@ struct Own {
   std::string composition;
   int magnitude = 0;
 };
+
+constexpr std::uint64_t kPayloads = 40;
 
 class Writer {
  public:
@@ -60,13 +65,13 @@ class Writer {
         if (!random_.one_in(4)) ports.insert(n);
     for (auto& ports : ports_)
       if (ports.empty()) ports.insert(random_.below(networks_));
-    numbered_ = std::ranges::any_of(
-        std::views::iota(std::size_t{0}, networks_),
-        [&](std::size_t n) { return is_bus(n) && kProfiles.at(profiles_[n]) != "raw"; });
-    short_ = std::ranges::any_of(std::views::iota(std::size_t{0}, networks_), [&](std::size_t n) {
-      const auto& profile = kProfiles.at(profiles_[n]);
-      return is_bus(n) && profile == "raw";
-    });
+    numbered_ =
+        std::ranges::any_of(std::views::iota(std::size_t{0}, networks_),
+                            [&](std::size_t n) { return is_bus(n) && !is_without_nodes(n); });
+    short_ = std::ranges::any_of(std::views::iota(std::size_t{0}, networks_),
+                                 [&](std::size_t n) { return is_bus(n) && is_without_nodes(n); });
+    long_ = random_.one_in(4) && std::ranges::none_of(std::views::iota(std::size_t{0}, networks_),
+                                                      [&](std::size_t n) { return is_bus(n); });
     const auto channels = 1 + random_.below(5);
     for (std::size_t c = 0; c < channels; ++c) sets_.push_back(random_.one_in(4) ? 2 : 1);
     std::string out = fmt::format("<System name=\"s{}\">\n", seed_);
@@ -93,6 +98,11 @@ class Writer {
                   dynamic);
   }
 
+  /// Their frames name no sender and have no fragments.
+  [[nodiscard]] bool is_without_nodes(std::size_t n) const {
+    const auto& profile = kProfiles.at(profiles_[n]);
+    return profile == "raw" || profile == "canopen";
+  }
   [[nodiscard]] bool is_bus(std::size_t n) const { return !mesh_[n] && !udp_[n]; }
 
   void choose_own() {
@@ -115,7 +125,11 @@ class Writer {
     std::string out;
     // Messages of J1939 take half a second and more.
     if (!random_.one_in(16)) out += seconds("Period", slow_ ? 5'000'000 : random_.one_of(periods));
-    if (!random_.one_in(16)) out += bytes(random_.below(random_.one_in(6) && !short_ ? 40 : 9));
+    static const std::vector<std::uint64_t> longs = {100, 103, 300, 1500, 65000, 70000};
+    if (!random_.one_in(16))
+      out +=
+          bytes(long_ && random_.one_in(2) ? random_.one_of(longs)
+                                           : random_.below(random_.one_in(6) && !short_ ? 40 : 9));
     if (random_.one_in(4))
       out += seconds("Latency", (200 + random_.below(tight_ ? 2000 : 40000)) * (slow_ ? 100 : 1));
     if (random_.one_in(6))
@@ -153,7 +167,7 @@ class Writer {
     if (!random_.one_in(4)) out += stated("Omission", "", random_.below(3), 0, best_case());
     if (scarce_ || random_.one_in(3))
       out += rate((scarce_ ? 500 : 2000) + random_.below(scarce_ ? 8000 : 50000), best_case());
-    if (!gateway && states()) out += bytes(8 + random_.below(40));
+    if (!gateway && states()) out += bytes(8 + random_.below(payloads_));
     if (random_.one_in(4)) out += stated("PacketLoss", "", random_.below(50), -3, best_case());
     for (const Own& own : own_)
       if (!random_.one_in(4))
@@ -164,8 +178,13 @@ class Writer {
   std::string network(std::size_t n) { return mesh_[n] ? mesh(n) : udp_[n] ? udp(n) : bus(n); }
 
   std::string udp(std::size_t n) {
-    return fmt::format("<Network name=\"n{}\"><Kind>udp-multicast</Kind>{}{}</Network>\n", n,
-                       random_.one_in(2) ? "<Profile>famouso</Profile>" : "", provision(1, false));
+    const auto& kind = kDatagrams.at(random_.below(kDatagrams.size()));
+    if (long_) payloads_ = kind == "ieee802154" ? 90 : 65'000;
+    auto out =
+        fmt::format("<Network name=\"n{}\"><Kind>{}</Kind>{}{}</Network>\n", n, kind,
+                    random_.one_in(2) ? "<Profile>famouso</Profile>" : "", provision(1, false));
+    payloads_ = kPayloads;
+    return out;
   }
 
   std::string binding(std::size_t n, std::size_t c) {
@@ -180,6 +199,7 @@ class Writer {
       return fmt::format("<SubjectID{}>{}</SubjectID>",
                          random_.one_in(2) ? fmt::format(" priority=\"{}\"", random_.below(8)) : "",
                          number);
+    if (profile == "canopen") return fmt::format("<COBID>{:#x}</COBID>", 0x180 + number - 0x100);
     return fmt::format("<Identifier form=\"{}\">{:#x}</Identifier>",
                        random_.one_in(3) ? "extended" : "standard", number);
   }
@@ -297,7 +317,7 @@ class Writer {
     std::vector<std::uint64_t> from;
     for (int i = 0; i < publishers; ++i) {
       const auto at = seat(true, 16 + 8 * c + static_cast<std::size_t>(i));
-      if (at_ != kNever && is_bus(at_) && kProfiles.at(profiles_[at_]) == "raw" &&
+      if (at_ != kNever && is_bus(at_) && is_without_nodes(at_) &&
           std::ranges::find(from, at_) != from.end())
         continue;  // an identifier has one sender on a bus
       out += fmt::format("<Publisher name=\"p{}x{}\" channel=\"c{}\"{}", c, i, c, at);
@@ -333,8 +353,10 @@ class Writer {
   bool slow_ = false;    ///< periods are long
   bool scarce_ = false;  ///< there is not room for all
   bool jittery_ = false;
-  bool numbered_ = false;  ///< some network's frames carry their node
-  bool short_ = false;     ///< some network has no fragments
+  bool numbered_ = false;               ///< some network's frames carry their node
+  bool short_ = false;                  ///< some network has no fragments
+  std::uint64_t payloads_ = kPayloads;  ///< that a network may state, beyond 8
+  bool long_ = false;                   ///< no network is a bus, and events may be long
   std::vector<bool> mesh_;
   std::vector<bool> udp_;
   std::vector<std::size_t> profiles_;  ///< of buses

@@ -171,15 +171,53 @@ std::vector<Keys> parse_output(const std::string& output, std::size_t files) {
 
 }  // namespace
 
-std::vector<Keys> twin_findings(const std::vector<std::string>& files) {
+namespace {
+
+/// Calls `use` with the output for some of the files, and how many they are, until it had all.
+template <class Use>
+void run_twin(const std::vector<std::string>& files, const Use& use) {
   constexpr std::size_t at_once = 400;  // a command line has a limit
-  std::vector<Keys> all;
   for (std::size_t first = 0; first < files.size(); first += at_once) {
     const auto last = std::min(first + at_once, files.size());
     std::string command = "xsltproc --xinclude --nonet description/check.xsl";
     for (std::size_t i = first; i < last; ++i) command += " '" + files[i] + "'";
-    std::ranges::move(parse_output(output_of(command), last - first), std::back_inserter(all));
+    use(output_of(command), last - first);
   }
+}
+
+}  // namespace
+
+std::vector<Keys> twin_findings(const std::vector<std::string>& files) {
+  std::vector<Keys> all;
+  run_twin(files, [&](const std::string& output, std::size_t count) {
+    std::ranges::move(parse_output(output, count), std::back_inserter(all));
+  });
+  return all;
+}
+
+std::vector<std::set<std::string>> twin_left(const std::vector<std::string>& files) {
+  std::vector<std::set<std::string>> all;
+  run_twin(files, [&](const std::string& output, std::size_t) {
+    std::istringstream out(output);
+    std::set<std::string> left;
+    bool has_rest = false;
+    for (std::string line; std::getline(out, line);) {
+      if (line.ends_with(" findings")) {
+        EXPECT_TRUE(has_rest);
+        all.push_back(std::exchange(left, {}));
+        has_rest = false;
+      }
+      if (!line.starts_with("note MLCCA034: ")) continue;
+      has_rest |= line.starts_with("note MLCCA034: identifiers, lengths of frames, ");
+      auto rest = std::string_view(line).substr(std::string_view("note MLCCA034: ").size());
+      const std::string publisher = named(rest, "publisher ", ", ");
+      const std::string name =
+          named(rest, "subscriber ", rest.find(", hop ") != rest.npos ? ", " : ": ");
+      if (!publisher.empty()) left.insert(publisher + " " + name);
+    }
+  });
+  EXPECT_EQ(all.size(), files.size());
+  all.resize(files.size());
   return all;
 }
 

@@ -57,6 +57,10 @@ class Folder {
 /// Fails the test where the output is not what check.xsl documents.
 std::vector<Keys> twin_findings(const std::vector<std::string>& files);
 
+/// What check.xsl leaves open for each of the files: "PUBLISHER SUBSCRIBER" of each note that names
+/// both. Fails the test where an output lacks the note that is of every description.
+std::vector<std::set<std::string>> twin_left(const std::vector<std::string>& files);
+
 /// Those of the C++ checker that the twin knows: MLCCA010, 020 and 021, with values for people, and
 /// the notes MLCCA038 to 041.
 Keys findings_of(core::System system);

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <set>
 #include <span>
+#include <tuple>
 #include <unordered_set>
 #include <utility>
 
@@ -64,6 +66,27 @@ ReportedFinding reported(const core::System& system, core::Finding& finding) {
   out.provided = std::move(finding.provided);
   return out;
 }
+
+/// What the rules of the description have found, by line.
+class RuleFindings {
+ public:
+  explicit RuleFindings(const std::vector<ReportedFinding>& all) {
+    for (const ReportedFinding& f : all) found_.emplace(f.id, f.file, f.line);
+  }
+  /// The same is stated already of an end that the finding is about.
+  [[nodiscard]] bool state(const core::System& system, const core::Finding& finding) const {
+    if (found_.empty()) return false;
+    const auto at = [&](const core::Origin& origin) {
+      return origin.file < system.files.size() &&
+             found_.contains({finding.id, system.files[origin.file], origin.line});
+    };
+    return (finding.publisher != core::kNone && at(system.publishers[finding.publisher].origin)) ||
+           (finding.subscriber != core::kNone && at(system.subscribers[finding.subscriber].origin));
+  }
+
+ private:
+  std::set<std::tuple<FindingId, std::string, int>> found_;
+};
 
 /// Problems and findings in one order; both are sorted by file and line.
 void sort_findings(const core::System& system, std::vector<ReportedFinding>& findings) {
@@ -129,8 +152,10 @@ SystemReport check_system(const std::vector<std::string>& paths, const ReportPro
   };
   out.inspection = decide(out, progressed, depth);
   const bool problems = !out.findings.empty();
+  const RuleFindings by_rules(out.findings);
   for (auto& finding : std::exchange(out.inspection.findings, {}))
-    out.findings.push_back(reported(out.system, finding));
+    if (!by_rules.state(out.system, finding))
+      out.findings.push_back(reported(out.system, finding));
   if (problems) sort_findings(out.system, out.findings);
   return out;
 }
