@@ -69,7 +69,7 @@ Permits::Allowed Permits::allowed_by(const cluster::Part& part, const Use& use) 
   return allowed;
 }
 
-bool Permits::allow(const Use& use) const {
+bool Permits::allow(const Use& use, std::optional<std::uint64_t> without) const {
   Allowed allowed{.message = use.message == nullptr,
                   .paths = std::vector<bool>(use.paths.size(), false)};
   if (use.source.admission == 0) {
@@ -81,7 +81,7 @@ bool Permits::allow(const Use& use) const {
   const auto reserved = of_source_[use.network].find(use.source);
   if (open_ && reserved != of_source_[use.network].end())
     for (const std::uint64_t number : reserved->second)
-      allowed.take(allowed_by(reserved_[use.network].at(number), use));
+      if (number != without) allowed.take(allowed_by(reserved_[use.network].at(number), use));
   return allowed.all();
 }
 

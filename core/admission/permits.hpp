@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <vector>
@@ -48,7 +49,9 @@ class Permits {
     std::span<const cluster::PathPart> paths;
     bool elected = false;  ///< another gateway could carry it too
   };
-  [[nodiscard]] bool allow(const Use& use) const;
+  /// `without`: as if that reservation were not there.
+  [[nodiscard]] bool allow(const Use& use,
+                           std::optional<std::uint64_t> without = std::nullopt) const;
 
   [[nodiscard]] std::span<const cluster::Standing> standing(std::size_t network) const {
     return standing_[network];

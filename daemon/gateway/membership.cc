@@ -18,6 +18,7 @@ namespace cc = core::cluster;
 constexpr int kMostRounds = 32;                     // of one turn
 constexpr Value kWaitStep = 20'000'000;             // ns
 constexpr Value kLeaveLimit = 5'000'000'000;        // ns
+constexpr Value kEnforceAgain = 5'000'000'000;      // ns
 constexpr Value kProposeAgain = 30'000'000'000;     // ns
 constexpr Value kLongestSleep = 3'600'000'000'000;  // ns
 constexpr Value kMarginParts = 16;                  // of a lease: to close before it ends
@@ -60,9 +61,9 @@ cc::Journalled journalled_in(const store::Membership& record) {
 }  // namespace
 
 Membership::Membership(Parts parts) : parts_(std::move(parts)) {
-  parts_.hands.new_id = [this] { return parts_.recorder.set_id_aside(); };
+  parts_.hands.new_id = [this] { return parts_.recorder.new_id(); };
   parts_.hands.new_number = [this] { return reserving_->new_number(); };
-  parts_.hands.bring_in_line = [this] { bring_in_line(); };
+  parts_.hands.bring_in_line = [this] { static_cast<void>(bring_in_line()); };
   parts_.link.on_message([this](ClusterMessage message) { take(std::move(message)); });
   if (parts_.loop != nullptr) static_cast<void>(timer_.start(parts_.loop, [] {}));
 }
@@ -87,7 +88,9 @@ void Membership::begin() {
   reserving_ = std::make_unique<Reserving>(
       Reserving::Parts{
           .networks = *networks_,
-          .bring_in_line = [this] { bring_in_line(); },
+          .bring_in_line = [this] { return bring_in_line(); },
+          .needs = [this](const std::string& channel,
+                          Number number) { return needs(channel, number); },
           .log = [this](const std::string& line) { parts_.log.warning(Kind::gateway, line); }},
       session >> 1U);
   member_ = std::make_unique<cc::Member>(
@@ -164,11 +167,12 @@ void Membership::take_in(const cc::Event& event) {
   } else if (const auto* failed = std::get_if<cc::Failed>(&event)) {
     failed_[failed->gateway] = failed->failed;
   } else if (const auto* lost = std::get_if<cc::Lost>(&event)) {
+    lost_ = true;
     reserving_->lost();
     adopting_->lost();
     if (joined_) parts_.log.warning(Kind::gateway, "what was reserved is closed: " + lost->why);
   } else if (const auto* found = std::get_if<cc::Found>(&event)) {
-    reserving_->on(*found, *member_, now(),
+    reserving_->on(*found, *member_,
                    [this](const cluster::Asked& asked) { return is_known(asked); });
   } else if (std::holds_alternative<cc::Joined>(event)) {
     joined_ = true;
@@ -208,7 +212,7 @@ void Membership::take_in_description(const cc::Event& event) {
 /// True: it was something to be decided.
 bool Membership::decide(const cc::Event& event) {
   if (const auto* reserved = std::get_if<cc::Reserved>(&event))
-    reserving_->on(*reserved, *member_, now());
+    reserving_->on(*reserved, *member_);
   else if (const auto* conflict = std::get_if<cc::Conflict>(&event))
     reserving_->on(*conflict, *member_, now());
   else if (const auto* refused = std::get_if<cc::Refused>(&event))
@@ -222,17 +226,18 @@ bool Membership::decide(const cc::Event& event) {
 
 void Membership::act() {
   member_->on_time(now());
+  drain_when_closed();
   bool more = true;
   for (int round = 0; more && round < kMostRounds; ++round) {
     const std::vector<cc::Event> events = member_->take_events();
     for (const cc::Event& event : events) take_in(event);
-    bring_in_line();
+    static_cast<void>(bring_in_line());
     for (const cc::Event& event : events) decide(event);
     more = adopting_->step(*member_, now()) || !events.empty();
     more = reserving_->step(*member_, now()) || more;
     more = more || wish_some();
   }
-  bring_in_line();
+  lost_ = !bring_in_line() && lost_;
   propose_first();
   if (!more) member_->applied(member_->view().revision());
   send();
@@ -242,14 +247,22 @@ void Membership::act() {
 
 /// Gates and state follow permits and what others hold; until when, the kernel knows before they
 /// open, and no longer when they are closed.
-void Membership::bring_in_line() {
-  if (!decided_) return;
+bool Membership::bring_in_line() {
+  if (!decided_) return false;
   note_failed();
   set_permits();
   networks_->put_foreign(state(), member_->view());
   raise_until();
   static_cast<void>(parts_.turn.settle());
   lower_until();
+  return parts_.turn.in_line();
+}
+
+/// Where the kernel has refused, nothing is given back.
+void Membership::enforce_again() {
+  if (parts_.turn.in_line() || now() < enforce_at_) return;
+  enforce_at_ = add_saturating(now(), kEnforceAgain);
+  static_cast<void>(parts_.turn.enforce());
 }
 
 bool Membership::is_in_force() const {
@@ -311,7 +324,7 @@ void Membership::note_failed() {
 void Membership::expire() {
   if (!member_) return;
   member_->on_time(now());
-  bring_in_line();
+  static_cast<void>(bring_in_line());
 }
 
 void Membership::committed(const Result<void>& done) {
@@ -322,8 +335,8 @@ void Membership::poll() {
   if (!member_) return;
   looks_for_wishes_ = true;
   std::erase_if(wish_again_, [this](const auto& entry) { return entry.second <= now(); });
-  reserving_->tidy(*member_, now(),
-                   [this](const std::string& channel) { return is_unused(channel); });
+  enforce_again();
+  reserving_->tidy();
 }
 
 /// Whatever is taken from the store is written down first.
@@ -341,6 +354,8 @@ bool Membership::write_down() {
 }
 
 void Membership::send() {
+  // Before it is said that something is closed, it is.
+  if (lost_ && decided_) return;
   if (!write_down()) return;
   auto txns = member_->take_txns(now());
   const bool written = write_down();
@@ -371,16 +386,32 @@ void Membership::propose_first() {
 
 // --- what is wanted ------------------------------------------------------------------------------
 
-std::string Membership::bar() const {
+std::string Membership::bar(uid_t user) const {
   if (leaving_) return "this gateway is being drained";
   const std::string why = standing();
-  return why.empty() ? reserving_->bar() : why;
+  return why.empty() ? reserving_->bar(user) : why;
+}
+
+std::string Membership::why_closed() const {
+  if (leaving_) return "this gateway is being drained";
+  const std::string why = standing();
+  return why.empty() ? "the store has not answered lately" : why;
+}
+
+bool Membership::waits_for(const std::string& key) const {
+  return !key.empty() && reserving_ && reserving_->waits_for(key);
+}
+std::size_t Membership::waiting_keys(const std::string& beginning) const {
+  return reserving_ ? reserving_->count_of_keys(beginning) : 0;
+}
+bool Membership::refuse(const std::string& key, const std::string& why) {
+  return !key.empty() && reserving_ && reserving_->refuse(key, why);
 }
 
 void Membership::ask(Reserving::Job job) { reserving_->ask(std::move(job), now()); }
 
 void Membership::admissions_gone(const std::vector<core::AdmissionId>& gone) {
-  if (member_) reserving_->admissions_gone(gone, *member_, now());
+  if (member_) reserving_->admissions_gone(gone);
 }
 
 void Membership::session_closed(std::uint64_t session) {
@@ -396,7 +427,13 @@ void Membership::leave() {
   leaving_ = true;
   leave_until_ = add_saturating(now(), kLeaveLimit);
   reserving_->refuse_all("nothing was changed: this gateway is being drained");
-  bring_in_line();
+  static_cast<void>(bring_in_line());
+  drain_when_closed();
+}
+
+void Membership::drain_when_closed() {
+  if (!leaving_ || draining_ || !parts_.turn.in_line()) return;
+  draining_ = true;
   reserving_->lost();
   member_->drain(now());
 }

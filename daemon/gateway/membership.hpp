@@ -89,8 +89,14 @@ class Membership {
   // Who wants something.
 
   /// Why nothing can be asked for now; empty: it can.
-  [[nodiscard]] std::string bar() const;
+  [[nodiscard]] std::string bar(uid_t user) const;
+  /// Why what the description promises of shared networks is closed now.
+  [[nodiscard]] std::string why_closed() const;
   void ask(Reserving::Job job);
+  [[nodiscard]] bool waits_for(const std::string& key) const;
+  [[nodiscard]] std::size_t waiting_keys(const std::string& beginning) const;
+  /// Whoever waits with that key is refused. False: nobody does.
+  bool refuse(const std::string& key, const std::string& why);
   void admissions_gone(const std::vector<core::AdmissionId>& gone);
   void session_closed(std::uint64_t session);
   /// Admitted for another gateway, which alone releases it.
@@ -116,7 +122,10 @@ class Membership {
   void take_in(const core::cluster::Event& event);
   void take_in_description(const core::cluster::Event& event);
   bool decide(const core::cluster::Event& event);
-  void bring_in_line();
+  /// False: what is to be closed may be open.
+  bool bring_in_line();
+  void enforce_again();
+  void drain_when_closed();
   void set_permits();
   [[nodiscard]] bool may_use_leased() const;
   [[nodiscard]] bool is_in_force() const;
@@ -128,7 +137,7 @@ class Membership {
   void wish(std::size_t channel);
   [[nodiscard]] cluster::Asked asked_of(std::size_t channel) const;
   [[nodiscard]] bool is_known(const cluster::Asked& asked) const;
-  [[nodiscard]] bool is_unused(const std::string& channel) const;
+  [[nodiscard]] bool needs(const std::string& channel, Number number) const;
   void propose_first();
   [[nodiscard]] bool write_down();
   void send();
@@ -155,7 +164,9 @@ class Membership {
   std::vector<core::cluster::Event> early_;  ///< that came before anything was decided
   bool decided_ = false;
   bool joined_ = false;  ///< once, with this description
-  bool leaving_ = false, left_ = false;
+  bool leaving_ = false, draining_ = false, left_ = false;
+  bool lost_ = false;  ///< and the gates may not have closed yet
+  Value enforce_at_ = 0;
   bool looks_for_wishes_ = true;
   Value leave_until_ = 0;
   std::optional<std::uint64_t> until_;       ///< as it was set last

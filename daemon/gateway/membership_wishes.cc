@@ -47,7 +47,8 @@ void Membership::wish(std::size_t channel) {
   };
   const auto granted = [this, name] {
     wish_again_[name] = add_saturating(now(), kGrantedWishAgain);
-    return !is_unused(name);
+    const auto there = state().find_channel(name);
+    return there && !core::cluster::footprint_of(state(), *there, baseline(), self_).parts.empty();
   };
   const auto refused = [this, name](const std::string& why) {
     wish_again_[name] = add_saturating(now(), kRefusedWishAgain);
@@ -73,9 +74,26 @@ bool Membership::is_known(const cluster::Asked& asked) const {
          });
 }
 
-bool Membership::is_unused(const std::string& channel) const {
+/// Something of the channel that nothing else allows.
+bool Membership::needs(const std::string& channel, Number number) const {
   const auto there = state().find_channel(channel);
-  return !there || core::cluster::footprint_of(state(), *there, baseline(), self_).parts.empty();
+  if (!there) return false;
+  const auto used = core::cluster::footprint_of(state(), *there, baseline(), self_);
+  return std::ranges::any_of(used.parts, [&](const core::cluster::Part& part) {
+    return std::ranges::any_of(part.rates, [&](const core::cluster::RatePart& rate) {
+      const auto bus = std::ranges::find(part.bus, rate.source, &core::cluster::BusPart::source);
+      std::vector<core::cluster::PathPart> paths;
+      for (const auto& path : part.paths)
+        if (path.source == rate.source) paths.push_back(path);
+      return !networks_->permits().allow(
+          {.network = part.network,
+           .source = rate.source,
+           .bytes_per_second = rate.bytes_per_second,
+           .message = bus == part.bus.end() ? nullptr : &bus->message,
+           .paths = paths},
+          number);
+    });
+  });
 }
 
 }  // namespace mlcca

@@ -38,6 +38,16 @@ std::optional<std::string> Quotas::refuse_admission(uid_t user, const store::Adm
   return std::nullopt;
 }
 
+std::optional<std::string> Quotas::refuse_waiting(uid_t user, const Waiting& now) {
+  constexpr const char* to_do = "ask again in a few seconds";
+  if (user != kRoot && now.of_user >= kWaitingOfUser)
+    return fmt::format("{} admissions of user {} wait for the store, and may not be more: {}",
+                       now.of_user, user, to_do);
+  if (now.all >= kWaitingOfAll || (user != kRoot && now.of_others >= kWaitingOfOthers))
+    return fmt::format("{} admissions wait for the store, and may not be more: {}", now.all, to_do);
+  return std::nullopt;
+}
+
 std::optional<std::string> Quotas::refuse_pairs(std::size_t now, std::size_t more) {
   if (now + more <= kPairs) return std::nullopt;
   return fmt::format(

@@ -27,6 +27,17 @@ class Quotas {
   /// Each takes some 270 bytes: 283 MB.
   static constexpr std::size_t kPairs = 1'048'576;
 
+  /// Admissions that wait for the store, and are decided one after the other: of one user, of all
+  /// users but root, and of all.
+  static constexpr std::size_t kWaitingOfUser = 64;
+  static constexpr std::size_t kWaitingOfOthers = 192;
+  static constexpr std::size_t kWaitingOfAll = 256;
+  struct Waiting {
+    std::size_t of_user = 0;
+    std::size_t of_others = 0;  ///< of all users but root
+    std::size_t all = 0;
+  };
+
   /// Rows of the history that changes of one user may make: so many at once, and so many more a
   /// second.
   struct Rows {
@@ -42,6 +53,8 @@ class Quotas {
   /// Why a user must not have one more admission, and what to do; nothing when he may.
   [[nodiscard]] static std::optional<std::string> refuse_admission(uid_t user,
                                                                    const store::Admissions& held);
+  /// Why no further admission of a user can wait, and what to do; nothing when it can.
+  [[nodiscard]] static std::optional<std::string> refuse_waiting(uid_t user, const Waiting& now);
   /// Why there must not be so many more pairs, and what to do; nothing when there may.
   [[nodiscard]] static std::optional<std::string> refuse_pairs(std::size_t now, std::size_t more);
   /// Why a user must not change anything now that counts as so many rows at least; nothing when he

@@ -34,10 +34,14 @@ Result<void> Recorder::admit(const control::Request& request, std::uint32_t user
   return done;
 }
 
-core::AdmissionId Recorder::set_id_aside() {
+std::shared_ptr<const core::AdmissionId> Recorder::set_id_aside() {
+  return journal_->expect(new_id());
+}
+
+core::AdmissionId Recorder::new_id() {
   const core::AdmissionId id = next_id();
   beyond_aside_ = id + 1;
-  journal_->expect(id);
+  append(store::NextId{beyond_aside_});
   return id;
 }
 

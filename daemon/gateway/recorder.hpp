@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -46,8 +47,11 @@ class Recorder {
   [[nodiscard]] core::AdmissionId next_id() const {
     return std::max(contents().next_id, beyond_aside_);
   }
-  /// The same, set aside for one that others are asked about first: no other one gets it.
-  core::AdmissionId set_id_aside();
+  /// The same, for one that others are asked about first: no other one gets it, and none of a later
+  /// process. It can be admitted for as long as what is given is kept.
+  [[nodiscard]] std::shared_ptr<const core::AdmissionId> set_id_aside();
+  /// The same for one that is in the journal of another gateway.
+  [[nodiscard]] core::AdmissionId new_id();
   /// Writes down an admission with the next commit(); until then it is one of uncommitted().
   Result<void> admit(const control::Request& request, std::uint32_t user);
   /// It was not granted after all.

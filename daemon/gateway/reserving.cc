@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "daemon/gateway/quotas.hpp"
 #include "mlcca/arithmetic.hpp"
 
 namespace mlcca {
@@ -37,10 +38,36 @@ std::optional<core::cluster::Footprint> found_footprint(const core::cluster::Vie
 
 }  // namespace
 
-std::string Reserving::bar() const {
-  return jobs_.size() < kMostJobs
-             ? std::string()
-             : "too many admissions wait for the store: ask again in a few seconds";
+std::string Reserving::bar(uid_t user) const {
+  Quotas::Waiting now{.all = jobs_.size()};
+  for (const Open& open : jobs_) {
+    if (!open.job.user) continue;
+    now.of_user += *open.job.user == user ? 1 : 0;
+    now.of_others += *open.job.user != 0 ? 1 : 0;
+  }
+  return Quotas::refuse_waiting(user, now).value_or("");
+}
+
+bool Reserving::waits_for(const std::string& key) const {
+  return std::ranges::any_of(
+      jobs_, [&](const Open& open) { return !open.abandoned && open.job.key == key; });
+}
+
+std::size_t Reserving::count_of_keys(const std::string& beginning) const {
+  return static_cast<std::size_t>(std::ranges::count_if(jobs_, [&](const Open& open) {
+    return !open.abandoned && open.job.key.starts_with(beginning);
+  }));
+}
+
+bool Reserving::refuse(const std::string& key, const std::string& why) {
+  const auto it = std::ranges::find_if(
+      jobs_, [&](const Open& open) { return !open.abandoned && open.job.key == key; });
+  if (it == jobs_.end()) return false;
+  const Job job = it->job;
+  it->abandoned = true;
+  if (!it->asked) jobs_.erase(it);
+  job.refused(why);
+  return true;
 }
 
 void Reserving::ask(Job job, Value now) {
@@ -66,25 +93,29 @@ void Reserving::refuse_all(const std::string& why) {
   }
 }
 
-/// Nothing of it is open. Others may not have it before the store says so.
-void Reserving::give_back(Number number, core::cluster::Member& member, Value now) {
+/// It may not be used any more. Others have it when the gates have closed and the store says so.
+void Reserving::give_back(Number number) {
   held_.erase(number);
   if (const auto* const there = parts_.networks.footprint(number))
-    parts_.networks.count(number, *there, member.self());
-  leaving_.push_back(number);
-  member.release(number, now);
+    parts_.networks.count(number, *there, parts_.networks.permits().self());
+  to_release_.push_back(number);
 }
 
-void Reserving::admissions_gone(const std::vector<core::AdmissionId>& gone,
-                                core::cluster::Member& member, Value now) {
-  std::vector<Number> over;
+void Reserving::release_closed(core::cluster::Member& member, Value now) {
+  if (to_release_.empty() || !parts_.bring_in_line()) return;
+  for (const Number number : std::exchange(to_release_, {})) {
+    leaving_.push_back(number);
+    member.release(number, now);
+  }
+}
+
+void Reserving::admissions_gone(const std::vector<core::AdmissionId>& gone) {
   for (auto& [number, held] : held_) {
     if (held.admissions.empty()) continue;
     std::erase_if(held.admissions,
                   [&](core::AdmissionId id) { return std::ranges::find(gone, id) != gone.end(); });
-    if (held.admissions.empty()) over.push_back(number);
+    unused_ = unused_ || held.admissions.empty();
   }
-  for (const Number number : over) give_back(number, member, now);
 }
 
 void Reserving::begin(Open& open, core::cluster::Member& member, Value now) {
@@ -99,30 +130,28 @@ void Reserving::begin(Open& open, core::cluster::Member& member, Value now) {
                  now);
 }
 
-void Reserving::put_in_force(const Open& open, core::cluster::Member& member, Value now) {
+void Reserving::put_in_force(const Open& open) {
   held_.insert_or_assign(
       open.number, Held{.channel = open.wish.asked.channel, .admissions = ids_of(open.wish.asked)});
   parts_.networks.hold(open.number, open.wish.footprint);
-  parts_.bring_in_line();
+  static_cast<void>(parts_.bring_in_line());
   const bool withdrawn = !open.withdrawn.empty();
   if (!withdrawn && !open.abandoned && open.job.granted()) return;
-  parts_.networks.count(open.number, open.wish.footprint, member.self());
-  parts_.bring_in_line();
-  give_back(open.number, member, now);
+  give_back(open.number);
   if (withdrawn && !open.abandoned)
     open.job.refused("what was reserved for it was withdrawn: " + open.withdrawn);
 }
 
-void Reserving::on(const core::cluster::Reserved& event, core::cluster::Member& member, Value now) {
+void Reserving::on(const core::cluster::Reserved& event, const core::cluster::Member& /*member*/) {
   const auto it = find(event.id);
   if (it == jobs_.end()) {
-    give_back(event.id, member, now);
+    give_back(event.id);
     return;
   }
   const Open open = std::move(*it);
   jobs_.erase(it);
   parts_.networks.leave_out(std::nullopt);
-  put_in_force(open, member, now);
+  put_in_force(open);
 }
 
 void Reserving::on(const core::cluster::Conflict& event, core::cluster::Member& member, Value now) {
@@ -132,7 +161,7 @@ void Reserving::on(const core::cluster::Conflict& event, core::cluster::Member& 
     return;
   }
   parts_.networks.leave_out(event.id);
-  parts_.bring_in_line();
+  static_cast<void>(parts_.bring_in_line());
   auto wish = it->abandoned ? std::nullopt : it->job.decide();
   if (wish) {
     it->wish = std::move(*wish);
@@ -163,21 +192,16 @@ void Reserving::on(const core::cluster::Withdrawn& event) {
   if (!held_.contains(event.id)) return;
   parts_.log("what " + held_.at(event.id).channel +
              " had reserved is withdrawn: " + event.why.reason);
-  if (const auto* const there = parts_.networks.footprint(event.id)) {
-    const core::cluster::Footprint footprint = *there;
-    parts_.networks.drop(event.id);
-    parts_.networks.count(event.id, footprint, parts_.networks.permits().self());
-  }
-  to_release_.push_back(event.id);
+  give_back(event.id);
 }
 
-void Reserving::on(const core::cluster::Found& event, core::cluster::Member& member, Value now,
+void Reserving::on(const core::cluster::Found& event, const core::cluster::Member& member,
                    const std::function<bool(const cluster::Asked&)>& known) {
   if (held_.contains(event.id)) return;
   auto asked = cluster::asked_in(event.admission);
   const auto footprint = found_footprint(member.view(), event.id, member.self());
   if (!asked || !footprint || !known(*asked)) {
-    give_back(event.id, member, now);
+    give_back(event.id);
     return;
   }
   held_.emplace(event.id, Held{.channel = asked->channel, .admissions = ids_of(*asked)});
@@ -187,11 +211,12 @@ void Reserving::on(const core::cluster::Found& event, core::cluster::Member& mem
 void Reserving::lost() {
   for (const auto& [number, held] : std::exchange(held_, {})) parts_.networks.drop(number);
   for (const Number number : std::exchange(leaving_, {})) parts_.networks.drop(number);
-  to_release_.clear();
+  for (const Number number : std::exchange(to_release_, {})) parts_.networks.drop(number);
 }
 
 bool Reserving::step(core::cluster::Member& member, Value now) {
-  for (const Number number : std::exchange(to_release_, {})) give_back(number, member, now);
+  if (std::exchange(unused_, false)) tidy();
+  release_closed(member, now);
   std::erase_if(leaving_, [&](Number number) {
     if (member.knows(number)) return false;
     parts_.networks.drop(number);
@@ -206,10 +231,11 @@ bool Reserving::step(core::cluster::Member& member, Value now) {
     it = jobs_.erase(it);
     open.job.refused("others are decided before it, or the store does not answer");
   }
-  const auto next = std::ranges::find(jobs_, false, &Open::asked);
+  const auto next = next_turn();
   if (next == jobs_.end() || !member.why_not(now).empty()) return false;
+  latest_ = next->job.user;
   parts_.networks.leave_out(std::nullopt);
-  parts_.bring_in_line();
+  static_cast<void>(parts_.bring_in_line());
   auto wish = next->job.decide();
   if (!wish) {
     jobs_.erase(next);
@@ -225,12 +251,24 @@ bool Reserving::step(core::cluster::Member& member, Value now) {
   return true;
 }
 
-void Reserving::tidy(core::cluster::Member& member, Value now,
-                     const std::function<bool(const std::string& channel)>& unused) {
+/// What is closed for a while uses nothing, and will need it again.
+void Reserving::tidy() {
+  if (!parts_.networks.permits().is_open()) return;
   std::vector<Number> over;
   for (const auto& [number, held] : held_)
-    if (held.admissions.empty() && unused(held.channel)) over.push_back(number);
-  for (const Number number : over) give_back(number, member, now);
+    if (held.admissions.empty() && !parts_.needs(held.channel, number)) over.push_back(number);
+  for (const Number number : over) give_back(number);
+}
+
+/// Users take turns, so that nobody waits for all that another one wants.
+Reserving::Jobs::iterator Reserving::next_turn() {
+  const auto turn = [this](const Open& open) {
+    return std::pair(latest_ && open.job.user && *open.job.user <= *latest_, open.job.user);
+  };
+  auto next = jobs_.end();
+  for (auto it = jobs_.begin(); it != jobs_.end(); ++it)
+    if (!it->asked && (next == jobs_.end() || turn(*it) < turn(*next))) next = it;
+  return next;
 }
 
 std::optional<Value> Reserving::next_time() const {

@@ -54,6 +54,7 @@ Result<void> Turn::enforce() {
   auto all = wanted();
   parts_.pulse();
   auto done = parts_.gates.sync(all);
+  in_line_ = done.has_value();
   parts_.pulse();
   parts_.recorder.note_slots(std::move(all));
   parts_.forwarding.want_all();

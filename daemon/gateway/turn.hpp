@@ -70,6 +70,9 @@ class Turn {
   Result<void> settle(const core::FormerRules& left = {});
   /// Every gate holds what is decided, and nothing else.
   Result<void> enforce();
+  /// The gates hold what is decided: what is closed is closed. False: the kernel has refused, and
+  /// enforce() is due.
+  [[nodiscard]] bool in_line() const { return in_line_; }
   /// What clients were answered after this is on disk. Nothing where nothing waits for it.
   void commit();
 
@@ -87,6 +90,7 @@ class Turn {
   std::function<void(const core::Change&)> changed_ = [](const core::Change&) {};
   Lost lost_ = [](const auto&) {};
   Committed committed_ = [](const auto&) {};
+  bool in_line_ = true;
 };
 
 }  // namespace mlcca

@@ -175,6 +175,14 @@ void Journal::change(const Entry& entry, const Entry& back, std::uint64_t bytes)
   contents_.apply(entry);
 }
 
+std::shared_ptr<const std::uint64_t> Journal::expect(std::uint64_t id) {
+  expected_->insert(id);
+  return {new std::uint64_t(id), [all = std::weak_ptr(expected_)](const std::uint64_t* known) {
+            if (const auto there = all.lock()) there->erase(*known);
+            delete known;  // NOLINT(cppcoreguidelines-owning-memory): of this very pointer
+          }};
+}
+
 Result<void> Journal::append(const Entry& entry) {
   if (const auto* admitted = std::get_if<Admitted>(&entry)) {
     const std::uint64_t id = admitted->request.id;
@@ -183,7 +191,7 @@ Result<void> Journal::append(const Entry& entry) {
     if (id == 0 || id == ~std::uint64_t{0})
       return fail("an admission cannot have the id " + std::to_string(id));
     if (id < contents_.next_id && contents_.admissions.find(id) == nullptr &&
-        !expected_.contains(id))
+        !expected_->contains(id))
       return fail("the id " + std::to_string(id) + " was used before");
   }
   auto back = contents_.inverse(entry);

@@ -4,6 +4,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -48,8 +49,9 @@ class Journal {
   /// request, and an id of the past. An entry that changes nothing is not written.
   Result<void> append(const Entry& entry);
 
-  /// An admission of that id may be appended after those of later ones.
-  void expect(std::uint64_t id) { expected_.insert(id); }
+  /// An admission of that id may be appended after those of later ones, as long as what is given is
+  /// kept.
+  [[nodiscard]] std::shared_ptr<const std::uint64_t> expect(std::uint64_t id);
 
   /// One write and one fdatasync for everything since the last commit. On failure all of it is
   /// undone, in memory and on disk, and the error says so; the journal can be used again, unless
@@ -124,7 +126,8 @@ class Journal {
   std::vector<Entry> undo_;        ///< of the same, oldest first
   std::uint64_t former_next_ = 1;  ///< next_id before them
 
-  std::set<std::uint64_t> expected_;  ///< ids that were set aside
+  /// Ids that were set aside.
+  std::shared_ptr<std::set<std::uint64_t>> expected_ = std::make_shared<std::set<std::uint64_t>>();
 
   bool tail_unknown_ = false;        ///< bytes of a failed commit may stand behind end_
   bool directory_unsynced_ = false;  ///< a crash could bring the former file back

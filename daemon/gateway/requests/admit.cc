@@ -2,6 +2,7 @@
 // A publisher or a subscriber joins a channel at run time.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -10,6 +11,8 @@
 #include "daemon/gateway/channel_reports.hpp"
 #include "daemon/gateway/delivery_events.hpp"
 #include "daemon/gateway/gate_events.hpp"
+#include "daemon/gateway/keys.hpp"
+#include "daemon/gateway/membership.hpp"
 #include "daemon/gateway/quotas.hpp"
 #include "daemon/gateway/recorder.hpp"
 #include "daemon/gateway/report.hpp"
@@ -55,7 +58,7 @@ Result<void> put_in_force(Context& context, core::Proposal proposal,
 
 Response admit_new(Context& context, const Asker& asker, const control::Admit& request,
                    const Asked& asked) {
-  if (const auto why = bars(context, asker, asked)) return *why;
+  if (const auto why = bars(context, asker, request, asked)) return *why;
   core::State& state = *context.scene.state;
   if (context.membership != nullptr) static_cast<void>(context.turn.settle());
   std::optional<core::Proposal> proposal(state.propose(*asked.admission));
@@ -79,13 +82,27 @@ Response admit_listed(Context& context, const Asker& asker, const control::Admit
   return known(context, asker, *asked);
 }
 
+/// Why the network accepts no further subscription; nothing: it does, or this is none.
+std::optional<std::string> exceeds_policy(const Context& context, const control::Admit& request) {
+  const std::string keys = subscription_keys(request.to);
+  if (!request.key.starts_with(keys)) return std::nullopt;
+  const auto& networks = context.scene.state->system().networks;
+  const auto network = std::ranges::find(networks, request.to, &core::Network::name);
+  const std::size_t now = context.admissions.count_of_keys(keys);
+  if (network == networks.end() || now < network->subscriptions.most) return std::nullopt;
+  return fmt::format("{} has {} subscriptions, and its Subscriptions allow no more", network->name,
+                     now);
+}
+
 }  // namespace
 
-std::optional<Response> bars(const Context& context, const Asker& asker, const Asked& asked) {
+std::optional<Response> bars(const Context& context, const Asker& asker,
+                             const control::Admit& request, const Asked& asked) {
   if (const auto why =
           Quotas::refuse_admission(asker.peer.uid, context.recorder.contents().admissions))
     return failed("nothing was changed: " + *why);
   if (const auto lack = lacks_pairs(context, asked)) return invalid(*lack);
+  if (const auto why = exceeds_policy(context, request)) return invalid(*why);
   return std::nullopt;
 }
 
@@ -123,6 +140,11 @@ Response decided(Context& context, const Asker& asker, const control::Admit& req
 Response admit(Context& context, const Asker& asker, const control::Admit& request) {
   if (const auto key = check_key(request.key); !key) return invalid(key.error().text);
   if (auto again = admit_again(context, asker, request)) return std::move(*again);
+  if (context.membership != nullptr && context.membership->waits_for(request.key))
+    return failed(
+        fmt::format("nothing was changed: an admission with the key '{}' waits for the store: ask "
+                    "again in a few seconds",
+                    request.key));
   if (const auto listed = list(*context.scene.state, request); !listed)
     return invalid(listed.error().text);
   if (!request.unlisted) return admit_listed(context, asker, request);

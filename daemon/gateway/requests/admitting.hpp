@@ -11,7 +11,7 @@ namespace mlcca::requests {
 
 /// What bars a newcomer whatever the networks carry: quotas, and limits.
 [[nodiscard]] std::optional<Response> bars(const Context& context, const Asker& asker,
-                                           const Asked& asked);
+                                           const control::Admit& request, const Asked& asked);
 /// A proposal of that admission is put in force if it fits; what it says otherwise.
 [[nodiscard]] Response decided(Context& context, const Asker& asker, const control::Admit& request,
                                const Asked& asked, core::Proposal proposal);

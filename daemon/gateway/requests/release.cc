@@ -24,6 +24,10 @@ Response release(Context& context, const Asker& /*asker*/, const control::Releas
   const core::State& state = *context.scene.state;
   std::vector<core::AdmissionId> gone;
   if (request.admission != 0 || !request.key.empty()) {
+    if (context.membership != nullptr &&
+        context.membership->refuse(request.key, "it was released while it waited"))
+      return control::Done{
+          fmt::format("the admission with the key '{}' does not wait any more", request.key)};
     const auto named = context.admissions.named(request.admission, request.key);
     if (!named) return invalid(named.error().text);
     gone.push_back(*named);

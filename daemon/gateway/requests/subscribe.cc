@@ -14,6 +14,7 @@
 #include "daemon/gateway/admissions.hpp"
 #include "daemon/gateway/delivery_events.hpp"
 #include "daemon/gateway/keys.hpp"
+#include "daemon/gateway/membership.hpp"
 #include "daemon/gateway/recorder.hpp"
 #include "daemon/gateway/report.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
@@ -44,14 +45,6 @@ Result<control::Admit> admission_of(const control::SubscribeRequest& request) {
   return out;
 }
 
-/// Why the network accepts no further one; nothing: it does.
-std::optional<std::string> exceeds_policy(const Context& context, const core::Network& network) {
-  const std::size_t now = context.admissions.count_of_keys(subscription_keys(network.name));
-  if (now < network.subscriptions.most) return std::nullopt;
-  return fmt::format("{} has {} subscriptions, and its Subscriptions allow no more", network.name,
-                     now);
-}
-
 /// It has something that is granted, and would not be granted what it wants now beside that: the
 /// refusal, with which it keeps what it has. What is granted of each would be granted of both, as
 /// each attribute is compared by itself.
@@ -76,7 +69,12 @@ std::optional<Response> refuses_other(Context& context, core::AdmissionId held,
 
 Response end(Context& context, const std::string& key) {
   const auto known = context.admissions.with_key(key);
-  if (!known) return control::Done{"there is no such subscription"};
+  if (!known) {
+    const bool waited = context.membership != nullptr &&
+                        context.membership->refuse(key, "it was ended while it waited");
+    return control::Done{waited ? "the subscription does not wait any more"
+                                : "there is no such subscription"};
+  }
   if (const auto done = context.admissions.release({*known}, "released"); !done)
     return failed(done.error().text);
   return control::Done{fmt::format("released admission {}", *known)};
@@ -110,10 +108,7 @@ Response subscribe(Context& context, const Asker& asker, const control::Subscrib
     if (auto refused = refuses_other(context, *known, *wanted)) return std::move(*refused);
     if (const auto done = context.admissions.release({*known}, "replaced"); !done)
       return failed(done.error().text);
-    held = nullptr;
   }
-  if (held == nullptr)
-    if (const auto why = exceeds_policy(context, network)) return invalid(*why);
   return admit(context, asker, *wanted);
 }
 

@@ -36,7 +36,9 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
         .granted = [self] { return self->acting([&] { return self->put_in_force(); }); },
         .refused =
             [self](const std::string& why) { self->answer(failed("nothing was changed: " + why)); },
-        .session = request_.hold ? asker_.peer.session : 0};
+        .session = request_.hold ? asker_.peer.session : 0,
+        .key = request_.key,
+        .user = asker_.peer.uid};
   }
 
   [[nodiscard]] std::optional<serve::Slice> slice() const {
@@ -64,20 +66,23 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
       answer(invalid(listed.error().text));
       return std::nullopt;
     }
-    auto asked = understand(*context_.scene.state, request_, id_);
-    if (asked && asked->admission) return std::move(*asked);
-    answer(invalid(asked ? "these ends are described meanwhile" : asked.error().text));
-    return std::nullopt;
+    auto asked = understand(*context_.scene.state, request_, *id_);
+    if (!asked || !asked->admission) {
+      answer(invalid(asked ? "these ends are described meanwhile" : asked.error().text));
+      return std::nullopt;
+    }
+    // Others were admitted meanwhile.
+    if (const auto why = bars(context_, asker_, request_, *asked)) {
+      answer(*why);
+      return std::nullopt;
+    }
+    return std::move(*asked);
   }
 
   /// With what is reserved and what others hold now.
   std::optional<Reserving::Wish> decide() {
     const auto asked = understood();
     if (!asked) return std::nullopt;
-    if (const auto why = bars(context_, asker_, *asked)) {
-      answer(*why);
-      return std::nullopt;
-    }
     core::State& state = *context_.scene.state;
     {
       core::Proposal proposal = state.propose(*asked->admission);
@@ -95,15 +100,16 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
         core::cluster::footprint_of(*wish, context_.membership->baseline(), context_.scene.self);
     if (footprint.parts.empty()) {
       answer(
-          failed("nothing was changed: what is described of its networks is closed now, because "
-                 "the store does not say that the description is in force"));
+          failed("nothing was changed: the description promises what it needs, and that is closed "
+                 "now: " +
+                 context_.membership->why_closed()));
       return std::nullopt;
     }
     const auto& channel = state.system().channels[asked->channel];
     return Reserving::Wish{
         .footprint = std::move(footprint),
         .publisher = request_.publisher,
-        .asked = {.channel = channel.name, .requests = {{.id = id_, .body = request_}}}};
+        .asked = {.channel = channel.name, .requests = {{.id = *id_, .body = request_}}}};
   }
 
   bool put_in_force() {
@@ -139,7 +145,7 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
   Context& context_;
   Asker asker_;
   control::Admit request_;
-  core::AdmissionId id_;
+  std::shared_ptr<const core::AdmissionId> id_;
   std::optional<control::Actor> actor_;
   std::optional<Body> body_;
   core::AdmissionId owned_ = 0;
@@ -149,7 +155,7 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
 }  // namespace
 
 Response ask_store(Context& context, const Asker& asker, const control::Admit& request) {
-  if (const std::string why = context.membership->bar(); !why.empty())
+  if (const std::string why = context.membership->bar(asker.peer.uid); !why.empty())
     return failed("nothing was changed: " + why);
   const auto waiting = std::make_shared<Waiting>(context, asker, request);
   context.membership->ask(waiting->job());

@@ -126,6 +126,22 @@ TEST(Journal, NeverGivesAnIdTwice) {
   EXPECT_TRUE(journal.append(admitted(6)));
 }
 
+TEST(Journal, TakesAnIdThatWasSetAsideWhileSomebodyKeepsIt) {
+  const Folder folder;
+  Journal journal = opened(folder);
+  auto kept = journal.expect(1);
+  auto dropped = journal.expect(2);
+  ASSERT_TRUE(journal.append(NextId{10}));
+  dropped.reset();
+  EXPECT_TRUE(journal.append(Admitted{{1, control::Admit{}}, 0}));
+  EXPECT_FALSE(journal.append(Admitted{{2, control::Admit{}}, 0}));
+  // Whoever keeps it longer than the journal is there does no harm.
+  Journal other = std::move(journal);
+  auto later = other.expect(3);
+  other = opened(Folder());
+  later.reset();
+}
+
 TEST(Journal, RefusesWhatIsNoAdmission) {
   const Folder folder;
   Journal journal = opened(folder);
