@@ -30,7 +30,8 @@ RealOutside::RealOutside(Options options, SystemLog log, enforce::Control contro
             else
               log_.notice(kind, line);
           }),
-      reading_(loop) {}
+      reading_(loop),
+      texts_(options_.state_directory) {}
 
 Result<void> RealOutside::start_cluster() {
   if (!options_.in_cluster) return {};
@@ -40,18 +41,22 @@ Result<void> RealOutside::start_cluster() {
 }
 
 Outside RealOutside::outside() {
-  return {.gates = ports_,
-          .control = control_,
-          .links = links_,
-          .can = can_,
-          .clock = clock_,
-          .disk = store::real_disk(),
-          .reading = reading_,
-          .log = log_,
-          .read = [options = options_] { return read_description(options); },
-          .can_rules = std::make_unique<net::KernelCanRules>(),
-          .loop = loop_,
-          .cluster = cluster_ ? &*cluster_ : nullptr};
+  return {
+      .gates = ports_,
+      .control = control_,
+      .links = links_,
+      .can = can_,
+      .clock = clock_,
+      .disk = store::real_disk(),
+      .reading = reading_,
+      .log = log_,
+      .read = [options = options_] { return read_description(options); },
+      .read_text = [options = options_](
+                       const std::string& text) { return read_description_text(options, text); },
+      .texts = &texts_,
+      .can_rules = std::make_unique<net::KernelCanRules>(),
+      .loop = loop_,
+      .cluster = cluster_ ? &*cluster_ : nullptr};
 }
 
 }  // namespace mlcca

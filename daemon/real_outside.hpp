@@ -17,6 +17,7 @@
 #include "daemon/options.hpp"
 #include "daemon/outside/kernel_gate_control.hpp"
 #include "daemon/ports/ports.hpp"
+#include "daemon/store/description_files.hpp"
 #include "daemon/system_log.hpp"
 
 namespace mlcca {
@@ -47,6 +48,7 @@ class RealOutside {
   Ports ports_;
   Reading reading_;
   std::optional<cluster::SocketLink> cluster_;
+  store::DescriptionFiles texts_;
 };
 
 }  // namespace mlcca

@@ -48,6 +48,7 @@ constexpr std::array kKinds{
     KindInfo{"drift", "d2984a3083094b93aa490521986a712f"},
     KindInfo{"bypass", "49eae898e745474a8708fcd4a5987dda"},
     KindInfo{"binding", "7d3e1a5c20964f8b9c51e6f40b2a8d17"},
+    KindInfo{"rollout", "4be0d1c72a5f4c0f9e8a7d36b15c2f90"},
     KindInfo{"trouble", "11436d69f9dc477a90d4c483ce53572b"},
 };
 

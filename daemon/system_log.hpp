@@ -41,6 +41,7 @@ enum class Kind : std::uint8_t {
   drift,    ///< the kernel is not as it was set up
   bypass,   ///< frames were sent past a gate
   binding,  ///< the broker of a FAMOUSO bus has dealt a tag that is not as it was
+  rollout,  ///< of a description, to all gateways of a cluster
   trouble,
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "description/bundle.hpp"
 #include "description/draft.hpp"
 #include "description/grammar.hpp"
 #include "description/problems.hpp"
@@ -85,10 +86,18 @@ bool is_part(const std::string& path) {
   return std::ranges::find(system_parts(), root, &Child::name) != system_parts().end();
 }
 
-Description read(const std::string& path, Users users, Sha256::Digest* digest) {
+Description read(const std::string& path, Users users, Sha256::Digest* digest,
+                 std::string* bundle) {
   Stages stages(path);
   const bool valid = parse_files(std::span(&path, 1), Root::system, stages.problems(),
-                                 stages.receiver(), {}, digest);
+                                 stages.receiver(), {}, digest, bundle);
+  return only_without_problems(stages.finish(valid, users));
+}
+
+Description read_bundle(std::string_view bundle, Users users, Sha256::Digest& digest) {
+  const auto files = files_in(bundle);
+  Stages stages(files ? std::string(files->front().name) : "the text");
+  const bool valid = parse_bundle(bundle, stages.problems(), stages.receiver(), digest);
   return only_without_problems(stages.finish(valid, users));
 }
 

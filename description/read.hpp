@@ -61,8 +61,12 @@ bool is_part(const std::string& path);
 
 /// The System of the file `path` and what it includes; any problem is an error. See examine().
 /// `digest`, where there is one, gets that of the contents of the files: the same on all machines.
+/// `bundle`, where there is one as well, gets all of them in one text, or nothing if they are too
+/// long for that (bundle.hpp).
 Description read(const std::string& path, Users users = Users::of_this_machine,
-                 Sha256::Digest* digest = nullptr);
+                 Sha256::Digest* digest = nullptr, std::string* bundle = nullptr);
+/// The same of such a text. No file is opened.
+Description read_bundle(std::string_view bundle, Users users, Sha256::Digest& digest);
 
 /// The same for a text; `name` stands for the file in problems and origins. Includes are looked up
 /// in the folder `base`, or refused if that is empty.

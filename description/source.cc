@@ -49,7 +49,7 @@ ssize_t Source::read(char* to, std::size_t size) {
   if (left_.empty() && fd_ && fill() < 0) return -1;
   const auto got = std::min(left_.size(), size);
   std::ranges::copy(left_.substr(0, got), to);
-  if (hash_ != nullptr) hash_->add(left_.substr(0, got));
+  if (copy_) copy_(left_.substr(0, got));
   left_.remove_prefix(got);
   return static_cast<ssize_t>(got);
 }

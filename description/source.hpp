@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,7 +14,6 @@
 
 #include "base/handle.hpp"
 #include "base/result.hpp"
-#include "base/sha256.hpp"
 
 namespace mlcca::description {
 
@@ -37,8 +37,8 @@ class Source {
 
   /// Up to `size` bytes to `to`: how many, 0 at the end, -1 with errno.
   ssize_t read(char* to, std::size_t size);
-  /// From now on what read() gives goes to `hash` as well; null: no more.
-  void hash_into(Sha256* hash) { hash_ = hash; }
+  /// From now on `copy` is called with what read() gives; null: no more.
+  void on_read(std::function<void(std::string_view)> copy) { copy_ = std::move(copy); }
 
  private:
   Source() = default;
@@ -49,7 +49,7 @@ class Source {
   std::string_view left_;           ///< of the buffer or text, not yet given
   std::uint64_t size_ = 0;
   std::optional<Identity> identity_;
-  Sha256* hash_ = nullptr;
+  std::function<void(std::string_view)> copy_;
 };
 
 /// Why a document that begins so, and is no longer than that if it is `whole`, cannot be UTF-8 XML;

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "description/builder.hpp"
+#include "description/bundle.hpp"
 #include "description/include.hpp"
 #include "description/parser.hpp"
 #include "description/source.hpp"
@@ -25,16 +26,19 @@ constexpr std::uint64_t kReportedStep = std::uint64_t{1} << 20U;  // of progress
 class Document {
  public:
   Document(Root root, Problems& problems, const Receiver& receiver, const Progress& progress,
-           bool hashes = false)
+           bool hashes = false, bool copies = false)
       : problems_(problems),
         progress_(progress),
         builder_(root, problems, receiver,
                  [this](std::string_view href, core::Origin at) { include(href, at); }),
-        hashes_(hashes) {}
+        hashes_(hashes),
+        copies_(copies) {}
 
   bool read_files(std::span<const std::string> paths);
   bool read_text(std::string_view xml, const std::string& base);
+  bool read_supplied(std::string_view bundle);
   [[nodiscard]] Sha256::Digest digest() const;
+  [[nodiscard]] std::string bundle() const { return copies_ ? bundle_of(files_) : std::string(); }
 
  private:
   /// A file that is being read.
@@ -54,8 +58,11 @@ class Document {
   Problems& problems_;
   const Progress& progress_;
   Builder builder_;
-  bool hashes_;
+  bool hashes_, copies_;
   std::vector<Sha256::Digest> digests_;  ///< of the files, in the order in which they were opened
+  std::vector<BundledFile> files_;       ///< the same
+  std::vector<FileInBundle> supplied_;   ///< in place of files
+  std::size_t next_ = 0;                 ///< of those
   std::vector<OpenFile> open_;
   std::size_t opened_ = 0;   ///< files so far
   std::uint64_t total_ = 0;  ///< bytes in them, as far as it is known
@@ -77,6 +84,7 @@ bool Document::account(std::size_t bytes) {
                   FindingId::not_xml);
     return false;
   }
+  copies_ = copies_ && read_ <= kMaxBundle;
   if (progress_ && read_ - reported_ >= kReportedStep) {
     reported_ = read_;
     progress_(read_, total_);
@@ -109,14 +117,18 @@ void Document::parse(Source& source, OpenFile file) {
   Sha256 hash;
   if (hashes_) {
     digests_.emplace_back();
-    source.hash_into(&hash);
+    if (copies_) files_.push_back({.name = open_.back().path, .content = {}});
+    source.on_read([&](std::string_view bytes) {
+      hash.add(bytes);
+      if (copies_) files_[at].content += bytes;
+    });
   }
   const bool whole = source.size() <= source.start().size();
   if (const auto wrong = wrong_start(source.start(), whole))
     builder_.fail({.file = number, .line = 1}, "", *wrong, FindingId::not_xml);
   else
     parse_document(source, number, builder_, [this](std::size_t bytes) { return account(bytes); });
-  source.hash_into(nullptr);
+  source.on_read(nullptr);
   if (hashes_) digests_[at] = hash.digest();
   builder_.end_file();
   open_.pop_back();
@@ -162,6 +174,20 @@ void Document::include(std::string_view href, core::Origin at) {
     refuse(path.error(), FindingId::not_in_schema);
     return;
   }
+  if (!supplied_.empty()) {
+    if (next_ >= supplied_.size()) {
+      refuse("the text has no further file", FindingId::not_in_schema);
+      return;
+    }
+    const FileInBundle& file = supplied_[next_++];
+    Source given(file.content);
+    const std::string name(file.name);
+    if (const auto why = refusal(given, name))
+      refuse(*why, FindingId::not_xml);
+    else
+      parse(given, {name, std::string(folder_of(name)), std::nullopt});
+    return;
+  }
   auto source = Source::open(*path);
   if (!source) {
     problems_.add_file(*path);  // who watches the files wants to know when it appears
@@ -200,13 +226,40 @@ bool Document::read_text(std::string_view xml, const std::string& base) {
   return builder_.valid();
 }
 
+bool Document::read_supplied(std::string_view bundle) {
+  const core::Origin whole{.file = 0, .line = 0};
+  auto files = files_in(bundle);
+  if (!files) {
+    builder_.fail(whole, "", files.error(), FindingId::not_xml);
+    return false;
+  }
+  supplied_ = std::move(*files);
+  const FileInBundle& first = supplied_[next_++];
+  Source source(first.content);
+  const std::string name(first.name);
+  parse(source, {name, std::string(folder_of(name)), std::nullopt});
+  if (builder_.valid() && next_ != supplied_.size())
+    builder_.fail(whole, "", "the text has files that nothing includes", FindingId::not_xml);
+  return builder_.valid();
+}
+
 }  // namespace
 
 bool parse_files(std::span<const std::string> paths, Root root, Problems& problems,
-                 const Receiver& receiver, const Progress& progress, Sha256::Digest* digest) {
-  Document document(root, problems, receiver, progress, digest != nullptr);
+                 const Receiver& receiver, const Progress& progress, Sha256::Digest* digest,
+                 std::string* bundle) {
+  Document document(root, problems, receiver, progress, digest != nullptr, bundle != nullptr);
   const bool right = document.read_files(paths);
   if (digest != nullptr) *digest = document.digest();
+  if (bundle != nullptr) *bundle = document.bundle();
+  return right;
+}
+
+bool parse_bundle(std::string_view bundle, Problems& problems, const Receiver& receiver,
+                  Sha256::Digest& digest) {
+  Document document(Root::system, problems, receiver, {}, true);
+  const bool right = document.read_supplied(bundle);
+  digest = document.digest();
   return right;
 }
 

@@ -90,9 +90,14 @@ enum class Root : std::uint8_t { system, system_or_part };
 /// local file, and what exceeds the limits above. True if nothing was wrong. paths[0] must be
 /// the file that `problems` was made for. `digest`, where there is one, gets that of the contents
 /// of all files, in the order in which they are opened; it says something if nothing was wrong.
+/// `bundle` gets all of them (bundle.hpp), or nothing if they are too long for that.
 bool parse_files(std::span<const std::string> paths, Root root, Problems& problems,
                  const Receiver& receiver, const Progress& progress,
-                 Sha256::Digest* digest = nullptr);
+                 Sha256::Digest* digest = nullptr, std::string* bundle = nullptr);
+
+/// The same of what `bundle` has been given by parse_files(): all of it, and no other file.
+bool parse_bundle(std::string_view bundle, Problems& problems, const Receiver& receiver,
+                  Sha256::Digest& digest);
 
 /// The same for one text. Files are included relative to the folder `base`, or refused if that is
 /// empty.

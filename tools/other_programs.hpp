@@ -37,6 +37,7 @@ inline constexpr std::array kOtherVerbs = {
     OtherVerb{"import", "describe a network from DBC, CANopen, Cyphal, ROS 2 or DDS files",
               &kDesign},
     OtherVerb{"new", "the first description of a system", &kDesign},
+    OtherVerb{"rollout", "one description for all gateways of a cluster", &kDesign},
     OtherVerb{"doctor", "examine a CAN controller before it is trusted; asks no daemon", &kDoctor},
 };
 

@@ -52,6 +52,7 @@ std::string explain(const control::Channels& channels, Color color, bool in_full
 std::string what_stops(const control::Channels& channels, std::string_view name, Color color);
 
 std::string render(const control::Done& done, Color color);
+std::string render(const control::Rollout& rollout, Color color);
 
 /// One line.
 std::string render(const control::Event& event, Color color);

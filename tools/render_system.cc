@@ -277,4 +277,28 @@ std::string render(const control::Networks& networks, Color color) {
   return text;
 }
 
+std::string render(const control::Rollout& rollout, Color color) {
+  constexpr std::size_t shown = 12;
+  std::string text;
+  const auto line = [&](const char* what, const std::string& value, Style style = Style::plain) {
+    if (!value.empty()) text += fmt::format("{:<13}{}\n", what, styled(value, style, color));
+  };
+  line("rollout", rollout.state,
+       rollout.state == "refused"    ? Style::bad
+       : rollout.state == "in-force" ? Style::good
+                                     : Style::plain);
+  line("why", printable(rollout.why));
+  if (!rollout.current.empty())
+    line("in force",
+         fmt::format("{} (generation {}){}", printable(rollout.current.substr(0, shown)),
+                     rollout.generation, rollout.open ? "" : ", not open yet"));
+  line("this gateway", printable(rollout.description.substr(0, shown)));
+  line("before", printable(rollout.former.substr(0, shown)));
+  if (!rollout.next.empty())
+    line("judged", fmt::format("{}, proposed by {}", printable(rollout.next.substr(0, shown)),
+                               printable(rollout.by)));
+  for (const std::string& gateway : rollout.waiting) line("waits for", printable(gateway));
+  return text;
+}
+
 }  // namespace mlcca::tools

@@ -76,7 +76,7 @@ void Member::settle(const std::vector<Done>& all, Value now) {
       adoptions_.on_done(done);
     else
       admissions_.on_done(done, view_, now, events_);
-    rollouts_.on_done(done, events_);
+    rollouts_.on_done(done, now, events_);
     if (done.fate == Done::Fate::done && done.work.kind == Work::Kind::reserve)
       journal_.seen_revision = done.revision;
     if (done.fate == Done::Fate::done && done.work.kind == Work::Kind::leave) {
@@ -118,6 +118,7 @@ void Member::lose(const std::string& why, Value now) {
   admissions_.lose(why, events_);
   adoptions_.lose(view_);
   election_.lose();
+  rollouts_.lose();
   // Revisions of before mean nothing in a store that was restored.
   applied_ = said_applied_ = ask_applied_ = 0;
   found_ = false;
@@ -242,7 +243,8 @@ std::string Member::why_no_description() const {
   if (current.mod == 0) return "no description is in force yet";
   if (current.value && current.value->digest == identity_.digest)
     return "the description is not in force before all gateways are in it";
-  return "the description in force is another one";
+  return "the description in force is another one: 'mlccactl rollout' puts that of this gateway in "
+         "force for all, or takes up the other one (--accept)";
 }
 
 std::string Member::why_not(Value now) const {

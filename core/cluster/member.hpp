@@ -69,6 +69,9 @@ class Member {
   void drain(Value now);
   void stage(Rollout rollout) { rollouts_.stage(std::move(rollout)); }
   void vote_rollout(const Digest& digest, bool ok, std::string reason);
+  /// The description that comes into force cannot be put in force here, and is to be undone.
+  void cannot_switch(std::string reason) { rollouts_.cannot_switch(view_, std::move(reason)); }
+  [[nodiscard]] const Rollouts& rollouts() const { return rollouts_; }
 
   // What is to be done. Events first.
   [[nodiscard]] std::vector<Event> take_events();

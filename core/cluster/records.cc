@@ -71,7 +71,7 @@ void Records::put_blob(const Key& key, const Entry& entry) {
   const auto at = std::pair(key.digest, key.id);
   if (entry.gone || entry.value.size() > kMostChunkBytes || key.id >= kMostChunks)
     blobs.erase(at);
-  else if (blobs.size() < 2 * kMostChunks || blobs.contains(at))
+  else if (blobs.size() < kMostBlobs || blobs.contains(at))
     blobs[at] = entry.value;
 }
 

@@ -12,6 +12,9 @@ namespace {
 
 /// Chunks of former descriptions that one transaction deletes.
 constexpr std::size_t kMostOldChunks = 64;
+constexpr const char* kOther = "another description is being rolled out";
+/// Of a work that only makes room.
+constexpr std::uint64_t kNoChunk = ~std::uint64_t{0};
 
 std::string hex(const Digest& digest) {
   std::string octets;
@@ -42,6 +45,12 @@ void Rollouts::vote(const Digest& digest, bool ok, std::string reason) {
     ballot_ = RolloutVote{.next = judged_, .ok = ok, .reason = std::move(reason)};
 }
 
+void Rollouts::cannot_switch(const View& view, std::string reason) {
+  const auto& current = view.records().current;
+  if (current.mod != 0)
+    ballot_ = RolloutVote{.next = current.mod, .ok = false, .reason = std::move(reason)};
+}
+
 void Rollouts::judge(const View& view, std::vector<Event>& events) {
   const auto& next = view.records().next;
   if (!next.value || judged_ == next.mod) return;
@@ -51,25 +60,46 @@ void Rollouts::judge(const View& view, std::vector<Event>& events) {
   events.emplace_back(Judge{.digest = next.value->digest, .content = std::move(*content)});
 }
 
+void Rollouts::step_next(const View& view, Value now, std::vector<Event>& events) {
+  const Records& records = view.records();
+  if (records.next.mod == next_seen_) return;
+  const bool over = next_seen_ != 0 && records.next.mod == 0;
+  const bool in_force =
+      records.current.value && proposed_ && records.current.value->digest == *proposed_;
+  if (over && !in_force) events.emplace_back(NotRolledOut{.why = std::exchange(why_, {})});
+  if (claimed_ != 0 && records.next.mod != claimed_ && next_seen_ == claimed_) staged_.reset();
+  next_seen_ = records.next.mod;
+  next_since_ = now;
+  ballot_.reset();
+  proposed_ = records.next.value ? std::optional(records.next.value->digest) : std::nullopt;
+}
+
+/// What the store has to be proposed may be what is proposed here, or bars it.
+void Rollouts::step_staged(const View& view, std::vector<Event>& events) {
+  const auto& next = view.records().next;
+  if (!staged_ || claimed_ != 0 || next.mod == 0) return;
+  const bool same = next.value && next.value->digest == staged_->digest;
+  if (same && next.value->by == view.keys().gateway_name(self_)) {
+    claimed_ = next.mod;
+    return;
+  }
+  staged_.reset();
+  if (!same) events.emplace_back(NotRolledOut{.why = kOther});
+}
+
 void Rollouts::step(const View& view, Value now, std::vector<Event>& events) {
   const Records& records = view.records();
-  if (records.next.mod != next_seen_) {
-    const bool over = next_seen_ != 0 && records.next.mod == 0;
-    const bool in_force =
-        records.current.value && proposed_ && records.current.value->digest == *proposed_;
-    if (over && !in_force) events.emplace_back(NotRolledOut{.why = std::exchange(why_, {})});
-    next_seen_ = records.next.mod;
-    next_since_ = now;
-    ballot_.reset();
-    proposed_ = records.next.value ? std::optional(records.next.value->digest) : std::nullopt;
-  }
+  step_next(view, now, events);
+  step_staged(view, events);
   if (records.current.mod != current_seen_) {
     current_seen_ = records.current.mod;
+    current_since_ = now;
     if (const auto& current = records.current.value)
       events.emplace_back(Switch{.digest = current->digest,
                                  .former = current->former,
                                  .generation = current->generation,
-                                 .open = current->open});
+                                 .open = current->open,
+                                 .undone = current->undone});
   }
   judge(view, events);
   const auto& current = records.current.value;
@@ -79,32 +109,41 @@ void Rollouts::step(const View& view, Value now, std::vector<Event>& events) {
     left_at_ = now;
 }
 
-std::optional<Work> Rollouts::propose(const View& view, const Codec& codec) {
+/// It is proposed first, so that no other one is staged at the same time; then come its chunks.
+/// Those of former ones make room for them.
+std::optional<Work> Rollouts::propose(const View& view, const Codec& codec) const {
   const Keys& keys = view.keys();
   const Records& records = view.records();
-  if (!staged_ || records.next.mod != 0) return std::nullopt;
+  if (!staged_) return std::nullopt;
   const std::string digest = hex(staged_->digest);
-  if (chunk_ < staged_->chunks.size())
-    return Work{.kind = Work::Kind::chunk,
-                .number = chunk_,
-                .puts = {{.key = keys.blob(digest, chunk_), .value = staged_->chunks[chunk_]}}};
   const auto& current = records.current.value;
-  Work work{.kind = Work::Kind::propose,
-            .compares = {{.key = keys.next(), .revision = 0},
-                         {.key = keys.current(), .revision = records.current.mod}},
-            .puts = {{.key = keys.next(),
-                      .value = codec.write(
-                          Next{.generation = (current ? current->generation : 0) + 1,
-                               .digest = staged_->digest,
-                               .chunks = static_cast<std::uint32_t>(staged_->chunks.size()),
-                               .by = keys.gateway_name(self_),
-                               .without = staged_->without,
-                               .patience = kPatience})}}};
+  if (claimed_ == 0) {
+    if (records.next.mod != 0) return std::nullopt;
+    return Work{.kind = Work::Kind::propose,
+                .compares = {{.key = keys.next(), .revision = 0},
+                             {.key = keys.current(), .revision = records.current.mod}},
+                .puts = {{.key = keys.next(),
+                          .value = codec.write(
+                              Next{.generation = (current ? current->generation : 0) + 1,
+                                   .digest = staged_->digest,
+                                   .chunks = static_cast<std::uint32_t>(staged_->chunks.size()),
+                                   .by = keys.gateway_name(self_),
+                                   .without = staged_->without,
+                                   .patience = kPatience})}}};
+  }
+  Work work{.kind = Work::Kind::chunk,
+            .number = chunk_,
+            .compares = {{.key = keys.next(), .revision = claimed_}}};
   for (const auto& [key, chunk] : records.blobs)
     if (key.first != digest &&
         !(current && (key.first == hex(current->digest) || key.first == hex(current->former))) &&
         work.deletes.size() < kMostOldChunks)
       work.deletes.push_back(keys.blob(key.first, key.second));
+  if (!work.deletes.empty()) {
+    work.number = kNoChunk;
+    return work;
+  }
+  work.puts = {{.key = keys.blob(digest, chunk_), .value = staged_->chunks[chunk_]}};
   return work;
 }
 
@@ -161,25 +200,45 @@ std::optional<Work> Rollouts::decide(const View& view, const Codec& codec, Value
   return work;
 }
 
+bool Rollouts::is_in(const View& view, std::size_t gateway) {
+  const auto& record = view.records().current;
+  const auto& beat = view.records().members[gateway].beat;
+  return record.value && beat && beat->digest == record.value->digest &&
+         beat->generation == record.value->generation && beat->applied >= record.mod;
+}
+
 /// All have left the former description: those that are waited for, and whoever else is there.
 bool Rollouts::all_in(const View& view, Value now) {
-  const auto& record = view.records().current;
-  const Current& current = *record.value;
-  const auto is_in = [&](std::size_t g) {
-    const auto& beat = view.records().members[g].beat;
-    return beat && beat->digest == current.digest && beat->generation == current.generation &&
-           beat->applied >= record.mod;
-  };
-  if (!std::ranges::all_of(current.waits, [&](const std::string& name) {
+  if (!std::ranges::all_of(view.records().current.value->waits, [&](const std::string& name) {
         const auto g = view.keys().gateway(name);
-        return g && is_in(*g);
+        return g && is_in(view, *g);
       }))
     return false;
   for (std::size_t g = 0; g < view.keys().gateways(); ++g) {
     const Alive alive = view.alive(g, now);
-    if (alive != Alive::absent && alive != Alive::fenced && !is_in(g)) return false;
+    if (alive != Alive::absent && alive != Alive::fenced && !is_in(view, g)) return false;
   }
   return true;
+}
+
+/// One cannot follow, or has not for too long. Once: who is not in the former one either is away.
+std::optional<Work> Rollouts::undo(const View& view, const Codec& codec, Value now) const {
+  const auto& record = view.records().current;
+  if (!record.value || record.value->open || record.value->undone || left_at_ ||
+      record.value->former == Digest{})
+    return std::nullopt;
+  const bool cannot =
+      std::ranges::any_of(view.records().rollout_votes, [&](const Record<RolloutVote>& vote) {
+        return vote.value && vote.value->next == record.mod && !vote.value->ok;
+      });
+  if (!cannot && now < add_saturating(current_since_, kPatience)) return std::nullopt;
+  Current current = *record.value;
+  std::swap(current.digest, current.former);
+  ++current.generation;
+  current.undone = true;
+  return Work{.kind = Work::Kind::decide,
+              .compares = {{.key = view.keys().current(), .revision = record.mod}},
+              .puts = {{.key = view.keys().current(), .value = codec.write(current)}}};
 }
 
 /// When no frame of the former description waits in a queue any more.
@@ -194,43 +253,68 @@ std::optional<Work> Rollouts::open(const View& view, const Codec& codec, Value n
 }
 
 std::optional<Work> Rollouts::next_work(const View& view, const Codec& codec, Value now) {
+  if (now < quiet_until_) return std::nullopt;
   if (ballot_)
-    return Work{.kind = Work::Kind::judge,
-                .compares = {{.key = view.keys().next(), .revision = ballot_->next}},
-                .puts = {{.key = view.keys().rollout_vote(self_), .value = codec.write(*ballot_)}}};
+    return Work{
+        .kind = Work::Kind::judge,
+        .compares = {{.key = ballot_->next == view.records().current.mod ? view.keys().current()
+                                                                         : view.keys().next(),
+                      .revision = ballot_->next}},
+        .puts = {{.key = view.keys().rollout_vote(self_), .value = codec.write(*ballot_)}}};
   if (view.revision() < not_before_) return std::nullopt;
   if (auto work = propose(view, codec)) return work;
   if (auto work = decide(view, codec, now)) return work;
+  if (auto work = undo(view, codec, now)) return work;
   return open(view, codec, now);
 }
 
-void Rollouts::on_done(const Done& done, std::vector<Event>& events) {
+/// Of what is proposed here.
+void Rollouts::on_staged(const Done& done, std::vector<Event>& events) {
+  const bool is_done = done.fate == Done::Fate::done;
+  if (done.work.kind == Work::Kind::propose) {
+    if (is_done) claimed_ = done.revision;
+  } else if (is_done && done.work.number != kNoChunk) {
+    chunk_ = done.work.number + 1;
+  }
+  if (!staged_) return;
+  const bool over = done.fate == Done::Fate::conflict ||
+                    (done.fate == Done::Fate::refused && done.work.kind == Work::Kind::propose);
+  if (over || (is_done && claimed_ != 0 && chunk_ >= staged_->chunks.size())) staged_.reset();
+  if (over && done.work.kind == Work::Kind::propose)
+    events.emplace_back(NotRolledOut{.why = done.fate == Done::Fate::conflict
+                                                ? std::string(kOther)
+                                                : "the store does not take it: " + done.why});
+}
+
+void Rollouts::on_done(const Done& done, Value now, std::vector<Event>& events) {
   const bool settled = done.fate == Done::Fate::done || done.fate == Done::Fate::conflict;
   const bool refuted = done.fate == Done::Fate::conflict;
+  const bool forbidden = done.fate == Done::Fate::refused;
   switch (done.work.kind) {
     case Work::Kind::chunk:
-      if (done.fate == Done::Fate::done) chunk_ = done.work.number + 1;
+    case Work::Kind::propose:
+      on_staged(done, events);
       break;
     case Work::Kind::decide:
-      if (refuted) not_before_ = done.revision;
-      break;
-    case Work::Kind::propose:
-      if (refuted) not_before_ = done.revision;
-      if (settled) staged_.reset();
-      if (refuted)
-        events.emplace_back(NotRolledOut{.why = "another description is being rolled out"});
       break;
     case Work::Kind::judge:
       if (settled && ballot_ && ballot_->next == done.work.compares.front().revision)
         ballot_.reset();
       break;
     default:
-      break;
+      return;
   }
+  if (refuted && done.work.kind != Work::Kind::judge) not_before_ = done.revision;
+  // Others may do it; beats go on here.
+  if (forbidden) quiet_until_ = add_saturating(now, kForbidden);
 }
 
 std::optional<Value> Rollouts::next_time(const View& view, Value now) const {
+  if (quiet_until_ > now) return quiet_until_;
   if (left_at_ && queues_empty_at(*left_at_) > now) return queues_empty_at(*left_at_);
+  const auto& current = view.records().current.value;
+  if (current && !current->open && !current->undone)
+    return add_saturating(current_since_, kPatience);
   const auto& next = view.records().next;
   if (next.mod == 0 || !next.value) return std::nullopt;
   const bool ours = next.value->by == view.keys().gateway_name(self_);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // One description for all gateways: it is proposed, judged by all, and comes into force for all in
-// one generation or for none. Between two generations only what both promise is promised, so the
+// one generation or for none. Between two generations nothing of shared networks is in use, so the
 // sum of both is never on a medium. Times in ns.
 #pragma once
 #include <cstddef>
@@ -18,22 +18,32 @@ namespace mlcca::core::cluster {
 class Rollouts {
  public:
   /// Who proposes waits for so long for the votes; if it has gone, others wait twice as long.
+  /// If not all are in it after as long, the former one comes back.
   static constexpr Value kPatience = 60'000'000'000;
+  /// What the store has refused is not tried again before, so that beats go on.
+  static constexpr Value kForbidden = 2'000'000'000;
 
   explicit Rollouts(std::size_t self) : self_(self) {}
 
-  void stage(Rollout rollout) { staged_ = std::move(rollout), chunk_ = 0; }
+  void stage(Rollout rollout) { staged_ = std::move(rollout), chunk_ = 0, claimed_ = 0; }
+  [[nodiscard]] bool stages() const { return staged_.has_value(); }
   void vote(const Digest& digest, bool ok, std::string reason);
+  /// One that is taken back cannot be put in force here: the former one is to come back.
+  void cannot_switch(const View& view, std::string reason);
+  /// Of the one that is taken back: not all are in it.
+  [[nodiscard]] static bool is_in(const View& view, std::size_t gateway);
+  /// Revisions of before mean nothing any more.
+  void lose() { not_before_ = 0; }
   void step(const View& view, Value now, std::vector<Event>& events);
-  void on_done(const Done& done, std::vector<Event>& events);
+  void on_done(const Done& done, Value now, std::vector<Event>& events);
   [[nodiscard]] std::optional<Work> next_work(const View& view, const Codec& codec, Value now);
   [[nodiscard]] std::optional<Value> next_time(const View& view, Value now) const;
 
   /// All that it acts on, for a checker.
   template <class Visit>
   void visit_state(Visit&& visit) const {
-    visit(staged_, chunk_, current_seen_, next_seen_, judged_, next_since_, proposed_, why_,
-          ballot_, left_at_, not_before_);
+    visit(staged_, chunk_, claimed_, current_since_, quiet_until_, current_seen_, next_seen_,
+          judged_, next_since_, proposed_, why_, ballot_, left_at_, not_before_);
   }
 
  private:
@@ -44,7 +54,11 @@ class Rollouts {
     bool refused = false;
   };
 
-  [[nodiscard]] std::optional<Work> propose(const View& view, const Codec& codec);
+  [[nodiscard]] std::optional<Work> propose(const View& view, const Codec& codec) const;
+  [[nodiscard]] std::optional<Work> undo(const View& view, const Codec& codec, Value now) const;
+  void step_staged(const View& view, std::vector<Event>& events);
+  void step_next(const View& view, Value now, std::vector<Event>& events);
+  void on_staged(const Done& done, std::vector<Event>& events);
   [[nodiscard]] std::optional<Work> decide(const View& view, const Codec& codec, Value now);
   [[nodiscard]] std::optional<Work> open(const View& view, const Codec& codec, Value now);
   [[nodiscard]] static bool all_in(const View& view, Value now);
@@ -53,7 +67,10 @@ class Rollouts {
 
   std::size_t self_;
   std::optional<Rollout> staged_;
-  std::size_t chunk_ = 0;  ///< the next one that is to be put into the store
+  std::size_t chunk_ = 0;     ///< the next one that is to be put into the store
+  std::int64_t claimed_ = 0;  ///< revision of the d/next that they belong to; 0: none yet
+  Value current_since_ = 0;   ///< when the description in force was seen
+  Value quiet_until_ = 0;     ///< the store has refused something
   std::int64_t current_seen_ = 0, next_seen_ = 0, judged_ = 0;
   Value next_since_ = 0;
   std::optional<Digest> proposed_;

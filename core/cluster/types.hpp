@@ -25,6 +25,8 @@ inline constexpr std::size_t kMostEntryBytes = 65536;
 inline constexpr std::size_t kMostReservations = 200'000;
 inline constexpr std::size_t kMostChunks = 256;
 inline constexpr std::size_t kMostChunkBytes = 32768;
+/// Chunks of all descriptions: the one in force, the former and the next one, and what is left.
+inline constexpr std::size_t kMostBlobs = 4 * kMostChunks;
 /// Networks of one admission, and puts of one transaction.
 inline constexpr std::size_t kMostNetworks = 32;
 inline constexpr std::size_t kMostPuts = 120;
@@ -95,8 +97,9 @@ struct VoteOf {
 struct Current {
   std::uint64_t generation = 0;
   Digest digest = {}, former = {};
-  bool open = false;               ///< false: only what both descriptions promise is promised
+  bool open = false;               ///< false: nothing of shared networks may be used
   std::vector<std::string> waits;  ///< gateways that must be in it before it is open
+  bool undone = false;             ///< it is the former one, because not all came into the other
 };
 
 /// d/next: the description that is to be in force.
@@ -111,7 +114,7 @@ struct Next {
 
 /// d/vote/<gateway>
 struct RolloutVote {
-  std::int64_t next = 0;  ///< revision of the d/next that it answers
+  std::int64_t next = 0;  ///< revision of the d/next that it answers, or of the d/current
   bool ok = false;
   std::string reason;
 };
@@ -250,6 +253,7 @@ struct Switch {
   Digest digest = {}, former = {};
   std::uint64_t generation = 0;
   bool open = false;
+  bool undone = false;
 };
 struct Drained {};
 

@@ -292,7 +292,8 @@ std::string Codec::write(const cc::Current& current) const {
                                         .digest = octets_of(current.digest),
                                         .former = octets_of(current.former),
                                         .open = current.open,
-                                        .waits = current.waits});
+                                        .waits = current.waits,
+                                        .undone = current.undone});
 }
 
 std::optional<cc::Current> Codec::current(Text value) const {
@@ -305,7 +306,8 @@ std::optional<cc::Current> Codec::current(Text value) const {
                      .digest = *digest,
                      .former = *former,
                      .open = entry->open,
-                     .waits = std::move(entry->waits)};
+                     .waits = std::move(entry->waits),
+                     .undone = entry->undone};
 }
 
 std::string Codec::write(const cc::Next& next) const {

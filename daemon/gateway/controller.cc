@@ -10,7 +10,6 @@
 #include "core/model/progress.hpp"
 #include "core/model/text.hpp"
 #include "daemon/gateway/in_time.hpp"
-#include "daemon/gateway/requests/adopted.hpp"
 #include "daemon/gateway/requests/table.hpp"
 
 namespace mlcca {
@@ -40,11 +39,12 @@ Controller::Controller(Options options, Outside outside)
             else
               outside_.log.info(Kind::interface, line, {.network = network});
           }),
+      rollout_(make_rollout()),
       membership_(make_membership()),
       safeguards_(outside_.control, outside_.log, options_.bpf_root),
-      reloads_({options_, outside_.read, outside_.reading, outside_.clock, outside_.gates, scene_,
-                outside_.log, deliveries_, delivery_health_, drops_, recorder_, turn_, admissions_,
-                buses_, meshes_,
+      reloads_({options_, [this] { return reader(); }, outside_.reading, outside_.clock,
+                outside_.gates, scene_, outside_.log, deliveries_, delivery_health_, drops_,
+                recorder_, turn_, admissions_, buses_, meshes_,
                 [this](const DeliveryEvents::Granted& before) {
                   return put_in_force(before, TagBindings::Known::by_gates);
                 },
@@ -101,8 +101,10 @@ std::optional<StartError> Controller::read_what_was() {
   history_.emplace(
       patience_.wait_for([this] { return store::History::open(options_.state_directory); }));
   outside_.log.keep_in(*history_);
-  auto read = outside_.threads ? in_time(outside_.read, options_.read_limit_ns, pulse_)
-                               : std::optional(outside_.read());
+  if (rollout_) rollout_->restore(recorder_.contents().membership);
+  const ReadDescription from = reader();
+  auto read =
+      outside_.threads ? in_time(from, options_.read_limit_ns, pulse_) : std::optional(from());
   reads_for_ever_ = !read;
   if (!read) return StartError{{not_read_in_time(options_)}};
   heartbeat_.pulse();
@@ -114,6 +116,8 @@ std::optional<StartError> Controller::read_what_was() {
   scene_.state = std::move(described->state);
   scene_.self = described->self;
   scene_.digest = described->digest;
+  scene_.file_digest = described->file_digest;
+  scene_.text = std::move(described->text);
   admissions_.set_left_out(std::move(*left_out));
   reloads_.note_loaded();
   if (const auto& cut = recorder_.recovered()) outside_.log.notice(Kind::trouble, *cut);
@@ -195,12 +199,6 @@ std::optional<StartError> Controller::open_gates() {
   return std::nullopt;
 }
 
-/// A daemon of a cluster may have left it: this one shares nothing.
-Result<void> Controller::forget_cap() {
-  if (membership_ || outside_.control.until() == 0) return {};
-  return outside_.control.set_until(0);
-}
-
 bool Controller::begin_stop() {
   if (!membership_) return true;
   membership_->leave();
@@ -215,51 +213,6 @@ void Controller::stop() {
   if (!history_) return;
   history_->flush(outside_.clock.unix_ns());
   static_cast<void>(audit_keeper_.keep(*history_));
-}
-
-void Controller::on_commit(Turn::Committed committed) {
-  if (!membership_) {
-    turn_.on_commit(std::move(committed));
-    return;
-  }
-  turn_.on_commit([this, committed = std::move(committed)](const Result<void>& done) {
-    membership_->committed(done);
-    committed(done);
-  });
-}
-
-/// Where there is a store, it says who carries what several could carry.
-void Controller::note_presence() {
-  if (!membership_) presence_.apply(*scene_.state);
-}
-
-std::unique_ptr<Membership> Controller::make_membership() {
-  if (outside_.cluster == nullptr) return nullptr;
-  return std::make_unique<Membership>(Membership::Parts{
-      .scene = scene_,
-      .control = outside_.control,
-      .log = outside_.log,
-      .recorder = recorder_,
-      .turn = turn_,
-      .link = *outside_.cluster,
-      .clock = outside_.clock,
-      .loop = outside_.loop,
-      .lease = options_.lease_ns,
-      .pulse = pulse_,
-      .charge =
-          [this](uid_t user, std::uint64_t rows) {
-            quotas_.charge(user, rows, outside_.clock.monotonic_ns());
-          },
-      .able = [this] { return presence_.can_carry(); },
-      .before_commit = [this] { forwarding_.act(); },
-      .hands = {.misfit =
-                    [this](const auto& r) { return requests::misfit_of_adopted(*context_, r); },
-                .admit = [this](const auto& r) { return requests::admit_adopted(*context_, r); },
-                .remove = [this](const auto& gone) { requests::remove_adopted(*context_, gone); },
-                .restore = [this](const auto& r) { requests::restore_adopted(*scene_.state, r); },
-                .new_id = {},
-                .new_number = {},
-                .bring_in_line = {}}});
 }
 
 /// Interfaces, links and gates for a description that has just become the one in force; what was

@@ -42,6 +42,7 @@
 #include "daemon/gateway/recorder.hpp"
 #include "daemon/gateway/reloads.hpp"
 #include "daemon/gateway/requests/context.hpp"
+#include "daemon/gateway/rollout.hpp"
 #include "daemon/gateway/rounds.hpp"
 #include "daemon/gateway/safeguards.hpp"
 #include "daemon/gateway/scene.hpp"
@@ -51,6 +52,7 @@
 #include "daemon/options.hpp"
 #include "daemon/outside/background.hpp"
 #include "daemon/outside/cluster_link.hpp"
+#include "daemon/outside/description_texts.hpp"
 #include "daemon/outside/gate_control.hpp"
 #include "daemon/outside/gate_driver.hpp"
 #include "daemon/outside/link_monitor.hpp"
@@ -71,6 +73,8 @@ struct Outside {
   Background& reading;  ///< where descriptions are read
   EventLog& log;
   ReadDescription read;
+  ReadText read_text;                 ///< in a cluster
+  DescriptionTexts* texts = nullptr;  ///< the same
   std::unique_ptr<net::CanRules> can_rules;
   sd_event* loop;  ///< of link sources and of reports that are made aside
   /// What may hang (disk, description) is done on a thread, with heart-beats meanwhile.
@@ -164,7 +168,9 @@ class Controller {
   void put_graphs();
   void plan_rounds();
   void poll_surroundings();
+  [[nodiscard]] std::unique_ptr<Rollout> make_rollout();
   [[nodiscard]] std::unique_ptr<Membership> make_membership();
+  [[nodiscard]] ReadDescription reader() const;
   Result<void> forget_cap();
   void note_presence();
   bool repair_next();
@@ -204,6 +210,7 @@ class Controller {
   Admissions admissions_{scene_, recorder_, outside_.log, turn_, tags_, outside_.clock};
   std::set<std::size_t> changed_meshes_;  ///< networks
   Meshes meshes_;
+  std::unique_ptr<Rollout> rollout_;        ///< null: the same
   std::unique_ptr<Membership> membership_;  ///< null: it shares nothing by a store
   ChannelReports channels_{scene_,      outside_.gates, delivery_health_,
                            deliveries_, forwarding_,    meshes_};

@@ -39,12 +39,8 @@ std::expected<std::size_t, std::string> find_self(const core::System& system,
                                      name, known.empty() ? "none" : known));
 }
 
-}  // namespace
-
-DescribedResult read_description(const Options& options) {
-  Sha256::Digest digest{};
-  auto system = description::read(options.description, description::Users::of_this_machine,
-                                  options.in_cluster ? &digest : nullptr);
+DescribedResult taken_up(const Options& options, const std::string& name,
+                         description::Description system, const Sha256::Digest& digest) {
   if (!system) {
     StartError refused{.lines = {}, .bad_input = true};
     for (const auto& problem : description::shortened(system.error())) {
@@ -54,11 +50,31 @@ DescribedResult read_description(const Options& options) {
     return std::unexpected(std::move(refused));
   }
   const auto self = find_self(*system, options.gateway);
-  if (!self) return std::unexpected(StartError{{options.description + ": " + self.error()}, true});
-  Described described{std::make_unique<core::State>(std::move(*system)), *self, digest};
+  if (!self) return std::unexpected(StartError{{name + ": " + self.error()}, true});
+  Described described{
+      .state = std::make_unique<core::State>(std::move(*system)), .self = *self, .digest = digest};
   ::malloc_trim(0);  // reading leaves several times the memory of what was read
   return described;
 }  // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks): the state moves with what is returned
+
+}  // namespace
+
+DescribedResult read_description(const Options& options) {
+  Sha256::Digest digest{};
+  std::string text;
+  auto system = description::read(options.description, description::Users::of_this_machine,
+                                  options.in_cluster ? &digest : nullptr,
+                                  options.in_cluster ? &text : nullptr);
+  auto described = taken_up(options, options.description, std::move(system), digest);
+  if (described) described->text = std::move(text);
+  return described;
+}
+
+DescribedResult read_description_text(const Options& options, const std::string& text) {
+  Sha256::Digest digest{};
+  auto system = description::read_bundle(text, description::Users::of_this_machine, digest);
+  return taken_up(options, "the description of the cluster", std::move(system), digest);
+}
 
 std::string not_read_in_time(const Options& options) {
   return fmt::format(

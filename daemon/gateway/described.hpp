@@ -25,8 +25,10 @@ struct StartError {
 /// What a description says, with nothing decided yet.
 struct Described {
   std::unique_ptr<core::State> state;
-  std::size_t self = 0;        ///< the gateway of this machine
-  Sha256::Digest digest = {};  ///< of what was read, in a cluster
+  std::size_t self = 0;             ///< the gateway of this machine
+  Sha256::Digest digest = {};       ///< of what was read, in a cluster
+  Sha256::Digest file_digest = {};  ///< of the file, where that is another one
+  std::string text = {};            ///< of what was read, in a cluster, if it can be handed on
 };
 
 using DescribedResult = std::expected<Described, StartError>;
@@ -35,6 +37,9 @@ using ReadDescription = std::function<DescribedResult()>;
 
 /// From the file that the options name.
 [[nodiscard]] DescribedResult read_description(const Options& options);
+/// From a text that another gateway has handed on.
+[[nodiscard]] DescribedResult read_description_text(const Options& options,
+                                                    const std::string& text);
 /// When that takes longer than it may, and what may be the cause.
 [[nodiscard]] std::string not_read_in_time(const Options& options);
 

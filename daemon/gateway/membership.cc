@@ -17,7 +17,6 @@ namespace cc = core::cluster;
 
 constexpr int kMostRounds = 32;                     // of one turn
 constexpr Value kWaitStep = 20'000'000;             // ns
-constexpr Value kLeaveLimit = 5'000'000'000;        // ns
 constexpr Value kEnforceAgain = 5'000'000'000;      // ns
 constexpr Value kProposeAgain = 30'000'000'000;     // ns
 constexpr Value kLongestSleep = 3'600'000'000'000;  // ns
@@ -76,6 +75,7 @@ void Membership::begin() {
     reserving_->refuse_all("nothing was changed: another description came into force");
   if (adopting_) adopting_->forget();
   member_.reset();
+  parts_.rollout.loaded();
   digest_ = parts_.scene.digest;
   self_ = parts_.scene.self;
   system_ = system.name;
@@ -93,13 +93,12 @@ void Membership::begin() {
                           Number number) { return needs(channel, number); },
           .log = [this](const std::string& line) { parts_.log.warning(Kind::gateway, line); }},
       session >> 1U);
-  member_ = std::make_unique<cc::Member>(
-      keys_, *codec_,
-      cc::Member::Identity{.gateway = self_,
-                           .digest = digest_,
-                           .session = session,
-                           .lease = parts_.lease,
-                           .was = journalled_in(parts_.recorder.contents().membership)});
+  member_ = std::make_unique<cc::Member>(keys_, *codec_,
+                                         cc::Member::Identity{.gateway = self_,
+                                                              .digest = digest_,
+                                                              .session = session,
+                                                              .lease = parts_.lease,
+                                                              .was = journalled_before()});
   failed_.assign(system.gateways.size(), true);
   joined_ = false;
   early_.clear();
@@ -126,6 +125,33 @@ void Membership::await(std::uint64_t limit) {
   }
 }
 
+/// Admissions of other gateways that nobody here knows of any more: in a state that came back
+/// because another one could not be put in force.
+void Membership::forget_orphans() {
+  const auto& known = parts_.recorder.contents().admissions;
+  std::vector<core::AdmissionId> orphans;
+  for (const auto& [id, channel] : state().admissions())
+    if (known.find(id) == nullptr && !adopting_->has(id)) orphans.push_back(id);
+  for (const core::AdmissionId id : orphans) state().remove(id);
+}
+
+/// A gateway of another name, or of another cluster, is another one to the store.
+cc::Journalled Membership::journalled_before() const {
+  const store::Membership& was = parts_.recorder.contents().membership;
+  const std::string& gateway = state().system().gateways[self_].name;
+  const bool same = (was.cluster.empty() || was.cluster == system_) &&
+                    (was.gateway.empty() || was.gateway == gateway);
+  return same ? journalled_in(was) : cc::Journalled{};
+}
+
+store::Membership Membership::record() const {
+  store::Membership record = record_of(member_->journalled());
+  parts_.rollout.put_into(record);
+  record.cluster = system_;
+  record.gateway = member_->view().keys().gateway_name(self_);
+  return record;
+}
+
 void Membership::take_up() {
   core::State& state = this->state();
   if (!member_ || parts_.scene.digest != digest_ || parts_.scene.self != self_) begin();
@@ -133,6 +159,7 @@ void Membership::take_up() {
   state.set_permits(&networks_->permits());
   for (const cc::Event& event : std::exchange(early_, {})) take_in(event);
   adopting_->restore();
+  forget_orphans();
   networks_->touch_all();
   networks_->put_foreign(state, member_->view());
   note_failed();
@@ -191,19 +218,15 @@ void Membership::take_in(const cc::Event& event) {
 
 void Membership::take_in_description(const cc::Event& event) {
   if (const auto* judge = std::get_if<cc::Judge>(&event)) {
-    member_->vote_rollout(judge->digest, judge->digest == digest_,
-                          "this gateway has another description");
+    parts_.rollout.on(*judge);
   } else if (const auto* ended = std::get_if<cc::NotRolledOut>(&event)) {
     propose_at_ = add_saturating(now(), kProposeAgain);
     if (!ended->why.empty())
-      parts_.log.warning(Kind::gateway, "no description came into force: " + ended->why);
+      parts_.log.warning(Kind::rollout, "no description came into force: " + ended->why);
+    parts_.rollout.on(*ended);
   } else if (const auto* to = std::get_if<cc::Switch>(&event)) {
     networks_->touch_all();
-    parts_.log.notice(Kind::gateway,
-                      fmt::format("description {} of the cluster {}: {}", to->generation,
-                                  to->open ? "is in force" : "comes into force",
-                                  to->digest == digest_ ? "it is the one of this gateway"
-                                                        : "this gateway has another one"));
+    parts_.rollout.on(*to);
   } else if (std::holds_alternative<cc::Drained>(event)) {
     left_ = true;
   }
@@ -235,6 +258,7 @@ void Membership::act() {
     for (const cc::Event& event : events) decide(event);
     more = adopting_->step(*member_, now()) || !events.empty();
     more = reserving_->step(*member_, now()) || more;
+    more = parts_.rollout.step(*member_) || more;
     more = more || wish_some();
   }
   lost_ = !bring_in_line() && lost_;
@@ -333,6 +357,7 @@ void Membership::committed(const Result<void>& done) {
 
 void Membership::poll() {
   if (!member_) return;
+  parts_.rollout.poll();
   looks_for_wishes_ = true;
   std::erase_if(wish_again_, [this](const auto& entry) { return entry.second <= now(); });
   enforce_again();
@@ -341,7 +366,7 @@ void Membership::poll() {
 
 /// Whatever is taken from the store is written down first.
 bool Membership::write_down() {
-  const store::Membership record = record_of(member_->journalled());
+  const store::Membership record = this->record();
   if (parts_.recorder.contents().membership == record) return true;
   parts_.recorder.note_membership(record);
   if (decided_) {
@@ -381,7 +406,18 @@ void Membership::propose_first() {
       records.next.mod != 0 || now() < propose_at_)
     return;
   propose_at_ = add_saturating(now(), kProposeAgain);
-  member_->stage({.digest = digest_, .chunks = {}, .without = {}});
+  member_->stage(parts_.rollout.own());
+}
+
+void Membership::plan() {
+  if (parts_.loop == nullptr) return;
+  const Value at = now();
+  Value next = std::min(add_saturating(at, kLongestSleep), member_->next_time(at));
+  if (leased_end() > at) next = std::min(next, leased_end());
+  if (const auto due = reserving_->next_time()) next = std::min(next, *due);
+  if (leaving_) next = std::min(next, leave_until_);
+  constexpr Value micro = 1000;
+  timer_.set((sub_floor(next, at) / micro) + 1);
 }
 
 // --- what is wanted ------------------------------------------------------------------------------
@@ -415,66 +451,10 @@ void Membership::admissions_gone(const std::vector<core::AdmissionId>& gone) {
 }
 
 void Membership::session_closed(std::uint64_t session) {
+  parts_.rollout.session_closed(session);
   if (reserving_) reserving_->session_closed(session);
 }
 
 bool Membership::is_adopted(core::AdmissionId id) const { return adopting_ && adopting_->has(id); }
-
-// --- the end, and how it stands ------------------------------------------------------------------
-
-void Membership::leave() {
-  if (!member_ || leaving_) return;
-  leaving_ = true;
-  leave_until_ = add_saturating(now(), kLeaveLimit);
-  reserving_->refuse_all("nothing was changed: this gateway is being drained");
-  static_cast<void>(bring_in_line());
-  drain_when_closed();
-}
-
-void Membership::drain_when_closed() {
-  if (!leaving_ || draining_ || !parts_.turn.in_line()) return;
-  draining_ = true;
-  reserving_->lost();
-  member_->drain(now());
-}
-
-bool Membership::may_end() const {
-  return !member_ || left_ || !store_.reachable || now() >= leave_until_;
-}
-
-/// Empty: all is well.
-std::string Membership::standing() const {
-  if (member_->standing(now()) == cc::Member::Standing::joined && store_.reachable) return {};
-  return member_->why_not(now());
-}
-
-std::vector<std::string> Membership::problems() const {
-  if (!member_) return {};
-  const std::string why = standing();
-  if (why.empty()) return {};
-  return {fmt::format("cluster {}: nothing new is granted on networks of several gateways: {}",
-                      system_, why)};
-}
-
-void Membership::report() {
-  const std::string why = standing();
-  if (why == said_) return;
-  said_ = why;
-  if (why.empty())
-    parts_.log.notice(Kind::gateway, fmt::format("cluster {}: this gateway takes part", system_));
-  else
-    parts_.log.warning(Kind::gateway, fmt::format("cluster {}: {}", system_, why));
-}
-
-void Membership::plan() {
-  if (parts_.loop == nullptr) return;
-  const Value at = now();
-  Value next = std::min(add_saturating(at, kLongestSleep), member_->next_time(at));
-  if (leased_end() > at) next = std::min(next, leased_end());
-  if (const auto due = reserving_->next_time()) next = std::min(next, *due);
-  if (leaving_) next = std::min(next, leave_until_);
-  constexpr Value micro = 1000;
-  timer_.set((sub_floor(next, at) / micro) + 1);
-}
 
 }  // namespace mlcca

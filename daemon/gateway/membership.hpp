@@ -20,6 +20,7 @@
 #include "daemon/gateway/event_log.hpp"
 #include "daemon/gateway/recorder.hpp"
 #include "daemon/gateway/reserving.hpp"
+#include "daemon/gateway/rollout.hpp"
 #include "daemon/gateway/scene.hpp"
 #include "daemon/gateway/shared_networks.hpp"
 #include "daemon/gateway/turn.hpp"
@@ -49,6 +50,7 @@ class Membership {
     std::function<bool()> able;
     /// Before anything is on disk that somebody waits for.
     std::function<void()> before_commit;
+    Rollout& rollout;
     Adopting::Hands hands;  ///< its last three are filled in here
   };
   explicit Membership(Parts parts);
@@ -113,6 +115,10 @@ class Membership {
   }
   void charge(uid_t user, std::uint64_t rows) const { parts_.charge(user, rows); }
 
+  /// Of descriptions.
+  [[nodiscard]] Rollout& rollout() const { return parts_.rollout; }
+  /// Why no description can be rolled out now; empty: one can.
+  [[nodiscard]] std::string rollout_bar() const;
   /// What keeps it from taking part as it should.
   [[nodiscard]] std::vector<std::string> problems() const;
   [[nodiscard]] const core::cluster::Member& member() const { return *member_; }
@@ -138,7 +144,10 @@ class Membership {
   [[nodiscard]] cluster::Asked asked_of(std::size_t channel) const;
   [[nodiscard]] bool is_known(const cluster::Asked& asked) const;
   [[nodiscard]] bool needs(const std::string& channel, Number number) const;
+  void forget_orphans();
   void propose_first();
+  [[nodiscard]] store::Membership record() const;
+  [[nodiscard]] core::cluster::Journalled journalled_before() const;
   [[nodiscard]] bool write_down();
   void send();
   void report();

@@ -17,11 +17,11 @@ constexpr const char* kNoThread =
 }  // namespace
 
 /// Reads on a thread, and goes on in the loop when that is done.
-bool Reloads::start_reading(std::uint64_t session) {
+bool Reloads::start_reading(std::uint64_t session, ReadDescription from) {
   const auto read = std::make_shared<std::optional<DescribedResult>>();
   const auto current =
       std::make_shared<Current>(Current{std::nullopt, session, parts_.log.actor()});
-  const bool begun = parts_.reading.begin([read, from = parts_.read] { *read = from(); },
+  const bool begun = parts_.reading.begin([read, from = std::move(from)] { *read = from(); },
                                           [this, read] { end(take(std::move(**read))); });
   if (!begun) return false;
   parts_.log.add_rows(Quotas::kRowsOfReload);
@@ -32,7 +32,7 @@ bool Reloads::start_reading(std::uint64_t session) {
 const char* Reloads::why_not_begun() const { return parts_.reading.busy() ? kBusy : kNoThread; }
 
 Response Reloads::begin(const Asker& asker) {
-  if (!start_reading(asker.peer.session)) return failed(why_not_begun());
+  if (!start_reading(asker.peer.session, parts_.reader())) return failed(why_not_begun());
   return Response([current = current_]() -> std::optional<serve::Slice> {
     if (!current->body) return std::nullopt;
     return serve::Slice{*current->body};
@@ -40,7 +40,13 @@ Response Reloads::begin(const Asker& asker) {
 }
 
 void Reloads::begin() {
-  if (!start_reading(0)) parts_.log.error(Kind::reload, why_not_begun());
+  if (!start_reading(0, parts_.reader())) parts_.log.error(Kind::reload, why_not_begun());
+}
+
+bool Reloads::begin(ReadDescription read, std::function<void(const std::string&)> done) {
+  if (!start_reading(0, std::move(read))) return false;
+  current_->done = std::move(done);
+  return true;
 }
 
 void Reloads::poll() {
@@ -57,6 +63,12 @@ void Reloads::end(Body body) {
   const auto current = std::exchange(current_, nullptr);
   if (!current) return;
   current->body = std::move(body);
+  if (current->done) {
+    const auto* const error = std::get_if<control::Error>(&*current->body);
+    current->done(error == nullptr         ? std::string()
+                  : error->details.empty() ? error->message
+                                           : error->details.front());
+  }
   if (ready_) ready_(current->session);
 }
 
@@ -107,8 +119,9 @@ Body Reloads::put_in_force(DescribedResult read) {
   last_error_.clear();
   Scene& scene = parts_.scene;
   Described former{std::exchange(scene.state, std::move(read->state)),
-                   std::exchange(scene.self, read->self),
-                   std::exchange(scene.digest, read->digest)};
+                   std::exchange(scene.self, read->self), std::exchange(scene.digest, read->digest),
+                   std::exchange(scene.file_digest, read->file_digest)};
+  scene.text = std::move(read->text);
   ++scene.description;
   auto loads = parts_.buses.carry_over(former.state->system());
   parts_.meshes.describe(scene.state->system(), scene.self);
@@ -133,6 +146,8 @@ Body Reloads::roll_back(Described former, BusMonitor::Loads loads,
   parts_.scene.state = std::move(former.state);
   parts_.scene.self = former.self;
   parts_.scene.digest = former.digest;
+  parts_.scene.file_digest = former.file_digest;
+  parts_.scene.text.clear();
   parts_.buses.restore(std::move(loads));
   last_error_ = why.text;
   parts_.log.error(Kind::reload, "reload refused, back to what was: " + last_error_);

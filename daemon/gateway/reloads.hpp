@@ -39,7 +39,8 @@ class Reloads {
   /// All of them must outlive this.
   struct Parts {
     const Options& options;
-    ReadDescription read;
+    /// What reads the description that counts now.
+    std::function<ReadDescription()> reader;
     Background& reading;
     const Clock& clock;
     GateDriver& gates;
@@ -70,6 +71,9 @@ class Reloads {
   Response begin(const Asker& asker);
   /// The service manager does; what is wrong goes to the log.
   void begin();
+  /// Another description than that of the file; false: not now. `done` gets why it is not in force;
+  /// empty: it is.
+  bool begin(ReadDescription read, std::function<void(const std::string& why)> done);
   /// Once a second: a description that takes too long to read is given up.
   void poll();
 
@@ -87,8 +91,9 @@ class Reloads {
     std::optional<Body> body;
     std::uint64_t session = 0;
     std::optional<control::Actor> actor;
+    std::function<void(const std::string&)> done{};
   };
-  [[nodiscard]] bool start_reading(std::uint64_t session);
+  [[nodiscard]] bool start_reading(std::uint64_t session, ReadDescription from);
   [[nodiscard]] const char* why_not_begun() const;
   void end(Body body);
   Body take(DescribedResult read);

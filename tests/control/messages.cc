@@ -476,6 +476,18 @@ std::vector<NamedReply> all_replies() {
           {"Gates", {8, full_gates()}},
           {"WhatIf", {8, full_what_if()}},
           {"Audit", {10, full_audit()}},
+          {"Rollout",
+           {11, Rollout{.number = 3,
+                        .state = "judged",
+                        .why = "gw2: line 3: no such network",
+                        .waiting = {"gw2"},
+                        .description = "01",
+                        .current = "02",
+                        .former = "03",
+                        .next = "04",
+                        .by = "gw1",
+                        .generation = 7,
+                        .open = true}}},
           {"History", {9, full_history()}}};
 }
 

@@ -238,7 +238,7 @@ control::Request some_request(Octets& from) {
       break;
     }
     default: {
-      const unsigned which = from.next() % 11;
+      const unsigned which = from.next() % 13;
       if (which == 0)
         out.body = control::WithdrawRequest{from.one_of(kChannels)};
       else if (which == 1)
@@ -256,6 +256,14 @@ control::Request some_request(Octets& from) {
         out.body = control::SubscriptionsRequest{};
       else if (which == 10)
         out.body = control::AuditRequest{};
+      else if (which == 11)
+        out.body = control::RolloutRequest{.part = from.one_of(kPlaces),
+                                           .more = from.next() % 2 == 0,
+                                           .without = {from.one_of(kPlaces)},
+                                           .back = from.next() % 4 == 0,
+                                           .accept = from.next() % 4 == 0};
+      else if (which == 12)
+        out.body = control::RolloutStateRequest{};
       else if (which == 7)
         out.body = some_subscription(from);
       else if (which == 8)

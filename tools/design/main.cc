@@ -26,9 +26,9 @@ int main(int argc, char** argv) {
   CLI::App app("Checks and describes systems, and generates code for them.", "mlccactl");
   app.set_version_flag("--version", fmt::format("mlccactl {}", kVersion), "print the version");
   app.set_help_flag("-h,--help", "print this help");
-  // Of the verbs that ask mlccad: these ask nobody.
-  std::string unused;
-  for (const char* option : {"--socket", "--timeout"}) app.add_option(option, unused)->group("");
+  // Only rollout asks mlccad.
+  app.add_option("--socket", context.socket)->envname("MLCCA_SOCKET")->group("");
+  app.add_option("--timeout", context.timeout_s)->check(CLI::Range(0.001, 86400.0))->group("");
   app.add_flag("--json", context.json, "print JSON");
   app.add_flag("--no-color", context.no_color, "no colour on a terminal, as with NO_COLOR");
   app.footer(kFooter);
@@ -47,6 +47,7 @@ int main(int argc, char** argv) {
   add_learn(app, context);
   add_import(app, context);
   add_new(app, context);
+  add_rollout(app, context);
   for (auto* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
     verb->fallthrough();
     verb->footer(kFooter);

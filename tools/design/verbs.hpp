@@ -2,6 +2,7 @@
 // The verbs of design time. Each adds itself to the command line; the callback carries it out.
 #pragma once
 #include <CLI/App.hpp>
+#include <string>
 
 #include "tools/exit.hpp"
 #include "tools/table.hpp"
@@ -11,7 +12,9 @@ namespace mlcca::tools::design {
 /// What every verb gets, and where it leaves its exit status.
 struct Context {
   bool json = false;
-  bool no_color = false;  ///< as asked for; see color_of()
+  bool no_color = false;                           ///< as asked for; see color_of()
+  std::string socket = "/run/mlcca/control.sock";  ///< of mlccad, for the verb that asks it
+  double timeout_s = 10;                           ///< for one answer of it
   Exit exit = Exit::fine;
 };
 
@@ -24,5 +27,6 @@ void add_generate(CLI::App& app, Context& context);
 void add_learn(CLI::App& app, Context& context);
 void add_import(CLI::App& app, Context& context);
 void add_new(CLI::App& app, Context& context);
+void add_rollout(CLI::App& app, Context& context);
 
 }  // namespace mlcca::tools::design

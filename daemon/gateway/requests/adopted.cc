@@ -84,6 +84,7 @@ void remove_adopted(Context& context, const std::vector<core::AdmissionId>& gone
 }
 
 void restore_adopted(core::State& state, const control::Request& request) {
+  if (state.admissions().contains(request.id)) return;
   const auto asked = understood_adopted(state, request);
   if (asked) state.restore(*asked->admission);
 }

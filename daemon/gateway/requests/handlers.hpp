@@ -32,6 +32,9 @@ Response subscriptions(Context& context, const Asker& asker,
 Response subscribe(Context& context, const Asker& asker, const control::SubscribeRequest& request);
 Response refusal(Context& context, const Asker& asker, const control::RefusalRequest& request);
 Response presence(Context& context, const Asker& asker, const control::PresenceRequest& request);
+Response rollout(Context& context, const Asker& asker, const control::RolloutRequest& request);
+Response rollout_state(Context& context, const Asker& asker,
+                       const control::RolloutStateRequest& request);
 Response reinstate(Context& context, const Asker& asker, const control::ReinstateRequest& request);
 
 }  // namespace mlcca::requests

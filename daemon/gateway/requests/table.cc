@@ -47,6 +47,8 @@ constexpr std::tuple kTable{
     Row{Privilege::member, Trace::history, reinstate},
     Row{Privilege::member, Trace::history, mode},
     Row{Privilege::member, Trace::history, reload},
+    Row{Privilege::member, Trace::history, rollout},
+    Row{Privilege::anyone, Trace::none, rollout_state},
 };
 
 /// std::get finds the one row of a type, and fails to compile where there is none or a second one.

@@ -29,7 +29,7 @@ class TextCodec : public Codec {
     return line({v.asked, v.vote.ok}) + v.vote.reason;
   }
   [[nodiscard]] std::string write(const Current& c) const override {
-    return line({num(c.generation), c.digest[0], c.former[0], c.open}) + names(c.waits);
+    return line({num(c.generation), c.digest[0], c.former[0], c.open, c.undone}) + names(c.waits);
   }
   [[nodiscard]] std::string write(const Next& n) const override {
     return line({num(n.generation), n.digest[0], n.chunks, num(n.patience)}) + n.by + ' ' +
@@ -75,9 +75,12 @@ class TextCodec : public Codec {
                   .vote = {.ok = (*n)[1] != 0, .hop = {}, .reason = std::string(v)}};
   }
   [[nodiscard]] std::optional<Current> current(std::string_view v) const override {
-    const auto n = numbers<4>(v);
+    const auto n = numbers<5>(v);
     if (!n) return std::nullopt;
-    Current c{.generation = val((*n)[0]), .open = (*n)[3] != 0, .waits = take_names(v)};
+    Current c{.generation = val((*n)[0]),
+              .open = (*n)[3] != 0,
+              .waits = take_names(v),
+              .undone = (*n)[4] != 0};
     c.digest[0] = static_cast<std::uint8_t>((*n)[1]);
     c.former[0] = static_cast<std::uint8_t>((*n)[2]);
     return c;

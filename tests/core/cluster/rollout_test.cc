@@ -142,5 +142,148 @@ TEST_F(ClusterMember, TheFirstDescriptionIsRolledOutAsAnyOther) {
   EXPECT_EQ(at(1).standing(now), Member::Standing::joined);
 }
 
+TEST_F(ClusterMember, OfTwoWhoProposeAtOnceOneIsRefusedAndTheOtherIsJudged) {
+  in_force(1);
+  start(0);
+  start(1);
+  at(0).stage({.digest = TextCodec::digest(2), .chunks = {"of ", "A"}, .without = {}});
+  at(1).stage({.digest = TextCodec::digest(3), .chunks = {"of ", "B"}, .without = {}});
+  run();
+  const auto first = nodes[0].take<Judge>();
+  const auto second = nodes[1].take<Judge>();
+  ASSERT_EQ(first.size(), 1U);
+  ASSERT_EQ(second.size(), 1U);
+  EXPECT_EQ(first[0].content, second[0].content);
+  const std::size_t refused =
+      nodes[0].take<NotRolledOut>().size() + nodes[1].take<NotRolledOut>().size();
+  EXPECT_EQ(refused, 1U);
+}
+
+TEST_F(ClusterMember, WhatFormerRolloutsHaveLeftMakesRoom) {
+  in_force(1);
+  for (std::uint8_t d = 50; d < 56; ++d)
+    for (std::size_t n = 0; n < 70; ++n)
+      store.write({{.key = keys->blob(std::string(64, static_cast<char>('a' + d - 50)), n),
+                    .value = "old"}});
+  start(0);
+  start(1);
+  at(0).stage({.digest = TextCodec::digest(2), .chunks = {"a", "b"}, .without = {}});
+  run();
+  ASSERT_EQ(nodes[1].take<Judge>().size(), 1U);
+  std::size_t blobs = 0;
+  for (const auto& [key, entry] : store.entries) blobs += key.find("/blob/") != std::string::npos;
+  EXPECT_EQ(blobs, 2U);
+}
+
+class Switching : public ClusterMember {
+ protected:
+  /// 1 is in force, and 2 is taken back; all of the three are in 1.
+  void SetUp() override {
+    in_force(1);
+    for (std::size_t g = 0; g < 3; ++g) start(g);
+    at(0).stage({.digest = TextCodec::digest(2), .chunks = {"x"}, .without = {}});
+    run();
+    for (std::size_t g = 0; g < 3; ++g) at(g).vote_rollout(TextCodec::digest(2), true, {});
+    run();
+    for (Node& node : nodes) ASSERT_EQ(node.take<Switch>().size(), 2U);
+  }
+};
+
+TEST_F(Switching, WhoCannotFollowBringsTheFormerOneBack) {
+  start(0, at(0).journalled(), 2);
+  at(1).cannot_switch("no memory for a gate");
+  run();
+  for (std::size_t g = 0; g < 3; ++g) {
+    const auto to = nodes[g].take<Switch>();
+    ASSERT_FALSE(to.empty()) << g;
+    EXPECT_EQ(to.back().digest, TextCodec::digest(1));
+    EXPECT_TRUE(to.back().undone);
+    EXPECT_FALSE(to.back().open);
+  }
+  EXPECT_EQ(at(1).standing(now), Member::Standing::other_digest) << "one is in the other one";
+  start(0, at(0).journalled(), 1);
+  pass(3 * kSecond);
+  for (std::size_t g = 0; g < 3; ++g) EXPECT_EQ(at(g).standing(now), Member::Standing::joined) << g;
+}
+
+TEST_F(Switching, WhoDoesNotFollowInAMinuteBringsTheFormerOneBackOnce) {
+  start(0, at(0).journalled(), 2);
+  start(1, at(1).journalled(), 2);
+  pass(70 * kSecond);
+  const auto to = nodes[2].take<Switch>();
+  ASSERT_EQ(to.size(), 1U);
+  EXPECT_TRUE(to[0].undone);
+  // Nobody follows: it stays so.
+  pass(100 * kSecond);
+  EXPECT_TRUE(nodes[2].take<Switch>().empty());
+  start(0, at(0).journalled(), 1);
+  start(1, at(1).journalled(), 1);
+  pass(3 * kSecond);
+  EXPECT_EQ(at(2).standing(now), Member::Standing::joined);
+}
+
+TEST_F(ClusterMember, WhatTheStoreForbidsIsNotTriedInPlaceOfBeats) {
+  store.write({{.key = keys->current(),
+                .value = codec.write(
+                    Current{.generation = 1, .digest = TextCodec::digest(1), .waits = {}})}});
+  start(0);
+  std::size_t forbidden = 0;
+  std::size_t beats = 0;
+  for (int n = 0; n < 100; ++n) {
+    now += kSecond / 10;
+    for (; nodes[0].seen < store.log.size(); ++nodes[0].seen)
+      at(0).on_batch(store.log[nodes[0].seen], now);
+    at(0).on_time(now);
+    at(0).applied(store.revision);
+    for (const Txn& txn : at(0).take_txns(now)) {
+      const bool d = std::ranges::any_of(
+          txn.puts, [](const Put& put) { return put.key.find("d/current") != std::string::npos; });
+      forbidden += d ? 1U : 0U;
+      beats += d ? 0U : 1U;
+      if (d)
+        at(0).on_result({.id = txn.id, .outcome = Outcome::forbidden, .why = "permission denied"},
+                        now);
+      else
+        at(0).on_result(store.apply(txn), now);
+    }
+  }
+  EXPECT_LE(forbidden, 6U);
+  EXPECT_GE(forbidden, 2U) << "it may open it, and tries";
+  EXPECT_GE(beats, 3U);
+}
+
+TEST_F(ClusterMember, AfterAStoreWasRestoredWhatWasRefutedIsTriedAgain) {
+  in_force(1);
+  start(0);
+  start(1);
+  at(0).stage({.digest = TextCodec::digest(2), .chunks = {"x"}, .without = {}});
+  at(1).stage({.digest = TextCodec::digest(3), .chunks = {"x"}, .without = {}});
+  const auto first = at(0).take_txns(now);
+  const auto second = at(1).take_txns(now);
+  for (const Txn& txn : first) at(0).on_result(store.apply(txn), now);
+  for (const Txn& txn : second) at(1).on_result(store.apply(txn), now);
+  // One was refuted, at a late revision. The store begins again below it.
+  for (Node& node : nodes)
+    node.member->on_state({.reachable = false, .endpoint = {}, .problem = {}}, now);
+  store = StoreStub();
+  store.write({{.key = keys->epoch(), .value = std::string(16, 'e')}});
+  in_force(1);
+  for (std::size_t g = 0; g < 2; ++g) {
+    nodes[g].seen = store.log.size();
+    at(g).on_state({.reachable = true, .endpoint = {}, .problem = {}}, now);
+    read_all(g);
+  }
+  pass(15 * kSecond);
+  ASSERT_EQ(at(0).standing(now), Member::Standing::joined);
+  ASSERT_EQ(at(1).standing(now), Member::Standing::joined);
+  for (Node& node : nodes) node.take<Judge>();
+  for (std::size_t g = 0; g < 2; ++g)
+    at(g).stage({.digest = TextCodec::digest(static_cast<std::uint8_t>(4 + g)),
+                 .chunks = {"y"},
+                 .without = {}});
+  run();
+  EXPECT_EQ(nodes[0].take<Judge>().size(), 1U);
+}
+
 }  // namespace
 }  // namespace mlcca::core::cluster::test

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/handle.hpp"
+#include "base/number.hpp"
 #include "core/gates/control_traffic.hpp"
 #include "daemon/store/journal.hpp"
 
@@ -222,9 +223,21 @@ std::optional<StartError> Bench::start() {
                        .read = [this]() -> DescribedResult {
                          if (!readable)
                            return std::unexpected(StartError{{"no description"}, true});
-                         return Described{std::make_unique<core::State>(system), self,
-                                          Sha256::Digest{digest}};
+                         return Described{.state = std::make_unique<core::State>(system),
+                                          .self = self,
+                                          .digest = Sha256::Digest{digest},
+                                          .text = std::to_string(digest)};
                        },
+                       .read_text = [this](const std::string& text) -> DescribedResult {
+                         const auto number = number_in<std::uint8_t>(text);
+                         const auto known = handed_on.find(number.value_or(0));
+                         if (known == handed_on.end())
+                           return std::unexpected(StartError{{"line 3: no such network"}, true});
+                         return Described{.state = std::make_unique<core::State>(known->second),
+                                          .self = self,
+                                          .digest = Sha256::Digest{known->first}};
+                       },
+                       .texts = &texts,
                        .can_rules = std::make_unique<FakeCanRules>(kernel),
                        .loop = idle_loop(),
                        .threads = false,

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <random>
@@ -85,6 +86,9 @@ class Bench {
   std::size_t self = 0;            ///< which gateway of the system it is
   ClusterLink* cluster = nullptr;  ///< where it shares networks by a store
   std::uint8_t digest = 0;         ///< of the system, then
+  /// Descriptions that another gateway can hand on: "2" is a text of the digest 2.
+  std::map<std::uint8_t, core::System> handed_on;
+  FakeTexts texts;
   std::uint64_t lease_ns = 10'000'000'000;
   std::string state_directory = "/nowhere/at/all";  ///< of the history, on the real disk
   std::vector<Result<void>> commits;                ///< what on_commit() was called with

@@ -21,6 +21,7 @@
 #include "daemon/net/can_routes.hpp"
 #include "daemon/outside/background.hpp"
 #include "daemon/outside/can_sender.hpp"
+#include "daemon/outside/description_texts.hpp"
 #include "daemon/outside/gate_control.hpp"
 #include "daemon/outside/gate_driver.hpp"
 #include "daemon/outside/link_monitor.hpp"
@@ -295,6 +296,24 @@ class FakeBackground final : public Background {
   std::function<void()> work_;
   std::function<void()> done_;
   std::uint64_t begun_ = 0;
+};
+
+class FakeTexts final : public DescriptionTexts {
+ public:
+  Result<void> keep(const Digest& digest, const std::string& text) override {
+    if (full) return fail("no space left on device");
+    all.insert_or_assign(digest, text);
+    return {};
+  }
+  [[nodiscard]] std::optional<std::string> text(const Digest& digest) const override {
+    const auto known = all.find(digest);
+    return known == all.end() ? std::nullopt : std::optional(known->second);
+  }
+  void keep_only(const std::set<Digest>& digests) override {
+    std::erase_if(all, [&](const auto& entry) { return !digests.contains(entry.first); });
+  }
+  std::map<Digest, std::string> all;
+  bool full = false;
 };
 
 class FakeCanRules final : public net::CanRules {

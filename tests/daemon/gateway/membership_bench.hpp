@@ -149,6 +149,10 @@ class MembershipBench : public testing::Test {
         more = node->link.deliver() || more;
         const std::size_t sent = node->link.sent.size();
         node->bench.act();
+        if (finish_reading && node->bench.reading().busy()) {
+          node->bench.reading().finish();
+          more = true;
+        }
         more = more || (node->link.answers && node->link.sent.size() != sent);
       }
     }
@@ -206,6 +210,7 @@ class MembershipBench : public testing::Test {
     return n;
   }
 
+  bool finish_reading = false;  ///< what is read beside the loop is there at once
   FakeStore store;
   std::vector<std::unique_ptr<Node>> nodes;
 };

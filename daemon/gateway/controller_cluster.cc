@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What a gateway of a cluster has beside what every gateway has.
+#include <utility>
+
+#include "daemon/gateway/controller.hpp"
+#include "daemon/gateway/requests/adopted.hpp"
+
+namespace mlcca {
+
+/// A daemon of a cluster may have left it: this one shares nothing.
+Result<void> Controller::forget_cap() {
+  if (membership_ || outside_.control.until() == 0) return {};
+  return outside_.control.set_until(0);
+}
+
+void Controller::on_commit(Turn::Committed committed) {
+  if (!membership_) {
+    turn_.on_commit(std::move(committed));
+    return;
+  }
+  turn_.on_commit([this, committed = std::move(committed)](const Result<void>& done) {
+    membership_->committed(done);
+    committed(done);
+  });
+}
+
+/// Where there is a store, it says who carries what several could carry.
+void Controller::note_presence() {
+  if (!membership_) presence_.apply(*scene_.state);
+}
+
+ReadDescription Controller::reader() const {
+  return rollout_ ? rollout_->reader(outside_.read) : outside_.read;
+}
+
+std::unique_ptr<Rollout> Controller::make_rollout() {
+  if (outside_.cluster == nullptr) return nullptr;
+  return std::make_unique<Rollout>(Rollout::Parts{
+      .scene = scene_,
+      .log = outside_.log,
+      .reading = outside_.reading,
+      .texts = *outside_.texts,
+      .patience = patience_,
+      .clock = outside_.clock,
+      .read = outside_.read_text,
+      .misfit =
+          [this](Described& described) {
+            const auto done = reloads_.complete(described);
+            return done ? std::string() : done.error().lines.front();
+          },
+      .load = [this](ReadDescription read,
+                     auto done) { return reloads_.begin(std::move(read), std::move(done)); },
+      .wake = [] {}});
+}
+
+std::unique_ptr<Membership> Controller::make_membership() {
+  if (outside_.cluster == nullptr) return nullptr;
+  return std::make_unique<Membership>(Membership::Parts{
+      .scene = scene_,
+      .control = outside_.control,
+      .log = outside_.log,
+      .recorder = recorder_,
+      .turn = turn_,
+      .link = *outside_.cluster,
+      .clock = outside_.clock,
+      .loop = outside_.loop,
+      .lease = options_.lease_ns,
+      .pulse = pulse_,
+      .charge =
+          [this](uid_t user, std::uint64_t rows) {
+            quotas_.charge(user, rows, outside_.clock.monotonic_ns());
+          },
+      .able = [this] { return presence_.can_carry(); },
+      .before_commit = [this] { forwarding_.act(); },
+      .rollout = *rollout_,
+      .hands = {.misfit =
+                    [this](const auto& r) { return requests::misfit_of_adopted(*context_, r); },
+                .admit = [this](const auto& r) { return requests::admit_adopted(*context_, r); },
+                .remove = [this](const auto& gone) { requests::remove_adopted(*context_, gone); },
+                .restore = [this](const auto& r) { requests::restore_adopted(*scene_.state, r); },
+                .new_id = {},
+                .new_number = {},
+                .bring_in_line = {}}});
+}
+
+}  // namespace mlcca

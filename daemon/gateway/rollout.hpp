@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// One description for all gateways of a cluster: what this one proposes, judges and puts in force.
+// The protocol is core/cluster/rollout's; docs/explanation/cluster.md says what follows from it.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "base/result.hpp"
+#include "control/messages.hpp"
+#include "core/cluster/member.hpp"
+#include "daemon/gateway/described.hpp"
+#include "daemon/gateway/event_log.hpp"
+#include "daemon/gateway/patience.hpp"
+#include "daemon/gateway/requests/response.hpp"
+#include "daemon/gateway/scene.hpp"
+#include "daemon/outside/background.hpp"
+#include "daemon/outside/description_texts.hpp"
+#include "daemon/store/messages.hpp"
+
+namespace mlcca {
+
+/// Reads a description in one text (description/bundle.hpp). As ReadDescription.
+using ReadText = std::function<DescribedResult(const std::string& text)>;
+
+class Rollout {
+ public:
+  using Digest = core::cluster::Digest;
+
+  /// All of them must outlive this.
+  struct Parts {
+    Scene& scene;
+    EventLog& log;
+    Background& reading;
+    DescriptionTexts& texts;
+    Patience& patience;
+    const Clock& clock;
+    ReadText read;
+    /// Why a description cannot be used here, with what is admitted; empty: it can.
+    std::function<std::string(Described&)> misfit;
+    /// Puts another description in force as a reload does. False: not now. `done` gets why not;
+    /// empty: it is.
+    std::function<bool(ReadDescription, std::function<void(const std::string&)> done)> load;
+    /// There is something for step().
+    std::function<void()> wake;
+  };
+  explicit Rollout(Parts parts) : parts_(std::move(parts)) {}
+
+  /// What a gateway remembers of it over a restart.
+  void restore(const store::Membership& record);
+  void put_into(store::Membership& record) const;
+
+  /// Reads the file by `read`, or in its place what a rollout has put in force since that was
+  /// written.
+  [[nodiscard]] ReadDescription reader(ReadDescription read) const;
+  /// The scene has another description.
+  void loaded();
+
+  // What the store says.
+
+  void on(const core::cluster::Judge& event);
+  void on(const core::cluster::NotRolledOut& event);
+  void on(const core::cluster::Switch& event);
+  /// The first one of a cluster is proposed with its text.
+  [[nodiscard]] core::cluster::Rollout own() const;
+  /// Does what is due. True: something was asked for.
+  bool step(core::cluster::Member& member);
+  /// Once a second.
+  void poll() { busy_ = false; }
+  void session_closed(std::uint64_t session);
+
+  // Who wants something.
+
+  /// A part of a text, or all of what is to be done with it.
+  Response take(const Asker& asker, const control::RolloutRequest& request,
+                const core::cluster::Member& member);
+  [[nodiscard]] control::Rollout state(const core::cluster::Member& member) const;
+
+ private:
+  enum class Why : std::uint8_t { judge, propose, follow };
+  /// A text that is read beside the loop.
+  struct Check {
+    Why why = Why::judge;
+    Digest digest{};  ///< that it must have; of what is proposed: none
+    std::shared_ptr<const std::string> text;
+    std::shared_ptr<std::optional<DescribedResult>> read;
+    bool begun = false;
+  };
+  /// The latest that was begun here.
+  struct Own {
+    std::uint64_t number = 0;
+    Digest digest{};
+    std::string state, why;
+    std::vector<std::string> without;
+    std::optional<control::Actor> actor;
+  };
+  struct Upload {
+    std::uint64_t session = 0;
+    std::string text;
+  };
+
+  [[nodiscard]] std::string why_not(Check& check) const;
+  void checked();
+  void end(Check& check, const std::string& why);
+  bool begin_check();
+  bool cast_vote(core::cluster::Member& member);
+  bool stage(core::cluster::Member& member);
+  bool follow(core::cluster::Member& member);
+  void follow(const core::cluster::Switch& event);
+  void finish(const std::string& why);
+  Response begin(const Asker& asker, std::string text, const std::vector<std::string>& without,
+                 const core::cluster::Member& member);
+  Response back(const Asker& asker, const control::RolloutRequest& request,
+                const core::cluster::Member& member);
+  Response accept(const core::cluster::Member& member);
+  [[nodiscard]] std::optional<std::string> text_of(const Digest& digest,
+                                                   const core::cluster::Member& member) const;
+
+  Parts parts_;
+  Digest rolled_{}, replaced_{};  ///< that is in force, in place of that file
+  Digest in_force_{};             ///< the latest one that was, here as well
+  Digest voted_{};
+  std::optional<Check> check_;
+  std::optional<Check> next_check_;  ///< when that is over
+  std::optional<std::pair<Digest, std::string>> vote_;
+  std::optional<core::cluster::Rollout> staged_;
+  std::optional<Digest> wanted_;  ///< that is to be in force here
+  std::optional<std::string> cannot_;
+  bool loading_ = false;
+  bool busy_ = false;  ///< something could not begin: at the next poll()
+  std::optional<Digest> checked_;
+  Own own_;
+  std::optional<Upload> upload_;
+};
+
+/// 64 hexadecimal digits; empty: none.
+[[nodiscard]] std::string hex_of_digest(const Sha256::Digest& digest);
+
+}  // namespace mlcca

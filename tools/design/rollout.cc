@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// mlccactl rollout: one description for all gateways of a cluster. It is read here, with the files
+// that it includes, and handed to mlccad, which has all gateways judge it.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "base/sha256.hpp"
+#include "control/client.hpp"
+#include "description/bundle.hpp"
+#include "description/kinds.hpp"
+#include "description/read.hpp"
+#include "tools/design/say.hpp"
+#include "tools/design/verbs.hpp"
+#include "tools/json.hpp"
+#include "tools/render.hpp"
+
+namespace mlcca::tools::design {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::size_t kPart = 48'000;  // bytes of one request
+constexpr auto kLook = 300ms;          // between two looks
+
+struct RolloutArguments {
+  std::string system;
+  std::vector<std::string> off;
+  std::uint64_t wait_s = 150;
+  bool back = false;
+  bool accept = false;
+};
+
+class RollOut {
+ public:
+  RollOut(const RolloutArguments& arguments, const Context& context)
+      : a_(arguments), context_(context) {}
+
+  Exit run() { return finish(carry_out(), context_.json); }
+
+ private:
+  Finished carry_out() {
+    if (int{!a_.system.empty()} + int{a_.back} + int{a_.accept} != 1)
+      return refuse(Exit::usage, "say which description: SYSTEM.xml, or --back, or --accept");
+    std::string text;
+    if (!a_.system.empty())
+      if (auto read = read_text(text); !read) return read;
+    auto client = control::Client::connect(context_.socket,
+                                           std::chrono::duration_cast<std::chrono::milliseconds>(
+                                               std::chrono::duration<double>(context_.timeout_s)));
+    if (!client) return refuse(Exit::world, client.error().text);
+    auto begun = hand_over(*client, text);
+    if (!begun) return std::unexpected(begun.error());
+    const auto* const state = std::get_if<control::Rollout>(&begun->body);
+    if (state == nullptr) return print(*begun, Exit::fine);
+    return follow(*client, state->number);
+  }
+
+  Finished read_text(std::string& text) const {
+    Sha256::Digest digest{};
+    const auto system = description::read(a_.system, description::Users::any, &digest, &text);
+    if (!system) {
+      Refusal refusal{Exit::usage, a_.system + ": it is not rolled out", {}};
+      for (const auto& problem : description::shortened(system.error()))
+        refusal.details.push_back(description::to_string(problem));
+      return std::unexpected(std::move(refusal));
+    }
+    if (text.empty())
+      return refuse(Exit::usage, fmt::format("{}: with what it includes it has more than {} bytes, "
+                                             "and cannot be rolled out",
+                                             a_.system, description::kMaxBundle));
+    return Exit::fine;
+  }
+
+  using Answer = std::expected<control::Reply, Refusal>;
+
+  static Answer ask(control::Client& client, decltype(control::Request::body) body) {
+    auto reply = client.call({0, std::move(body)});
+    if (!reply) return refuse(Exit::world, reply.error().text);
+    if (const auto* error = std::get_if<control::Error>(&reply->body))
+      return std::unexpected(
+          Refusal{error->kind == control::ErrorKind::invalid ? Exit::usage : Exit::world,
+                  error->message, error->details});
+    return std::move(*reply);
+  }
+
+  Answer hand_over(control::Client& client, const std::string& text) const {
+    control::RolloutRequest request{
+        .part = {}, .more = false, .without = a_.off, .back = a_.back, .accept = a_.accept};
+    std::size_t at = 0;
+    for (; text.size() - at > kPart; at += kPart) {
+      auto taken = ask(client, control::RolloutRequest{
+                                   .part = text.substr(at, kPart), .more = true, .without = {}});
+      if (!taken) return taken;
+    }
+    request.part = text.substr(at);
+    return ask(client, std::move(request));
+  }
+
+  Finished print(const control::Reply& reply, Exit exit) const {
+    const auto text =
+        context_.json
+            ? to_json(reply)
+            : std::visit([](const auto& body) { return render(body, Color::no); }, reply.body);
+    const Exit said = say(text);
+    return said == Exit::fine ? exit : said;
+  }
+
+  /// Says what has changed, until it is over.
+  Finished follow(control::Client& client, std::uint64_t number) const {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(a_.wait_s);
+    std::string said;
+    for (;;) {
+      auto reply = ask(client, control::RolloutStateRequest{});
+      if (!reply) return std::unexpected(reply.error());
+      const auto* const state = std::get_if<control::Rollout>(&reply->body);
+      if (state == nullptr || state->number != number)
+        return refuse(Exit::world, "another rollout has begun at this gateway");
+      if (state->state == "in-force") return print(*reply, Exit::fine);
+      if (state->state == "refused") return print(*reply, Exit::refused);
+      const std::string line = progress_of(*state);
+      if (line != said && !context_.json) fmt::print(stderr, "{}\n", line);
+      said = line;
+      if (std::chrono::steady_clock::now() >= end)
+        return refuse(Exit::world,
+                      fmt::format("after {} s: {}: 'mlccactl history --kind rollout' will say what "
+                                  "became of it",
+                                  a_.wait_s, line));
+      std::this_thread::sleep_for(kLook);
+    }
+  }
+
+  static std::string progress_of(const control::Rollout& state) {
+    const std::string who = fmt::format("{}", fmt::join(state.waiting, ", "));
+    if (state.state == "judged")
+      return who.empty() ? "all gateways have voted" : "judged; not yet by " + who;
+    if (state.state == "switching")
+      return who.empty() ? "all gateways are in it: it opens in a second"
+                         : "comes into force; not there yet: " + who;
+    return state.state;
+  }
+
+  const RolloutArguments& a_;
+  const Context& context_;
+};
+
+}  // namespace
+
+void add_rollout(CLI::App& app, Context& context) {
+  auto* verb = app.add_subcommand("rollout", "one description for all gateways of a cluster");
+  auto a = std::make_shared<RolloutArguments>();
+  verb->add_option("system", a->system, "the description of a system")->type_name("SYSTEM.xml");
+  verb->add_option("--off", a->off, "a gateway that is off: it is not asked, and must not send")
+      ->type_name("GATEWAY");
+  verb->add_option("--wait", a->wait_s, "how long it is followed")
+      ->type_name("SECONDS")
+      ->capture_default_str();
+  verb->add_flag("--back", a->back, "the description before the one that is in force");
+  verb->add_flag("--accept", a->accept,
+                 "this gateway takes up the description that is in force in the cluster");
+  verb->callback([a, &context] { context.exit = RollOut(*a, context).run(); });
+}
+
+}  // namespace mlcca::tools::design
