@@ -8,6 +8,7 @@
 
 #include "base/clock.hpp"
 #include "daemon/cluster/link.hpp"
+#include "daemon/description_files.hpp"
 #include "daemon/gateway/controller.hpp"
 #include "daemon/gateway/event_log.hpp"
 #include "daemon/gateway/reading.hpp"
@@ -17,7 +18,6 @@
 #include "daemon/options.hpp"
 #include "daemon/outside/kernel_gate_control.hpp"
 #include "daemon/ports/ports.hpp"
-#include "daemon/store/description_files.hpp"
 #include "daemon/system_log.hpp"
 
 namespace mlcca {
@@ -48,7 +48,7 @@ class RealOutside {
   Ports ports_;
   Reading reading_;
   std::optional<cluster::SocketLink> cluster_;
-  store::DescriptionFiles texts_;
+  DescriptionFiles texts_;
 };
 
 }  // namespace mlcca

@@ -152,6 +152,7 @@ class State {
   /// outlive this. It counts there whether or not it is held. Null: all that fits, as if this were
   /// the only gateway.
   void set_permits(const Permits* permits);
+  [[nodiscard]] const Permits* permits() const { return permits_; }
 
   /// The tag that the broker has dealt to a channel of which nothing is granted on the network now;
   /// 0: none that is known. Its binding there is dynamic.

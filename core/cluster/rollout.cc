@@ -93,7 +93,7 @@ void Rollouts::step(const View& view, Value now, std::vector<Event>& events) {
   step_staged(view, events);
   if (records.current.mod != current_seen_) {
     current_seen_ = records.current.mod;
-    current_since_ = now;
+    current_since_ = records.current.value && !records.current.value->open ? now : 0;
     if (const auto& current = records.current.value)
       events.emplace_back(Switch{.digest = current->digest,
                                  .former = current->former,

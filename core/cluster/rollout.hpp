@@ -69,7 +69,7 @@ class Rollouts {
   std::optional<Rollout> staged_;
   std::size_t chunk_ = 0;     ///< the next one that is to be put into the store
   std::int64_t claimed_ = 0;  ///< revision of the d/next that they belong to; 0: none yet
-  Value current_since_ = 0;   ///< when the description in force was seen
+  Value current_since_ = 0;   ///< when one that is taken back was seen
   Value quiet_until_ = 0;     ///< the store has refused something
   std::int64_t current_seen_ = 0, next_seen_ = 0, judged_ = 0;
   Value next_since_ = 0;

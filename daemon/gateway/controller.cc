@@ -228,7 +228,10 @@ Result<void> Controller::put_in_force(const DeliveryEvents::Granted& granted_bef
   turn_.observe();
   put_graphs();
   note_presence();
-  if (membership_) membership_->take_up();
+  if (membership_) {
+    membership_->take_up();
+    tags_.take_up(known);  // with what others have asked for
+  }
   std::map<std::size_t, core::Grants> before;
   for (const auto& [subject, grants] : granted_before) {
     if (const auto channel = state.find_channel(subject))

@@ -17,6 +17,7 @@ namespace cc = core::cluster;
 
 constexpr int kMostRounds = 32;                     // of one turn
 constexpr Value kWaitStep = 20'000'000;             // ns
+constexpr Value kUntilAgain = 1'000'000'000;        // ns
 constexpr Value kEnforceAgain = 5'000'000'000;      // ns
 constexpr Value kProposeAgain = 30'000'000'000;     // ns
 constexpr Value kLongestSleep = 3'600'000'000'000;  // ns
@@ -308,7 +309,7 @@ void Membership::set_permits() {
   core::Permits& permits = networks_->permits();
   if (!joined_ || leaving_ || !is_in_force())
     permits.close(true);
-  else if (!may_use_leased())
+  else if (!may_use_leased() || now() < until_retry_)
     permits.close(false);
   else
     permits.open();
@@ -324,16 +325,20 @@ void Membership::lower_until() {
 
 /// Where the kernel refuses, what is leased stays closed.
 void Membership::set_until(std::uint64_t until) {
-  if (until_ == until) return;
+  if (until_ == until || now() < until_retry_) return;
   const auto set = parts_.control.set_until(until);
   if (!set) {
-    parts_.log.error(Kind::trouble,
-                     "until when the gates may be open cannot be set: " + set.error().text);
+    if (until_trouble_.is_new("until when the gates may be open cannot be set: " +
+                              set.error().text))
+      parts_.log.error(Kind::trouble, until_trouble_.text());
+    until_retry_ = add_saturating(now(), kUntilAgain);
     networks_->permits().close(false);
     until_.reset();
     return;
   }
   until_ = until;
+  until_retry_ = 0;
+  static_cast<void>(until_trouble_.is_new(""));
   // A later time holds from the next heart-beat on.
   if (decided_ && !parts_.control.lapsed()) static_cast<void>(parts_.control.beat(now()));
 }

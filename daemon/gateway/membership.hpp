@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
+#include "base/problem.hpp"
 #include "base/result.hpp"
 #include "core/cluster/member.hpp"
 #include "daemon/cluster/codec.hpp"
@@ -178,7 +179,9 @@ class Membership {
   Value enforce_at_ = 0;
   bool looks_for_wishes_ = true;
   Value leave_until_ = 0;
-  std::optional<std::uint64_t> until_;       ///< as it was set last
+  std::optional<std::uint64_t> until_;  ///< as it was set last
+  Value until_retry_ = 0;               ///< the kernel has refused: not before
+  Problem until_trouble_;
   std::map<std::string, Value> wish_again_;  ///< by channel
   std::vector<std::function<void(const Result<void>&)>> waits_;
   std::function<void(std::uint64_t)> ready_;

@@ -124,7 +124,12 @@ Result<std::unique_ptr<core::State>> suppose(const core::State& now,
   for (std::size_t n = 0; n < now.system().networks.size(); ++n) {
     then->set_condition(n, now.world().conditions[n]);
     if (const auto& view = now.world().meshes[n]) then->set_graph(n, view->graph, view->addresses);
+    then->set_foreign(n, now.world().foreign[n]);
   }
+  for (std::size_t g = 0; g < now.system().gateways.size(); ++g)
+    then->set_failed(g, now.world().failed[g]);
+  // What is reserved stays reserved, and nothing more is.
+  then->set_permits(now.permits());
   then->decide(granted);
   for (auto& [network, graph] : graphs)
     then->set_graph(network, std::move(graph), now.world().meshes[network]->addresses);

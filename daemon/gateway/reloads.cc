@@ -65,9 +65,9 @@ void Reloads::end(Body body) {
   current->body = std::move(body);
   if (current->done) {
     const auto* const error = std::get_if<control::Error>(&*current->body);
-    current->done(error == nullptr         ? std::string()
-                  : error->details.empty() ? error->message
-                                           : error->details.front());
+    std::string why;
+    if (error != nullptr) why = error->details.empty() ? error->message : error->details.front();
+    current->done(why);
   }
   if (ready_) ready_(current->session);
 }

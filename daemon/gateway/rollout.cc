@@ -108,6 +108,8 @@ void Rollout::on(const cc::Judge& event) {
     vote_.emplace(event.digest, "this gateway has another description");
     return;
   }
+  if (next_check_ && next_check_->why == Why::propose)
+    finish("another description is being rolled out");
   next_check_ = Check{.why = Why::judge,
                       .digest = event.digest,
                       .text = std::make_shared<const std::string>(event.content),
@@ -117,14 +119,21 @@ void Rollout::on(const cc::Judge& event) {
 void Rollout::on(const cc::NotRolledOut& event) {
   if (own_.state == "staging" || own_.state == "judged")
     finish(event.why.empty() ? "the gateway that proposed it has given it up" : event.why);
+  keep_needed();
+}
+
+void Rollout::keep_needed() {
+  std::set<Digest> needed{parts_.scene.digest, rolled_, in_force_, former_, voted_};
+  if (wanted_) needed.insert(*wanted_);
+  parts_.texts.keep_only(needed);
 }
 
 void Rollout::on(const cc::Switch& event) {
   const bool here = event.digest == parts_.scene.digest;
   if (event.open && here) {
     in_force_ = event.digest;
-    std::set<Digest> needed{event.digest, event.former, rolled_};
-    parts_.texts.keep_only(needed);
+    former_ = event.former;
+    keep_needed();
   }
   const bool ours = own_.digest == event.digest && !own_.state.empty() && own_.state != "refused";
   if (ours) own_.state = event.open ? "in-force" : "switching";

@@ -112,6 +112,7 @@ class Rollout {
   bool follow(core::cluster::Member& member);
   void follow(const core::cluster::Switch& event);
   void finish(const std::string& why);
+  void keep_needed();
   Response begin(const Asker& asker, std::string text, const std::vector<std::string>& without,
                  const core::cluster::Member& member);
   Response back(const Asker& asker, const control::RolloutRequest& request,
@@ -124,6 +125,7 @@ class Rollout {
   Digest rolled_{}, replaced_{};  ///< that is in force, in place of that file
   Digest in_force_{};             ///< the latest one that was, here as well
   Digest voted_{};
+  Digest former_{};  ///< before the one that the cluster has in force
   std::optional<Check> check_;
   std::optional<Check> next_check_;  ///< when that is over
   std::optional<std::pair<Digest, std::string>> vote_;

@@ -196,5 +196,49 @@ TEST_F(ClusterDaemons, OneTruthAboutWhatTheyShare) {
   EXPECT_FALSE(has_keys("m/gw1"));
 }
 
+/// The same with another one in place of some words.
+std::string with(const std::string& words, const std::string& others) {
+  std::string out = kSystem;
+  return out.replace(out.find(words), words.size(), others);
+}
+
+TEST_F(ClusterDaemons, OneDescriptionForAll) {
+  write_file(folder / "without.xml",
+             with("<Gateway name=\"gw2\"><Port network=\"lan\"><Interface name=\"lan0\"/></Port>"
+                  "</Gateway>\n",
+                  ""));
+  write_file(folder / "grown.xml",
+             with("<Publisher channel=\"c0\"",
+                  "<xi:include xmlns:xi=\"http://www.w3.org/2001/XInclude\" href=\"more.xml\"/>"
+                  "<Publisher channel=\"c2\" gateway=\"gw1\" user=\"root\"/>"
+                  "<Subscriber channel=\"c2\" network=\"lan\"/><Publisher channel=\"c0\""));
+  write_file(folder / "more.xml",
+             "<EventChannel name=\"c2\"><SubjectUID>0x3</SubjectUID></EventChannel>");
+  ASSERT_TRUE(says(nodes[0], {"explain", "c0"}, "granted  c0")) << logs();
+  ASSERT_EQ(admit(nodes[0]), 0) << answer << logs();
+  int status = -1;
+  // One cannot use it: nobody gets it.
+  const std::string refused = ask(nodes[0], {"rollout", folder / "without.xml"}, &status);
+  EXPECT_EQ(status, 1) << refused << logs();
+  EXPECT_NE(refused.find("gw2: "), std::string::npos) << refused;
+  EXPECT_TRUE(says(nodes[1], {"explain", "c0"}, "granted  c0"));
+  // All can, and what was admitted is there again.
+  const std::string done = ask(nodes[0], {"rollout", folder / "grown.xml"}, &status);
+  EXPECT_EQ(status, 0) << done << logs();
+  for (const Node& node : nodes)
+    EXPECT_TRUE(says(node, {"explain", "c2"}, "granted  c2")) << node.name << logs();
+  EXPECT_TRUE(says(nodes[0], {"explain", "c1"}, "granted  c1")) << logs();
+  EXPECT_TRUE(says(nodes[1], {"history", "--kind", "rollout"}, "is in force"));
+  // It outlives a restart, though the file is the former one.
+  nodes[1].daemon.end();
+  start(nodes[1]);
+  EXPECT_TRUE(says(nodes[1], {"explain", "c2"}, "granted  c2")) << logs();
+  // And back, from the other one.
+  const std::string back = ask(nodes[1], {"rollout", "--back"}, &status);
+  EXPECT_EQ(status, 0) << back << logs();
+  EXPECT_TRUE(says(nodes[0], {"explain", "c2"}, "no event channel")) << ask(nodes[0], {"explain", "c2"});
+  EXPECT_TRUE(says(nodes[0], {"explain", "c1"}, "granted  c1")) << logs();
+}
+
 }  // namespace
 }  // namespace mlcca::test

@@ -5,4 +5,4 @@ $(eval $(call unit_test,cluster_live_test,$(wildcard tests/cluster/*_live_test.c
 $O/tests/cluster_live_test: | $O/mlcca-cluster
 # Two mlccad, with gates in the kernel.
 $(eval $(call kernel_test,cluster_daemons_test,$(addprefix tests/cluster/,daemons_test.cc processes.cc store.cc),,))
-$O/tests/cluster_daemons_test: | $O/mlccad $O/mlccactl $O/mlcca-cluster
+$O/tests/cluster_daemons_test: | $O/mlccad $O/mlccactl $O/mlcca-design $O/mlcca-cluster

@@ -36,7 +36,7 @@ _mlccactl() {
 	local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
 	local verbs="status networks channels routes reservations subscriptions gate query what-if announce admit renew release withdraw"
 	verbs+=" reinstate explain history report monitor top audit mode reload bandwidth"
-	local others="analyse-bus check describe export format generate import learn new doctor"
+	local others="analyse-bus check describe export format generate import learn new rollout doctor"
 	local common="--socket --timeout --json --no-color --help"
 	local offline="--json --no-color --help"
 	local attributes="Latency= Jitter= Deadline= Period= Bandwidth= PacketLoss= Omission= MaxPayload="
@@ -64,7 +64,7 @@ _mlccactl() {
 		mapfile -t COMPREPLY < <(compgen -W "$forms" -- "$cur")
 		return
 		;;
-	--from | --to | --without)
+	--from | --to | --without | --off)
 		mapfile -t COMPREPLY < <(compgen -W "$(_mlccactl_places)" -- "$cur")
 		return
 		;;
@@ -84,7 +84,7 @@ _mlccactl() {
 	--kind)
 		mapfile -t COMPREPLY < <(compgen -W "started stopped granted refused withdrawn revoked network-down removed switched rerouted released
 			reinstated dropping excess missing restored late interface gateway mode reload lapsed
-			drift bypass binding trouble" -- "$cur")
+			drift bypass binding rollout trouble" -- "$cur")
 		return
 		;;
 	--by)
@@ -147,6 +147,7 @@ _mlccactl() {
 		words+=" --unset --priority --remove-set --dry-run $offline"
 		;;
 	format) words="--short --paper --in-place --output $offline" ;;
+	rollout) words+=" --off --wait --back --accept" ;;
 	doctor) words="--can --send --id --fifo-depth --bus-off --bpf-root --json --help" ;;
 	generate) words="--component --out --force $offline" ;;
 	learn)
@@ -202,7 +203,7 @@ _mlccactl() {
 	query | admit | release | withdraw | reinstate | explain)
 		[[ $cur == -* ]] || words=$(_mlccactl_channels)
 		;;
-	analyse-bus | check | describe | export | format | generate | import | new)
+	analyse-bus | check | describe | export | format | generate | import | new | rollout)
 		if [[ $cur != -* ]]; then
 			local kinds='*.xml'
 			[[ $verb == analyse-bus ]] && kinds='*.@(xml|csv)'

@@ -134,6 +134,7 @@ complete -c mlccactl -n __mlccactl_no_verb -a generate -d 'C++ and DER from the 
 complete -c mlccactl -n __mlccactl_no_verb -a learn -d 'draft a description from the traffic that is there'
 complete -c mlccactl -n __mlccactl_no_verb -a import -d 'describe a network from DBC, CANopen, Cyphal, ROS 2 or DDS files'
 complete -c mlccactl -n __mlccactl_no_verb -a new -d 'the first description of a system'
+complete -c mlccactl -n __mlccactl_no_verb -a rollout -d 'one description for all gateways of a cluster'
 complete -c mlccactl -n __mlccactl_no_verb -a doctor -d 'examine a CAN controller before it is trusted'
 
 complete -c mlccactl -n '__mlccactl_argument 1 query admit announce release withdraw reinstate explain' -a '(__mlccactl_channels)'
@@ -178,7 +179,7 @@ __mlccactl_option 'what-if' -l without -x -a '(__mlccactl_places)' -d 'a network
 __mlccactl_option 'what-if' -l one-way -d 'the links only from FROM to TO'
 
 __mlccactl_option 'history' -l channel -x -a '(__mlccactl_channels)' -d 'of this channel only'
-__mlccactl_option 'history' -l kind -x -a 'started stopped granted refused withdrawn revoked network-down removed switched rerouted released reinstated dropping excess missing restored late interface gateway mode reload lapsed drift bypass binding trouble' -d 'only these entries'
+__mlccactl_option 'history' -l kind -x -a 'started stopped granted refused withdrawn revoked network-down removed switched rerouted released reinstated dropping excess missing restored late interface gateway mode reload lapsed drift bypass binding rollout trouble' -d 'only these entries'
 __mlccactl_option 'history' -l since -x -d 'not before'
 __mlccactl_option 'history' -l until -x -d 'not after'
 __mlccactl_option 'history' -l limit -x -d 'the newest ones'
@@ -256,6 +257,11 @@ __mlccactl_option 'import' -l node -x -d 'of a CANopen or Cyphal file that state
 __mlccactl_option 'import' -l default-period -x -d 'where the file states no cycle time'
 __mlccactl_option 'new' -l channel -x -d 'a channel and what it needs'
 
+__mlccactl_option 'rollout' -l off -x -a '(__mlccactl_places)' -d 'a gateway that is off'
+__mlccactl_option 'rollout' -l wait -x -d 'how long it is followed'
+__mlccactl_option 'rollout' -l back -d 'the description before the one that is in force'
+__mlccactl_option 'rollout' -l accept -d 'take up the one that is in force in the cluster'
+
 __mlccactl_option 'doctor' -l can -x -a '(__mlccactl_can)' -d 'the interface'
 __mlccactl_option 'doctor' -l send -d 'send frames on the bus'
 __mlccactl_option 'doctor' -l id -x -d 'identifier of these frames'
@@ -263,7 +269,7 @@ __mlccactl_option 'doctor' -l fifo-depth -x -d 'what the description says of it'
 __mlccactl_option 'doctor' -l bus-off -x -d 'wait so long for a person who shorts CAN_H and CAN_L'
 __mlccactl_option 'doctor' -l bpf-root -x -a '(__fish_complete_directories)' -d 'where mlccad pins its gates'
 
-complete -c mlccactl -n '__mlccactl_verb check describe export format generate new' -a '(__mlccactl_files xml)'
+complete -c mlccactl -n '__mlccactl_verb check describe export format generate new rollout' -a '(__mlccactl_files xml)'
 complete -c mlccactl -n '__mlccactl_verb analyse-bus' -a '(__mlccactl_files xml csv)'
 complete -c mlccactl -n '__mlccactl_verb import' -a '(__mlccactl_files dbc eds dcf yaml yml json txt xml)'
 complete -c mlccactl -n '__mlccactl_verb learn' -a '(__mlccactl_learnable)'

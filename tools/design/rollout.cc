@@ -110,11 +110,14 @@ class RollOut {
     return ask(client, std::move(request));
   }
 
-  Finished print(const control::Reply& reply, Exit exit) const {
-    const auto text =
-        context_.json
-            ? to_json(reply)
-            : std::visit([](const auto& body) { return render(body, Color::no); }, reply.body);
+  [[nodiscard]] Finished print(const control::Reply& reply, Exit exit) const {
+    std::string text;
+    if (context_.json)
+      text = tools::to_json(reply);
+    else if (const auto* state = std::get_if<control::Rollout>(&reply.body))
+      text = tools::render(*state, Color::no);
+    else if (const auto* done = std::get_if<control::Done>(&reply.body))
+      text = tools::render(*done, Color::no);
     const Exit said = say(text);
     return said == Exit::fine ? exit : said;
   }

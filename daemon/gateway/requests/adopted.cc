@@ -9,6 +9,7 @@
 #include "daemon/gateway/delivery_events.hpp"
 #include "daemon/gateway/recorder.hpp"
 #include "daemon/gateway/report.hpp"
+#include "daemon/gateway/tag_bindings.hpp"
 #include "daemon/gateway/turn.hpp"
 #include "daemon/outside/gate_driver.hpp"
 
@@ -23,6 +24,26 @@ Result<Asked> understood_adopted(core::State& state, const control::Request& req
   return asked;
 }
 
+/// A channel that is not described has its tags while somebody uses it.
+class Tagged {
+ public:
+  Tagged(Context& context, const control::Request& request)
+      : context_(context), unlisted_(std::get<control::Admit>(request.body).unlisted) {
+    if (unlisted_) context_.tags.claim();
+  }
+  Tagged(const Tagged&) = delete;
+  Tagged& operator=(const Tagged&) = delete;
+  Tagged(Tagged&&) = delete;
+  Tagged& operator=(Tagged&&) = delete;
+  ~Tagged() {
+    if (unlisted_) context_.tags.leave_unused();
+  }
+
+ private:
+  Context& context_;
+  bool unlisted_;
+};
+
 /// Of a proposal that does not fit.
 std::string first_refusal(const core::State& state, const core::Proposal& proposal) {
   for (const core::Verdict* v : proposal.verdicts())
@@ -35,6 +56,7 @@ std::string first_refusal(const core::State& state, const core::Proposal& propos
 std::string misfit_of_adopted(Context& context, const control::Request& request) {
   core::State& state = *context.scene.state;
   const auto asked = understood_adopted(state, request);
+  const Tagged tagged(context, request);
   if (!asked) return asked.error().text;
   if (const auto lack = lacks_pairs(context, *asked)) return *lack;
   const core::Proposal wish = state.wish(*asked->admission);
@@ -44,6 +66,7 @@ std::string misfit_of_adopted(Context& context, const control::Request& request)
 Result<void> admit_adopted(Context& context, const control::Request& request) {
   core::State& state = *context.scene.state;
   const auto asked = understood_adopted(state, request);
+  const Tagged tagged(context, request);
   if (!asked) return std::unexpected(asked.error());
   std::optional<Error> refused;
   {
@@ -81,6 +104,7 @@ void remove_adopted(Context& context, const std::vector<core::AdmissionId>& gone
     state.remove(id);
   }
   static_cast<void>(context.turn.settle(left));
+  context.tags.leave_unused();
 }
 
 void restore_adopted(core::State& state, const control::Request& request) {

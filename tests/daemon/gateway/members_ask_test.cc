@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/gateway/outlook.hpp"
 #include "tests/daemon/gateway/membership_bench.hpp"
 
 namespace mlcca::test {
@@ -222,6 +223,87 @@ TEST_F(MembersAsk, TheNumberOfAnAdmissionOfAnotherGatewayIsNotUsedAgain) {
   pass(4 * kSecondNs);
   ASSERT_EQ(asked(1, wanted("c4", "own1", "own1")), "granted");
   EXPECT_GT(at(1).state().admissions().begin()->first, adopted);
+}
+
+TEST_F(MembersAsk, ChannelsThatAreNotDescribedLeaveNothingAtOtherGateways) {
+  for (std::size_t g = 0; g < 2; ++g)
+    for (core::Network& n : at(g).system.networks)
+      n.unlisted = {.allowed = true, .subject = kUnlistedSubjects, .bits = 8, .most = 1};
+  start_both();
+  for (const std::string channel : {"0x5600000000000001", "0x5600000000000002"}) {
+    auto request = wanted(channel, "own0", "own1");
+    request.unlisted = true;
+    request.identifiers = {{"own0", 0x41}, {"shared", 0x42}, {"own1", 0x43}};
+    request.offered = {attribute_of("Period", 50 * kMs), attribute_of("MaxPayload", 8)};
+    ASSERT_EQ(asked(0, request), "granted") << channel;
+    EXPECT_EQ(done_or_not({.channel = {}, .admission = 0, .key = channel + "own0"}), "done");
+    pass(3 * kSecondNs);
+    EXPECT_FALSE(at(1).state().find_channel(channel));
+  }
+}
+
+TEST_F(MembersAsk, WhatComesBackAfterAFailedReloadIsNobodysOrIsKnown) {
+  start_both();
+  ASSERT_EQ(asked(0, wanted("c3", "own0", "own1")), "granted");
+  ASSERT_EQ(at(1).state().admissions().size(), 1U);
+  const auto described = at(1).daemon().scene().description;
+  at(1).digest = 2;
+  for (std::size_t n = 1; n < 40 && at(1).daemon().scene().description < described + 2; ++n) {
+    at(1).kernel.calls.refuse(n);
+    at(1).daemon().reload();
+    at(1).reading().finish();
+    at(1).kernel.calls.relent();
+    if (at(1).daemon().scene().digest == Sha256::Digest{2}) {
+      at(1).digest = 1;
+      at(1).daemon().reload();
+      at(1).reading().finish();
+      at(1).digest = 2;
+    }
+    pass(5 * kSecondNs);
+  }
+  pass(15 * kSecondNs);
+  EXPECT_EQ(done_or_not({.channel = {}, .admission = 0, .key = "c3own0"}), "done");
+  pass(4 * kSecondNs);
+  EXPECT_TRUE(at(1).state().admissions().empty());
+}
+
+TEST_F(MembersAsk, ARefusalOfTheKernelIsSaidOnce) {
+  start_both();
+  ASSERT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");
+  at(0).kernel.calls.refuse(1, 1'000'000);
+  const auto said = [this] {
+    return std::ranges::count_if(at(0).published, [](const control::Event& event) {
+      return event.message.find("until when") != std::string::npos;
+    });
+  };
+  const auto before = said();
+  pass(9 * kSecondNs);
+  EXPECT_LE(said() - before, 1);
+  at(0).kernel.calls.relent();
+  pass(8 * kSecondNs);
+  EXPECT_TRUE(passes(0, 3));
+}
+
+TEST_F(MembersAsk, AClusterOfAnotherNameIsJoinedAsANewOne) {
+  start_both();
+  for (std::size_t g = 0; g < 2; ++g) {
+    at(g).end();
+    at(g).system.name = "renamed";
+    at(g).digest = 3;
+  }
+  start_both();
+  pass(40 * kSecondNs);
+  EXPECT_TRUE(passes(0, 0));
+}
+
+TEST_F(MembersAsk, WhatIfKnowsWhatMayBeUsedOfSharedNetworks) {
+  link(0).up = false;
+  start(0);
+  run();
+  ASSERT_FALSE(granted(0, 0));
+  const auto then = suppose(at(0).state(), {});
+  ASSERT_TRUE(then);
+  EXPECT_EQ((*then)->decisions()[0].granted, 0U);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 
 #include "daemon/outside/description_texts.hpp"
 
-namespace mlcca::store {
+namespace mlcca {
 
 class DescriptionFiles final : public DescriptionTexts {
  public:
@@ -25,4 +25,4 @@ class DescriptionFiles final : public DescriptionTexts {
   std::string directory_;
 };
 
-}  // namespace mlcca::store
+}  // namespace mlcca

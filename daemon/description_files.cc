@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "daemon/store/description_files.hpp"
+#include "daemon/description_files.hpp"
 
 #include <fcntl.h>
 #include <fmt/core.h>
@@ -18,7 +18,7 @@
 #include "base/handle.hpp"
 #include "description/bundle.hpp"
 
-namespace mlcca::store {
+namespace mlcca {
 namespace {
 
 constexpr std::string_view kDescriptionPrefix = "description-";
@@ -98,4 +98,4 @@ void DescriptionFiles::keep_only(const std::set<Digest>& digests) {
   for (const auto& path : others) std::filesystem::remove(path, ignored);
 }
 
-}  // namespace mlcca::store
+}  // namespace mlcca
