@@ -236,7 +236,8 @@ TEST_F(ClusterDaemons, OneDescriptionForAll) {
   // And back, from the other one.
   const std::string back = ask(nodes[1], {"rollout", "--back"}, &status);
   EXPECT_EQ(status, 0) << back << logs();
-  EXPECT_TRUE(says(nodes[0], {"explain", "c2"}, "no event channel")) << ask(nodes[0], {"explain", "c2"});
+  EXPECT_TRUE(says(nodes[0], {"explain", "c2"}, "no event channel"))
+      << ask(nodes[0], {"explain", "c2"});
   EXPECT_TRUE(says(nodes[0], {"explain", "c1"}, "granted  c1")) << logs();
 }
 
