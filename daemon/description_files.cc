@@ -49,7 +49,7 @@ std::string DescriptionFiles::path_of(const Digest& digest) const {
   return directory_ + '/' + description_name(digest);
 }
 
-/// Under another name first, so that one of this name is whole.
+/// Under another name first, so that one of this name is complete.
 Result<void> DescriptionFiles::keep(const Digest& digest, const std::string& text) {
   const std::string path = path_of(digest);
   if (this->text(digest) == text) return {};

@@ -227,10 +227,10 @@ bool Document::read_text(std::string_view xml, const std::string& base) {
 }
 
 bool Document::read_supplied(std::string_view bundle) {
-  const core::Origin whole{.file = 0, .line = 0};
+  const core::Origin text{.file = 0, .line = 0};
   auto files = files_in(bundle);
   if (!files) {
-    builder_.fail(whole, "", files.error(), FindingId::not_xml);
+    builder_.fail(text, "", files.error(), FindingId::not_xml);
     return false;
   }
   supplied_ = std::move(*files);
@@ -239,7 +239,7 @@ bool Document::read_supplied(std::string_view bundle) {
   const std::string name(first.name);
   parse(source, {name, std::string(folder_of(name)), std::nullopt});
   if (builder_.valid() && next_ != supplied_.size())
-    builder_.fail(whole, "", "the text has files that nothing includes", FindingId::not_xml);
+    builder_.fail(text, "", "the text has files that nothing includes", FindingId::not_xml);
   return builder_.valid();
 }
 

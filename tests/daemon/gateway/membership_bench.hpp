@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Two gateways with whole daemons on benches that share a bus by a store.
+// Two gateways with complete daemons on benches that share a bus by a store.
 #pragma once
 #include <gtest/gtest.h>
 
