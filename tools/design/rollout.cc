@@ -167,7 +167,8 @@ void add_rollout(CLI::App& app, Context& context) {
   auto a = std::make_shared<RolloutArguments>();
   verb->add_option("system", a->system, "the description of a system")->type_name("SYSTEM.xml");
   verb->add_option("--off", a->off, "a gateway that is off: it is not asked, and must not send")
-      ->type_name("GATEWAY");
+      ->type_name("GATEWAY")
+      ->allow_extra_args(false);
   verb->add_option("--wait", a->wait_s, "how long it is followed")
       ->type_name("SECONDS")
       ->capture_default_str();
