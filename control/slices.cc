@@ -127,6 +127,12 @@ class Slicer {
     fill(all.onward, &Subscriptions::onward);
     return std::move(out_);
   }
+  std::vector<Reply> operator()(ClusterMembers& all) {
+    return slice_list(all, &ClusterMembers::members);
+  }
+  std::vector<Reply> operator()(ClusterReservations& all) {
+    return slice_list(all, &ClusterReservations::reservations);
+  }
   std::vector<Reply> operator()(WhatIf& all) {
     slice<WhatIf>().unchanged = all.unchanged;
     fill(all.outlooks, &WhatIf::outlooks);
@@ -191,6 +197,20 @@ class Slicer {
       (slice<Body>().*list).push_back(std::move(row));
       ++filled_;
     }
+  }
+  /// All of it but the list stands in each slice.
+  template <class Body, class Row>
+  std::vector<Reply> slice_list(Body& all, std::vector<Row> Body::* list) {
+    auto rows = std::move(all.*list);
+    (all.*list).clear();
+    slice<Body>() = all;
+    for (Row& row : rows) {
+      Body& to = slice<Body>();
+      if ((to.*list).empty()) to = all;
+      (to.*list).push_back(std::move(row));
+      ++filled_;
+    }
+    return std::move(out_);
   }
   void fill_gate(const Gate& gate, std::vector<GateSlot>& rows,
                  std::vector<GateSlot> Gate::* list) {

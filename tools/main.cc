@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // mlccactl: each verb is a row of the table below; asking, printing and the exit status are common.
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -26,6 +25,7 @@
 #include "control/client.hpp"
 #include "tools/audit.hpp"
 #include "tools/bandwidth.hpp"
+#include "tools/input.hpp"
 #include "tools/json.hpp"
 #include "tools/options.hpp"
 #include "tools/other_programs.hpp"
@@ -172,37 +172,11 @@ Exit print_event(const Options& options, const control::Event& event) {
   return print(options.json ? to_json(Reply{0, event}) : render(event, options.color), Exit::fine);
 }
 
-/// Its end can say that whoever started us does not need us any more. /dev/null says nothing, and a
-/// terminal has Ctrl-C.
-bool is_pipe(int fd) {
-  struct stat is{};
-  return ::fstat(fd, &is) == 0 && (S_ISFIFO(is.st_mode) || S_ISSOCK(is.st_mode));
-}
-
-/// Reads what is there; false at the end.
-bool discard_input(int fd) {
-  std::array<char, 4096> unused{};
-  const auto n = ::read(fd, unused.data(), unused.size());
-  return n > 0 || (n < 0 && (errno == EINTR || errno == EAGAIN));
-}
-
 std::set<std::uint64_t> admissions_of(const control::Channels& channels) {
   std::set<std::uint64_t> ids;
   for (const auto& channel : channels.channels)
     if (channel.admission != 0) ids.insert(channel.admission);
   return ids;
-}
-
-/// What the holder of a lease must know.
-std::string lease_note(const control::Admit& request, const std::set<std::uint64_t>& admissions) {
-  const auto lease = print_duration(request.lease_ns);
-  if (request.hold)
-    return fmt::format(
-        "held until Ctrl-C or the end of a pipe on standard input; {} later it is released\n",
-        lease);
-  std::string text = fmt::format("released in {} unless it is renewed\n", lease);
-  for (const auto id : admissions) text += fmt::format("  mlccactl renew --id {} renews it\n", id);
-  return text;
 }
 
 /// Prints what happens to admissions while the connection holds them; ends when none is left.
@@ -269,15 +243,15 @@ Exit ask_release(const Options& options, const Arguments& arguments) {
                                               .key = arguments.key});
 }
 
-/// Asks whether what would stop should stop. An exit status: no person can be asked, or the person
-/// declines.
-std::optional<Exit> ask_back(const Options& options, const control::Channels& channels,
-                             const std::string& name) {
+/// Says what would stop, and asks whether it should. An exit status: no person can be asked, or the
+/// person declines.
+std::optional<Exit> ask_back(const Options& options, const std::string& what,
+                             const char* question) {
   if (::isatty(STDIN_FILENO) == 0 || options.json)
     return print_error(
         options, control::ErrorKind::invalid,
         "no person can be asked to confirm this (no terminal, or --json): state --yes");
-  fmt::print(stderr, "{}Withdraw it? [y/N] ", what_stops(channels, name, options.error_color));
+  fmt::print(stderr, "{}{} [y/N] ", what, question);
   std::array<char, 16> answer{};
   const bool read = std::fgets(answer.data(), answer.size(), stdin) != nullptr;
   const std::string_view said(answer.data());
@@ -294,9 +268,10 @@ Exit ask_withdraw(const Options& options, const Arguments& arguments) {
     if (!now) return now.error();
     const auto* channels = std::get_if<control::Channels>(&now->body);
     if (channels == nullptr) return print_reply<control::WithdrawRequest>(options, *now);
+    const auto what = what_stops(*channels, arguments.channel, options.error_color);
     if (arguments.yes)
-      fmt::print(stderr, "{}", what_stops(*channels, arguments.channel, options.error_color));
-    else if (const auto ended = ask_back(options, *channels, arguments.channel))
+      fmt::print(stderr, "{}", what);
+    else if (const auto ended = ask_back(options, what, "Withdraw it?"))
       return *ended;
   }
   return ask(options, control::WithdrawRequest{arguments.channel});
@@ -378,6 +353,12 @@ Exit print_report(const Options& options, const Arguments& arguments) {
   if (const auto exit = add("audit", control::AuditRequest{})) return *exit;
   if (const auto exit = add("reservations", control::ReservationsRequest{})) return *exit;
   if (const auto exit = add("history", control::HistoryRequest{.limit = entries})) return *exit;
+  using Part = std::pair<const char*, const char*>;
+  for (const auto& [name, part] : {Part{"cluster-status", ""}, Part{"cluster-members", "members"},
+                                   Part{"cluster-reservations", "reservations"}})
+    if (const auto exit =
+            add(name, control::ClusterRequest{.part = part, .network = {}, .gateway = {}}))
+      return *exit;
   return print(report_page(answers, clock_ns(CLOCK_REALTIME)), Exit::fine);
 }
 
@@ -404,18 +385,52 @@ Exit unknown_health(const Options& options, const control::Error& why) {
                exit_of(state));
 }
 
-Exit ask_status(const Options& options, const Arguments& arguments) {
-  if (!arguments.check) return ask(options, control::StatusRequest{});
-  const auto reply = answer_to(options, control::StatusRequest{});
+/// Only the health of the answer.
+template <class Answer, class Question>
+Exit check(const Options& options, Question question) {
+  const auto reply = answer_to(options, std::move(question));
   if (!reply)
     return unknown_health(
         options, {.kind = control::ErrorKind::world, .message = reply.error().text, .details = {}});
   if (const auto* error = std::get_if<control::Error>(&reply->body))
     return unknown_health(options, *error);
-  const auto* status = std::get_if<control::Status>(&reply->body);
-  if (status == nullptr) return print_reply<control::StatusRequest>(options, *reply);
-  return print(options.json ? to_json(status->health) : check_line(status->health),
-               exit_of(status->health.state));
+  const auto* answer = std::get_if<Answer>(&reply->body);
+  if (answer == nullptr) return print_reply<Question>(options, *reply);
+  return print(options.json ? to_json(answer->health) : check_line(answer->health),
+               exit_of(answer->health.state));
+}
+
+Exit ask_status(const Options& options, const Arguments& arguments) {
+  if (arguments.check) return check<control::Status>(options, control::StatusRequest{});
+  return ask(options, control::StatusRequest{});
+}
+
+/// Of another gateway the daemon says what is wrong with that.
+Exit ask_drain(const Options& options, const Arguments& arguments) {
+  if (!arguments.yes || !options.json) {
+    const auto now = reply_to(options, control::ClusterRequest{});
+    if (!now) return now.error();
+    const auto* cluster = std::get_if<control::Cluster>(&now->body);
+    if (cluster == nullptr) return print_reply<control::ClusterRequest>(options, *now);
+    const bool other = !arguments.gateway.empty() && arguments.gateway != cluster->gateway;
+    if (!cluster->system.empty() && !other) {
+      const auto what = what_closes(*cluster, options.error_color);
+      if (arguments.yes)
+        fmt::print(stderr, "{}", what);
+      else if (const auto ended = ask_back(options, what, "Drain it?"))
+        return *ended;
+    }
+  }
+  return ask(options, control::DrainRequest{arguments.gateway});
+}
+
+Exit ask_cluster(const Options& options, const Arguments& arguments) {
+  const auto request = cluster(arguments);
+  if (!request) return print_error(options, control::ErrorKind::invalid, request.error().text);
+  if (arguments.part == "drain") return ask_drain(options, arguments);
+  if (arguments.part == "join") return ask(options, control::JoinRequest{arguments.gateway});
+  if (arguments.check) return check<control::Cluster>(options, *request);
+  return ask(options, *request);
 }
 
 constexpr std::array kVerbs = {
@@ -430,6 +445,8 @@ constexpr std::array kVerbs = {
          ask_reservations},
     Verb{"subscriptions", "who may subscribe over networks, and what is subscribed further on",
          Takes::nothing, ask_plain<control::SubscriptionsRequest>},
+    Verb{"cluster", "the gateways that share networks by a store; take this one out, and in again",
+         Takes::cluster, ask_cluster},
     Verb{"gate", "what the gates hold: control traffic, channels, limits, counters", Takes::gate,
          ask_gate},
     Verb{"query", "would this be admitted? changes nothing", Takes::delivery, ask_query},

@@ -223,6 +223,24 @@ void add_screen(CLI::App& app, TopArguments& to) {
   app.add_option("--filter", to.filter, "only rows that contain this text");
 }
 
+void add_cluster(CLI::App& app, Arguments& to) {
+  const char* const what =
+      "status: how this gateway stands; members: who is there; reservations: what they have taken; "
+      "drain: this gateway gives back what it has reserved and closes what it shares, until join";
+  app.add_option("part", to.part, what)
+      ->required()
+      ->type_name("status|members|reservations|drain|join")
+      ->check(CLI::IsMember({"status", "members", "reservations", "drain", "join"}));
+  app.add_option("gateway,--gateway", to.gateway,
+                 "reservations of this gateway; drain and join: this one, where the verb is run")
+      ->type_name("GATEWAY");
+  app.add_option("--network", to.network, "reservations of this network")->type_name("NETWORK");
+  app.add_flag("--check", to.check,
+               "status: one line for a monitoring system; exit status 0 healthy, 1 degraded, 2 "
+               "shared networks are closed, 3 unknown");
+  app.add_flag("-y,--yes", to.yes, "drain: do not ask back: for scripts");
+}
+
 void add_arguments(CLI::App& app, Takes takes, Arguments& to) {
   switch (takes) {
     case Takes::nothing:
@@ -289,6 +307,9 @@ void add_arguments(CLI::App& app, Takes takes, Arguments& to) {
           ->type_name("report")
           ->check(CLI::IsMember({"report"}));
       app.add_flag("--xml", to.xml, "only the elements that a description would need for it");
+      break;
+    case Takes::cluster:
+      add_cluster(app, to);
       break;
     case Takes::links:
       add_links(app, to.bandwidth);

@@ -48,6 +48,9 @@ struct Arguments {
   std::vector<std::string> state;  ///< attributes that the program was made with
   bool follow = false;
   std::string place;
+  std::string part;                ///< of a cluster, or what is done with it
+  std::string network;             ///< of what is reserved
+  std::string gateway;             ///< the same, or the one that is meant
   bool yes = false;                ///< do it without asking back
   bool html = false;               ///< a page
   bool check = false;              ///< only the health, for a monitoring system
@@ -81,6 +84,7 @@ enum class Takes : std::uint8_t {
   past,      ///< of which channel, kind and time
   links,     ///< rates of a chain of links
   form,      ///< in which to print
+  cluster,   ///< which part, of what, and whether to ask back
   screen,    ///< how often, and what of it
 };
 

@@ -255,6 +255,18 @@ std::string what_stops(const control::Channels& channels, std::string_view name,
          text;
 }
 
+/// What the holder of a lease must know.
+std::string lease_note(const control::Admit& request, const std::set<std::uint64_t>& admissions) {
+  const auto lease = print_duration(request.lease_ns);
+  if (request.hold)
+    return fmt::format(
+        "held until Ctrl-C or the end of a pipe on standard input; {} later it is released\n",
+        lease);
+  std::string text = fmt::format("released in {} unless it is renewed\n", lease);
+  for (const auto id : admissions) text += fmt::format("  mlccactl renew --id {} renews it\n", id);
+  return text;
+}
+
 std::string render(const control::Done& done, Color color) {
   return styled(done.message.empty() ? "done" : done.message, Style::plain, color) + '\n';
 }

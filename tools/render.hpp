@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Replies of mlccad for a person: text that ends with a newline, or nothing.
 #pragma once
+#include <cstdint>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,6 +52,16 @@ std::string explain(const control::Channels& channels, Color color, bool in_full
 
 /// What of a channel would stop if it were withdrawn, as `channels` explain it now.
 std::string what_stops(const control::Channels& channels, std::string_view name, Color color);
+
+/// How the gateway stands in its cluster; who is there; what they have reserved.
+std::string render(const control::Cluster& cluster, Color color);
+std::string render(const control::ClusterMembers& members, Color color);
+std::string render(const control::ClusterReservations& reservations, Color color);
+/// What closes where the gateway is drained.
+std::string what_closes(const control::Cluster& cluster, Color color);
+
+/// What the holder of a lease must know.
+std::string lease_note(const control::Admit& request, const std::set<std::uint64_t>& admissions);
 
 std::string render(const control::Done& done, Color color);
 std::string render(const control::Rollout& rollout, Color color);

@@ -185,16 +185,6 @@ std::string mode_of(const control::Status& status) {
                      core::format_span(status.clean_ns));
 }
 
-std::string health_lines(const control::Health& health, Color color) {
-  const auto [text, style] = health_cell(health);
-  std::string lines = fmt::format("{:<11}  {}\n", "health", styled(text, style, color));
-  for (const auto& reason : health.reasons)
-    lines += fmt::format("{:<11}  {}\n", "", styled(reason, Style::bad, color));
-  if (const auto more = left_out(health); !more.empty())
-    lines += fmt::format("{:<11}  {}\n", "", more);
-  return lines;
-}
-
 std::string provision(const control::Network& network) {
   std::vector<std::string> parts;
   parts.reserve(network.provision.size());
@@ -209,6 +199,16 @@ std::string rate(std::uint64_t bytes_per_second) {
 }
 
 }  // namespace
+
+std::string health_lines(const control::Health& health, Color color) {
+  const auto [text, style] = health_cell(health);
+  std::string lines = fmt::format("{:<11}  {}\n", "health", styled(text, style, color));
+  for (const auto& reason : health.reasons)
+    lines += fmt::format("{:<11}  {}\n", "", styled(reason, Style::bad, color));
+  if (const auto more = left_out(health); !more.empty())
+    lines += fmt::format("{:<11}  {}\n", "", more);
+  return lines;
+}
 
 std::string render(const control::Status& status, Color color) {
   std::string text;

@@ -189,6 +189,20 @@ Result<control::WhatIfRequest> what_if(const Arguments& from) {
   return request;
 }
 
+Result<control::ClusterRequest> cluster(const Arguments& from) {
+  const bool reads = from.part == "status" || from.part == "members";
+  if (from.check && from.part != "status") return fail("--check goes with status alone");
+  if (from.yes && from.part != "drain") return fail("--yes goes with drain alone");
+  if (!from.network.empty() && from.part != "reservations")
+    return fail("--network goes with reservations alone");
+  if (!from.gateway.empty() && reads)
+    return fail(fmt::format("cluster {} is of all gateways: '{}' is one too many", from.part,
+                            from.gateway));
+  return control::ClusterRequest{.part = from.part == "status" ? "" : from.part,
+                                 .network = from.network,
+                                 .gateway = from.gateway};
+}
+
 Result<control::ModeRequest> mode(const Arguments& from) {
   control::ModeRequest request{.mode = from.mode};
   if (from.when_clean.empty()) return request;

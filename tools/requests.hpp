@@ -23,6 +23,9 @@ Result<control::AnnounceRequest> announce(const Arguments& from);
 /// RATE 0: the link is gone.
 Result<control::WhatIfRequest> what_if(const Arguments& from);
 
+/// Of the read-only parts; of the others only whether the options go with them.
+Result<control::ClusterRequest> cluster(const Arguments& from);
+
 /// --when-clean is a span as parse_span() reads it.
 Result<control::ModeRequest> mode(const Arguments& from);
 

@@ -16,6 +16,9 @@ Cell verdict_cell(bool granted);
 
 Style style_of_event(std::string_view kind);
 
+/// "health       DEGRADED", then a line for each reason.
+std::string health_lines(const control::Health& health, Color color);
+
 /// "10.0.0.7 (02:00:5e:10:00:01)" of who has sent an unknown frame, as much of it as is known.
 std::string print_sender(const control::Unknown& frame);
 

@@ -39,6 +39,8 @@ class Permits {
   /// All of it may be used again.
   void open();
   [[nodiscard]] bool is_open() const { return open_; }
+  /// What the description promises may be used, whatever is reserved.
+  [[nodiscard]] bool standing_is_open() const { return standing_open_; }
 
   /// What a flow would hold of a network.
   struct Use {

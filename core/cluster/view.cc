@@ -121,6 +121,7 @@ void View::time_member(std::size_t gateway, Value now) {
     }
     if (record.mod != 0 || !timer.drained)
       timer.counts_until = std::max(timer.counts_until, may_fence_at(now, timer.lease));
+    timer.seen = now;
     timer.mod = record.mod;
   }
   if (record.fence != timer.fence) {
@@ -134,6 +135,11 @@ void View::time_member(std::size_t gateway, Value now) {
 bool View::is_fenced(std::size_t gateway) const {
   const MemberRecord& record = records_.members[gateway];
   return record.fence > record.mod;
+}
+
+std::optional<Value> View::seen_at(std::size_t gateway) const {
+  if (records_.members[gateway].mod == 0) return std::nullopt;
+  return timers_[gateway].seen;
 }
 
 std::optional<Value> View::fence_from(std::size_t gateway) const {

@@ -44,6 +44,12 @@ class View {
   [[nodiscard]] Alive alive(std::size_t gateway, Value now) const;
   /// A gateway was fenced and has not joined since.
   [[nodiscard]] bool is_fenced(std::size_t gateway) const;
+  /// When its latest beat was seen; nullopt: it is not there.
+  [[nodiscard]] std::optional<Value> seen_at(std::size_t gateway) const;
+  /// It may send until then, by what was seen of its beats.
+  [[nodiscard]] Value counts_until(std::size_t gateway) const {
+    return timers_[gateway].counts_until;
+  }
   /// A gateway may be fenced from then on; nullopt: it is not there, or it is fenced.
   [[nodiscard]] std::optional<Value> fence_from(std::size_t gateway) const;
   /// It has closed what ended at `revision`: it says so, or it is gone or dead.
@@ -75,6 +81,7 @@ class View {
     bool drained = false;             ///< that was the last one
     Value counts_until = 0;           ///< it may send until then
     Value dead_at = 0;                ///< what was written before the fence ends then
+    Value seen = 0;                   ///< only to be reported
     template <class Visit>
     void visit_state(Visit&& visit) const {
       visit(mod, fence, lease, drained, counts_until, dead_at);

@@ -60,7 +60,7 @@ cc::Journalled journalled_in(const store::Membership& record) {
 
 }  // namespace
 
-Membership::Membership(Parts parts) : parts_(std::move(parts)) {
+Membership::Membership(Parts parts) : parts_(std::move(parts)), store_since_(now()) {
   parts_.hands.new_id = [this] { return parts_.recorder.new_id(); };
   parts_.hands.new_number = [this] { return reserving_->new_number(); };
   parts_.hands.bring_in_line = [this] { static_cast<void>(bring_in_line()); };
@@ -105,6 +105,10 @@ void Membership::begin() {
   early_.clear();
   wish_again_.clear();
   ++generation_;
+  // What the store may still have of a gateway that takes no part is taken out of it.
+  draining_ = left_ = false;
+  drained_ = parts_.recorder.contents().membership.drained;
+  leaving_ = leaving_ || drained_;
   parts_.link.introduce(system_, system.gateways[self_].name);
   parts_.link.follow({keys_->prefix()});
   member_->on_state(store_, now());
@@ -112,6 +116,7 @@ void Membership::begin() {
 
 /// Nothing that would close anything is done meanwhile, nor said to be done.
 void Membership::await(std::uint64_t limit) {
+  if (leaving_) return;
   const Value end = add_saturating(now(), limit);
   for (bool settled = false; !settled && now() < end;) {
     parts_.link.wait(std::min(kWaitStep, end - now()));
@@ -150,6 +155,7 @@ store::Membership Membership::record() const {
   parts_.rollout.put_into(record);
   record.cluster = system_;
   record.gateway = member_->view().keys().gateway_name(self_);
+  record.drained = drained_;
   return record;
 }
 
@@ -171,7 +177,10 @@ void Membership::take_up() {
 // --- what the store says -------------------------------------------------------------------------
 
 void Membership::take(ClusterMessage message) {
-  if (const auto* said = std::get_if<cc::StoreState>(&message)) store_ = *said;
+  if (const auto* said = std::get_if<cc::StoreState>(&message)) {
+    if (said->reachable != store_.reachable) store_since_ = now();
+    store_ = *said;
+  }
   if (!member_) return;
   if (std::holds_alternative<cc::StoreState>(message)) {
     member_->on_state(store_, now());
@@ -201,7 +210,7 @@ void Membership::take_in(const cc::Event& event) {
     if (joined_) parts_.log.warning(Kind::gateway, "what was reserved is closed: " + lost->why);
   } else if (const auto* found = std::get_if<cc::Found>(&event)) {
     reserving_->on(*found, *member_,
-                   [this](const cluster::Asked& asked) { return is_known(asked); });
+                   [this](const cluster::Asked& asked) { return !leaving_ && is_known(asked); });
   } else if (std::holds_alternative<cc::Joined>(event)) {
     joined_ = true;
   } else if (const auto* withdrawn = std::get_if<cc::Withdrawn>(&event)) {
@@ -230,6 +239,7 @@ void Membership::take_in_description(const cc::Event& event) {
     parts_.rollout.on(*to);
   } else if (std::holds_alternative<cc::Drained>(event)) {
     left_ = true;
+    if (drained_) adopting_->lost();
   }
 }
 
@@ -420,7 +430,7 @@ void Membership::plan() {
   Value next = std::min(add_saturating(at, kLongestSleep), member_->next_time(at));
   if (leased_end() > at) next = std::min(next, leased_end());
   if (const auto due = reserving_->next_time()) next = std::min(next, *due);
-  if (leaving_) next = std::min(next, leave_until_);
+  if (leaving_ && leave_until_ > at) next = std::min(next, leave_until_);
   constexpr Value micro = 1000;
   timer_.set((sub_floor(next, at) / micro) + 1);
 }
@@ -428,13 +438,11 @@ void Membership::plan() {
 // --- what is wanted ------------------------------------------------------------------------------
 
 std::string Membership::bar(uid_t user) const {
-  if (leaving_) return "this gateway is being drained";
   const std::string why = standing();
   return why.empty() ? reserving_->bar(user) : why;
 }
 
 std::string Membership::why_closed() const {
-  if (leaving_) return "this gateway is being drained";
   const std::string why = standing();
   return why.empty() ? "the store has not answered lately" : why;
 }

@@ -89,6 +89,14 @@ class Membership {
   void leave();
   [[nodiscard]] bool may_end() const;
 
+  // An operator takes the gateway out, and in again. On disk first; after an error nothing has
+  // changed.
+
+  /// As leave(), until join(): also a daemon that starts later takes no part.
+  [[nodiscard]] Result<void> drain();
+  [[nodiscard]] Result<void> join();
+  [[nodiscard]] bool is_drained() const { return drained_; }
+
   // Who wants something.
 
   /// Why nothing can be asked for now; empty: it can.
@@ -122,7 +130,18 @@ class Membership {
   [[nodiscard]] std::string rollout_bar() const;
   /// What keeps it from taking part as it should.
   [[nodiscard]] std::vector<std::string> problems() const;
+  /// The same in short; empty: nothing.
+  [[nodiscard]] std::string standing() const;
   [[nodiscard]] const core::cluster::Member& member() const { return *member_; }
+  [[nodiscard]] const core::Permits& permits() const { return networks_->permits(); }
+  [[nodiscard]] const core::cluster::Digest& digest() const { return digest_; }
+  [[nodiscard]] Value lease() const { return parts_.lease; }
+  [[nodiscard]] const core::cluster::StoreState& store() const { return store_; }
+  /// Since when the store answers, or does not.
+  [[nodiscard]] Value store_since() const { return store_since_; }
+  /// Nothing of it is in the store any more.
+  [[nodiscard]] bool has_left() const { return left_; }
+  [[nodiscard]] Value now() const { return parts_.clock.monotonic_ns(); }
 
  private:
   void take(ClusterMessage message);
@@ -154,8 +173,11 @@ class Membership {
   void report();
   void plan();
   [[nodiscard]] Value leased_end() const;
-  [[nodiscard]] std::string standing() const;
-  [[nodiscard]] Value now() const { return parts_.clock.monotonic_ns(); }
+  void begin_leaving();
+  [[nodiscard]] std::string leaving_words() const;
+  [[nodiscard]] std::string closed_words() const;
+  void add_troubles(std::vector<std::string>& to) const;
+  [[nodiscard]] Result<void> write_drained(bool drained);
   [[nodiscard]] core::State& state() const { return *parts_.scene.state; }
 
   Parts parts_;
@@ -169,6 +191,7 @@ class Membership {
   std::size_t self_ = 0;
   std::string system_;
   core::cluster::StoreState store_{};
+  Value store_since_ = 0;
   std::uint64_t generation_ = 0;             ///< of members: their transactions are kept apart
   std::vector<bool> failed_;                 ///< by gateway, as elected
   std::vector<core::cluster::Event> early_;  ///< that came before anything was decided
@@ -177,6 +200,7 @@ class Membership {
   bool leaving_ = false, draining_ = false, left_ = false;
   bool lost_ = false;  ///< and the gates may not have closed yet
   Value enforce_at_ = 0;
+  bool drained_ = false;  ///< as an operator wants it
   bool looks_for_wishes_ = true;
   Value leave_until_ = 0;
   std::optional<std::uint64_t> until_;  ///< as it was set last

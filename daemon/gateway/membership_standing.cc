@@ -1,48 +1,26 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// How a gateway stands to the others, and how it leaves them.
+// How a gateway stands to the others.
 #include <fmt/format.h>
 
 #include "daemon/gateway/membership.hpp"
-#include "mlcca/arithmetic.hpp"
 
 namespace mlcca {
 namespace {
 
 namespace cc = core::cluster;
 
-constexpr Value kLeaveLimit = 5'000'000'000;  // ns
-
 }  // namespace
-
-void Membership::leave() {
-  if (!member_ || leaving_) return;
-  leaving_ = true;
-  leave_until_ = add_saturating(now(), kLeaveLimit);
-  reserving_->refuse_all("nothing was changed: this gateway is being drained");
-  static_cast<void>(bring_in_line());
-  drain_when_closed();
-}
-
-void Membership::drain_when_closed() {
-  if (!leaving_ || draining_ || !parts_.turn.in_line()) return;
-  draining_ = true;
-  reserving_->lost();
-  member_->drain(now());
-}
-
-bool Membership::may_end() const {
-  return !member_ || left_ || !store_.reachable || now() >= leave_until_;
-}
 
 /// Empty: all is well.
 std::string Membership::standing() const {
+  if (leaving_) return leaving_words();
   if (member_->standing(now()) == cc::Member::Standing::joined && store_.reachable) return {};
   return member_->why_not(now());
 }
 
 std::string Membership::rollout_bar() const {
   using Standing = cc::Member::Standing;
-  if (leaving_) return "this gateway is being drained";
+  if (leaving_) return leaving_words();
   if (!member_) return "this gateway starts";
   const Standing standing = member_->standing(now());
   const bool here = standing == Standing::joined || standing == Standing::other_digest ||
@@ -52,10 +30,11 @@ std::string Membership::rollout_bar() const {
 
 std::vector<std::string> Membership::problems() const {
   if (!member_) return {};
-  const std::string why = standing();
-  if (why.empty()) return {};
-  return {fmt::format("cluster {}: nothing new is granted on networks of several gateways: {}",
-                      system_, why)};
+  std::vector<std::string> out;
+  if (const std::string why = standing(); !why.empty())
+    out.push_back(fmt::format("cluster {}: {}: {}", system_, closed_words(), why));
+  add_troubles(out);
+  return out;
 }
 
 void Membership::report() {

@@ -241,5 +241,50 @@ TEST_F(ClusterDaemons, OneDescriptionForAll) {
   EXPECT_TRUE(says(nodes[0], {"explain", "c1"}, "granted  c1")) << logs();
 }
 
+TEST_F(ClusterDaemons, AnOperatorSeesItAndTakesAGatewayOut) {
+  ASSERT_TRUE(says(nodes[0], {"explain", "c0"}, "granted  c0")) << logs();
+  ASSERT_EQ(admit(nodes[0]), 0) << answer << logs();
+  int status = -1;
+  std::string said = ask(nodes[0], {"cluster", "status"}, &status);
+  EXPECT_EQ(status, 0);
+  EXPECT_NE(said.find("gw1 of t"), std::string::npos) << said;
+  EXPECT_NE(said.find("phase         in"), std::string::npos) << said;
+  EXPECT_NE(said.find("open: lan"), std::string::npos) << said;
+  EXPECT_NE(said.find("2 of 2 are there"), std::string::npos) << said;
+  ask(nodes[0], {"cluster", "status", "--check"}, &status);
+  EXPECT_EQ(status, 0);
+  EXPECT_TRUE(says(nodes[1], {"cluster", "members"}, "gw1      active"));
+  EXPECT_TRUE(says(nodes[1], {"cluster", "reservations", "--gateway", "gw1"}, "c1"));
+  EXPECT_EQ(ask(nodes[1], {"cluster", "reservations", "gw2"}), "nothing is reserved\n");
+  // Another one is drained where it is.
+  said = ask(nodes[0], {"cluster", "drain", "gw2", "--yes"}, &status);
+  EXPECT_EQ(status, 2);
+  EXPECT_NE(said.find("run 'mlccactl cluster drain' on gw2"), std::string::npos) << said;
+  ask(nodes[0], {"cluster", "drain", "--yes"}, &status);
+  EXPECT_EQ(status, 0);
+  EXPECT_TRUE(says(nodes[0], {"cluster", "status"}, "phase         drained")) << logs();
+  EXPECT_FALSE(has_keys("r/"));
+  EXPECT_FALSE(has_keys("m/gw1"));
+  EXPECT_TRUE(says(nodes[0], {"explain", "c0"}, "refused  c0"));
+  EXPECT_TRUE(says(nodes[0], {"history", "--kind", "gateway"}, "drained: "));
+  EXPECT_TRUE(says(nodes[1], {"cluster", "members"}, "gw1      absent"));
+  EXPECT_TRUE(says(nodes[0], {"status", "--check"}, "this gateway is drained"));
+  // So it stays.
+  nodes[0].daemon.signal(SIGTERM);
+  EXPECT_EQ(nodes[0].daemon.wait(), 0);
+  start(nodes[0]);
+  EXPECT_TRUE(says(nodes[0], {"cluster", "status"}, "phase         drained")) << logs();
+  ask(nodes[0], {"cluster", "join"}, &status);
+  EXPECT_EQ(status, 0);
+  EXPECT_TRUE(says(nodes[0], {"explain", "c0"}, "granted  c0")) << logs();
+  EXPECT_TRUE(says(nodes[0], {"explain", "c1"}, "granted  c1")) << "it was asked for again";
+  // Without the store it says since when, and what closes.
+  store->kill(0);
+  EXPECT_TRUE(says(nodes[0], {"cluster", "status"}, "store         does not answer"));
+  EXPECT_TRUE(says(nodes[0], {"cluster", "status"}, "what is reserved is CLOSED")) << logs();
+  ask(nodes[0], {"cluster", "status", "--check"}, &status);
+  EXPECT_EQ(status, 1);
+}
+
 }  // namespace
 }  // namespace mlcca::test

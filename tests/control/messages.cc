@@ -488,6 +488,9 @@ std::vector<NamedReply> all_replies() {
                         .by = "gw1",
                         .generation = 7,
                         .open = true}}},
+          {"Cluster", {11, full_cluster()}},
+          {"ClusterMembers", {12, full_cluster_members()}},
+          {"ClusterReservations", {13, full_cluster_reservations()}},
           {"History", {9, full_history()}}};
 }
 

@@ -53,4 +53,10 @@ control::History full_history();
 /// that cannot be read.
 control::Audit full_audit();
 
+/// In a cluster of three, one of them gone, while another description comes into force.
+control::Cluster full_cluster();
+control::ClusterMembers full_cluster_members();
+/// One for each state.
+control::ClusterReservations full_cluster_reservations();
+
 }  // namespace mlcca::test

@@ -148,6 +148,16 @@ control::SubscribeRequest some_subscription(Octets& from) {
           .end = from.next() % 4 == 0};
 }
 
+/// This gateway takes part in no cluster.
+decltype(control::Request::body) some_of_a_cluster(Octets& from) {
+  constexpr const char* parts[] = {"", "members", "reservations", "leaders"};
+  const unsigned which = from.next() % 4;
+  if (which == 0) return control::DrainRequest{from.one_of(kPlaces)};
+  if (which == 1) return control::JoinRequest{from.one_of(kPlaces)};
+  return control::ClusterRequest{
+      .part = from.one_of(parts), .network = from.one_of(kPlaces), .gateway = from.one_of(kPlaces)};
+}
+
 control::Request some_request(Octets& from) {
   control::Request out;
   const unsigned kind = from.next() % 16;
@@ -238,7 +248,7 @@ control::Request some_request(Octets& from) {
       break;
     }
     default: {
-      const unsigned which = from.next() % 13;
+      const unsigned which = from.next() % 14;
       if (which == 0)
         out.body = control::WithdrawRequest{from.one_of(kChannels)};
       else if (which == 1)
@@ -264,6 +274,8 @@ control::Request some_request(Octets& from) {
                                            .accept = from.next() % 4 == 0};
       else if (which == 12)
         out.body = control::RolloutStateRequest{};
+      else if (which == 13)
+        out.body = some_of_a_cluster(from);
       else if (which == 7)
         out.body = some_subscription(from);
       else if (which == 8)

@@ -40,6 +40,8 @@ bool changes(const control::Request& request) {
          std::holds_alternative<control::ReinstateRequest>(body) ||
          std::holds_alternative<control::ModeRequest>(body) ||
          std::holds_alternative<control::ReloadRequest>(body) ||
+         std::holds_alternative<control::DrainRequest>(body) ||
+         std::holds_alternative<control::JoinRequest>(body) ||
          std::holds_alternative<control::RenewRequest>(body);
 }
 

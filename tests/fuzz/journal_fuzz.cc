@@ -118,10 +118,13 @@ Entry some_entry(FuzzedDataProvider& in) {
     case 6:
       return Contradicted{some_text(in), in.ConsumeIntegralInRange<std::uint64_t>(0, 3),
                           in.ConsumeIntegral<std::uint16_t>(), some_text(in)};
-    case 7:
-      return Membership{some_octets(in), in.ConsumeIntegral<std::uint64_t>(),
-                        in.ConsumeIntegral<std::uint64_t>(), in.ConsumeIntegral<std::uint64_t>(),
-                        some_octets(in)};
+    case 7: {
+      Membership out{some_octets(in), in.ConsumeIntegral<std::uint64_t>(),
+                     in.ConsumeIntegral<std::uint64_t>(), in.ConsumeIntegral<std::uint64_t>(),
+                     some_octets(in)};
+      out.drained = in.ConsumeBool();
+      return out;
+    }
     default:
       return Enforced{in.ConsumeIntegralInRange<std::uint64_t>(0, 3), some_octets(in)};
   }

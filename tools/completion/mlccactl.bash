@@ -34,7 +34,7 @@ _mlccactl_learnable() {
 
 _mlccactl() {
 	local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
-	local verbs="status networks channels routes reservations subscriptions gate query what-if announce admit renew release withdraw"
+	local verbs="status networks channels routes reservations subscriptions cluster gate query what-if announce admit renew release withdraw"
 	verbs+=" reinstate explain history report monitor top audit mode reload bandwidth"
 	local others="analyse-bus check describe export format generate import learn new rollout doctor"
 	local common="--socket --timeout --json --no-color --help"
@@ -121,10 +121,14 @@ _mlccactl() {
 		;;
 	--timeout | --node | --priority | --id | --admission | --subscriber | --publisher | --identifier | --from-node | --to-node | --address) return ;;
 	--packet | --header | --overhead-us | --loss | --limit | --background | --demand) return ;;
-	--network | --bitrate | --data-bitrate | --background-load | --faults | --fault-interval-ms) return ;;
+	--network | --gateway)
+		[[ $verb == cluster ]] && mapfile -t COMPREPLY < <(compgen -W "$(_mlccactl_places)" -- "$cur")
+		return
+		;;
+	--bitrate | --data-bitrate | --background-load | --faults | --fault-interval-ms) return ;;
 	--fifo-depth | --bus-off) return ;;
 	--delay | --count | --filter | -d | -n) return ;;
-	--key | --lease | --when-clean | --link | --since | --until | --gateway | --default-period) return ;;
+	--key | --lease | --when-clean | --link | --since | --until | --default-period) return ;;
 	--channel)
 		if [[ $verb == history ]]; then
 			mapfile -t COMPREPLY < <(compgen -W "$(_mlccactl_channels)" -- "$cur")
@@ -178,6 +182,10 @@ _mlccactl() {
 		words+=" --when-clean"
 		[[ $cur == -* ]] || words="enforce audit"
 		;;
+	cluster)
+		words+=" --gateway --network --check --yes"
+		[[ $cur == -* ]] || words="status members reservations drain join"
+		;;
 	audit)
 		words+=" --xml"
 		[[ $cur == -* ]] || words="report"
@@ -197,6 +205,9 @@ _mlccactl() {
 		;;
 	esac
 	case $verb in
+	cluster)
+		[[ $cur == -* || ! $prev =~ ^(reservations|drain|join)$ ]] || words=$(_mlccactl_places)
+		;;
 	announce)
 		[[ $prev != announce || $cur == -* ]] || words=$(_mlccactl_channels)
 		;;

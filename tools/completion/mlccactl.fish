@@ -5,7 +5,7 @@
 function __mlccactl_words
     set -l takes --socket --timeout --subject --identifier --from --to --from-node --to-node \
         --require --offer --node --priority --address --user --subscriber --publisher --key --lease \
-        --id --admission --name --state --when-clean
+        --id --admission --name --state --when-clean --network --gateway
     set -l skip 0
     for word in (commandline -opc)[2..]
         if test $skip = 1
@@ -107,6 +107,7 @@ complete -c mlccactl -n __mlccactl_no_verb -a channels -d 'every delivery with i
 complete -c mlccactl -n __mlccactl_no_verb -a routes -d 'the ways between places, the links of the meshes, the rules of can-gw'
 complete -c mlccactl -n __mlccactl_no_verb -a reservations -d 'what has been promised to whom, and what is left'
 complete -c mlccactl -n __mlccactl_no_verb -a subscriptions -d 'who may subscribe over networks, and what is subscribed further on'
+complete -c mlccactl -n __mlccactl_no_verb -a cluster -d 'the gateways that share networks by a store'
 complete -c mlccactl -n __mlccactl_no_verb -a gate -d 'what the gates hold'
 complete -c mlccactl -n __mlccactl_no_verb -a query -d 'would this be admitted? changes nothing'
 complete -c mlccactl -n __mlccactl_no_verb -a what-if -d 'who would lose, who would gain? changes nothing'
@@ -143,8 +144,12 @@ complete -c mlccactl -n '__mlccactl_argument 1 gate' -a '(__mlccactl_gates)'
 complete -c mlccactl -n '__mlccactl_argument 2 announce' -a 'publisher subscriber'
 complete -c mlccactl -n '__mlccactl_argument 1 mode' -a 'enforce audit'
 complete -c mlccactl -n '__mlccactl_argument 1 audit' -a report
+complete -c mlccactl -n '__mlccactl_argument 1 cluster' -a 'status members reservations drain join'
+complete -c mlccactl -n '__mlccactl_argument 2 cluster' -a '(__mlccactl_places)'
 
-__mlccactl_option 'status' -l check -d 'one line for a monitoring system'
+__mlccactl_option 'cluster' -l network -x -a '(__mlccactl_places)' -d 'reservations of this network'
+__mlccactl_option 'cluster' -l gateway -x -a '(__mlccactl_places)' -d 'reservations of this gateway'
+__mlccactl_option 'status cluster' -l check -d 'one line for a monitoring system'
 __mlccactl_option 'gate' -l verify -d 'read back what is in force, without the daemon'
 complete -c mlccactl -n __mlccactl_verifies -l no-probes -d 'send no frames through copies of gates'
 complete -c mlccactl -n __mlccactl_verifies -l bpf-root -x -a '(__fish_complete_directories)' -d 'where the gates are pinned'
@@ -170,7 +175,7 @@ __mlccactl_option 'admit' -l hold -d 'stay, renew the lease and print what happe
 __mlccactl_option 'renew release' -l id -x -d 'one admission, as admit and explain name it'
 __mlccactl_option 'renew release' -l admission -x -d 'one admission, as admit and explain name it'
 __mlccactl_option 'renew release' -l key -x -d 'the same by the name that admit gave it'
-__mlccactl_option 'withdraw' -s y -l yes -d 'do not ask back'
+__mlccactl_option 'withdraw cluster' -s y -l yes -d 'do not ask back'
 __mlccactl_option 'announce' -l name -x -d 'name of that publisher or subscriber'
 __mlccactl_option 'announce' -l state -x -a '$__mlccactl_attributes=' -d 'what the program was made with'
 __mlccactl_option 'announce' -l follow -d 'stay and print the events of the channel'

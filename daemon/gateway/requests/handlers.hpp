@@ -36,5 +36,8 @@ Response rollout(Context& context, const Asker& asker, const control::RolloutReq
 Response rollout_state(Context& context, const Asker& asker,
                        const control::RolloutStateRequest& request);
 Response reinstate(Context& context, const Asker& asker, const control::ReinstateRequest& request);
+Response cluster(Context& context, const Asker& asker, const control::ClusterRequest& request);
+Response drain(Context& context, const Asker& asker, const control::DrainRequest& request);
+Response join(Context& context, const Asker& asker, const control::JoinRequest& request);
 
 }  // namespace mlcca::requests

@@ -40,11 +40,14 @@ constexpr std::tuple kTable{
     Row{Privilege::anyone, Trace::none, history},
     Row{Privilege::anyone, Trace::none, gate},
     Row{Privilege::anyone, Trace::none, audit},
+    Row{Privilege::anyone, Trace::none, cluster},
     Row{Privilege::member, Trace::none, renew},
     Row{Privilege::member, Trace::history, admit},
     Row{Privilege::member, Trace::history, release},
     Row{Privilege::member, Trace::history, withdraw},
     Row{Privilege::member, Trace::history, reinstate},
+    Row{Privilege::member, Trace::history, drain},
+    Row{Privilege::member, Trace::history, join},
     Row{Privilege::member, Trace::history, mode},
     Row{Privilege::member, Trace::history, reload},
     Row{Privilege::member, Trace::history, rollout},
@@ -75,7 +78,8 @@ bool takes_away(const Context& context, const control::Request& request) {
   if (const auto* mode = std::get_if<control::ModeRequest>(&request.body))
     return mode->mode == "enforce" && mode->when_clean_ns == 0 && context.modes.is_audit();
   return std::holds_alternative<control::WithdrawRequest>(request.body) ||
-         std::holds_alternative<control::ReleaseRequest>(request.body);
+         std::holds_alternative<control::ReleaseRequest>(request.body) ||
+         std::holds_alternative<control::DrainRequest>(request.body);
 }
 
 Response handle(Context& context, const Asker& asker, const control::Request& request) {

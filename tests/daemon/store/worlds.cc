@@ -156,7 +156,8 @@ class Model {
                                       .epoch_revision = pick(3),
                                       .incarnation = ++subjects_,
                                       .seen_revision = pick(1000),
-                                      .voted_digest = text()};
+                                      .voted_digest = text(),
+                                      .drained = pick(2) == 0};
     return membership_;
   }
 

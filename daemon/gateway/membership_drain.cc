@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The gateway leaves its cluster: at the end, or for as long as an operator wants it; and how that
+// is said.
+#include <fmt/format.h>
+
+#include "daemon/gateway/membership.hpp"
+#include "mlcca/arithmetic.hpp"
+
+namespace mlcca {
+namespace {
+
+constexpr Value kLeaveLimit = 5'000'000'000;  // ns
+
+}  // namespace
+
+void Membership::leave() {
+  if (!member_) return;
+  leave_until_ = add_saturating(now(), kLeaveLimit);
+  if (!leaving_) begin_leaving();
+}
+
+void Membership::begin_leaving() {
+  leaving_ = true;
+  reserving_->refuse_all("nothing was changed: this gateway is being drained");
+  static_cast<void>(bring_in_line());
+  drain_when_closed();
+}
+
+void Membership::drain_when_closed() {
+  if (!leaving_ || draining_ || !parts_.turn.in_line()) return;
+  draining_ = true;
+  reserving_->lost();
+  member_->drain(now());
+}
+
+bool Membership::may_end() const {
+  return !member_ || left_ || !store_.reachable || now() >= leave_until_;
+}
+
+/// What is due to be written goes first, so that nothing of it is taken back with this.
+Result<void> Membership::write_drained(bool drained) {
+  parts_.before_commit();
+  parts_.turn.commit();
+  store::Membership after = record();
+  after.drained = drained;
+  if (auto done = parts_.recorder.write_at_once({store::Entry(after)}); !done) return done;
+  drained_ = drained;
+  return {};
+}
+
+Result<void> Membership::drain() {
+  if (auto written = write_drained(true); !written) return written;
+  if (!leaving_) begin_leaving();
+  return {};
+}
+
+/// As a start does it: what the store still has of this gateway goes on, the rest is asked for
+/// again.
+Result<void> Membership::join() {
+  if (auto written = write_drained(false); !written) return written;
+  leaving_ = false;
+  adopting_->lost();
+  state().set_permits(nullptr);
+  begin();
+  take_up();
+  return {};
+}
+
+std::string Membership::leaving_words() const {
+  if (drained_ && left_) return "this gateway is drained: 'mlccactl cluster join' ends that";
+  return store_.reachable ? "this gateway is being drained"
+                          : "this gateway is being drained, and the store does not answer";
+}
+
+std::string Membership::closed_words() const {
+  if (permits().is_open()) return "nothing new is granted on networks of several gateways";
+  return permits().standing_is_open() ? "what is reserved on networks of several gateways is closed"
+                                      : "networks of several gateways are closed";
+}
+
+/// Of the store, which others see as well.
+void Membership::add_troubles(std::vector<std::string>& to) const {
+  if (store_.no_space)
+    to.push_back(fmt::format("cluster {}: the store is full, it takes nothing new", system_));
+  const auto& records = member_->view().records();
+  if (records.too_many) {
+    to.push_back(
+        fmt::format("cluster {}: the store has too many entries: nothing more is granted "
+                    "on networks of several gateways",
+                    system_));
+    return;
+  }
+  for (std::size_t n = 0; n < keys_->networks(); ++n)
+    if (records.unreadable(n))
+      to.push_back(
+          fmt::format("cluster {}: what the store has of {} cannot be read: nothing more "
+                      "is granted there",
+                      system_, state().system().networks[n].name));
+}
+
+}  // namespace mlcca

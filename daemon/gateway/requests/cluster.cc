@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// How this gateway stands among those with which it shares networks: who is there, and what each of
+// them has reserved.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "daemon/gateway/channel_reports.hpp"
+#include "daemon/gateway/cluster_report.hpp"
+#include "daemon/gateway/requests/handlers.hpp"
+
+namespace mlcca::requests {
+namespace {
+
+constexpr std::size_t kManyReservations = 512;
+
+/// A gateway that decides alone says no more.
+Response in_no_cluster(const Context& context, const std::string& part) {
+  const std::string& self = context.scene.state->system().gateways[context.scene.self].name;
+  if (part == "members")
+    return control::ClusterMembers{.gateway = self, .system = {}, .members = {}};
+  if (part == "reservations")
+    return control::ClusterReservations{.gateway = self, .system = {}, .reservations = {}};
+  control::Cluster out;
+  out.gateway = self;
+  out.health.state = control::HealthState::healthy;
+  return out;
+}
+
+template <class Rows>
+std::optional<std::size_t> named(const Rows& rows, const std::string& name) {
+  const auto at = std::ranges::find_if(rows, [&](const auto& row) { return row.name == name; });
+  if (at == rows.end()) return std::nullopt;
+  return static_cast<std::size_t>(at - rows.begin());
+}
+
+Response reservations_of(Context& context, const Asker& asker,
+                         const control::ClusterRequest& request) {
+  const core::System& system = context.scene.state->system();
+  const auto network = named(system.networks, request.network);
+  if (!network && !request.network.empty())
+    return invalid(fmt::format("there is no network '{}'", request.network));
+  const auto gateway = named(system.gateways, request.gateway);
+  if (!gateway && !request.gateway.empty())
+    return invalid(fmt::format("there is no gateway '{}'", request.gateway));
+  const auto make = [&context, network, gateway] {
+    return cluster_reservations(*context.membership, *context.scene.state, network, gateway);
+  };
+  const auto& known = context.membership->member().view().records().reservations;
+  if (known.size() > kManyReservations) return made_aside(context, asker, make);
+  return make();
+}
+
+}  // namespace
+
+Response cluster(Context& context, const Asker& asker, const control::ClusterRequest& request) {
+  const bool of_reservations = request.part == "reservations";
+  if (!of_reservations && request.part != "members" && !request.part.empty())
+    return invalid(fmt::format("a cluster has no '{}': members or reservations", request.part));
+  if (!of_reservations && !(request.network.empty() && request.gateway.empty()))
+    return invalid("only reservations are of a network or of a gateway");
+  if (context.membership == nullptr) return in_no_cluster(context, request.part);
+  if (of_reservations) return reservations_of(context, asker, request);
+  const core::State& state = *context.scene.state;
+  if (request.part.empty()) return cluster_report(*context.membership, state);
+  const auto make = [&context] {
+    return cluster_members(*context.membership, *context.scene.state);
+  };
+  const auto& known = context.membership->member().view().records().reservations;
+  if (context.channels.is_large() || known.size() > kManyReservations)
+    return made_aside(context, asker, make);
+  return make();
+}
+
+}  // namespace mlcca::requests

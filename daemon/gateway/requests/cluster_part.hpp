@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What is asked of the part that this gateway takes in its cluster.
+#pragma once
+#include <fmt/core.h>
+
+#include <optional>
+#include <string>
+
+#include "daemon/gateway/membership.hpp"
+#include "daemon/gateway/requests/handlers.hpp"
+
+namespace mlcca::requests {
+
+/// Why this gateway cannot do that: it takes part in no cluster, or another one is meant.
+inline std::optional<control::Error> bars_part(const Context& context, const std::string& gateway,
+                                               const char* verb) {
+  const auto& system = context.scene.state->system();
+  const std::string& self = system.gateways[context.scene.self].name;
+  if (context.membership == nullptr)
+    return invalid(
+        fmt::format("{} takes part in no cluster: /etc/mlcca/cluster.conf is not there", self));
+  if (gateway.empty() || gateway == self) return std::nullopt;
+  return invalid(fmt::format(
+      "this is {}, and each gateway alone writes what it takes part in: run 'mlccactl cluster {}' "
+      "on {}",
+      self, verb, gateway));
+}
+
+}  // namespace mlcca::requests
