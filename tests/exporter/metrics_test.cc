@@ -185,6 +185,35 @@ TEST(ExporterPage, EscapesWhatStandsInLabels) {
   EXPECT_EQ(exporter::Family("empty", "gauge", "help").text(), "");
 }
 
+TEST(ExporterPage, SaysHowTheGatewayStandsInItsCluster) {
+  Answers answers;
+  answers.live.status.emplace();
+  answers.live.cluster = test::full_cluster();
+  answers.reports.members = test::full_cluster_members();
+  const auto page = page_of(answers);
+  EXPECT_TRUE(has(page, "mlcca_cluster_phase{phase=\"other-description\"} 1")) << page;
+  EXPECT_TRUE(has(page, "mlcca_cluster_shared{state=\"closed\"} 1"));
+  EXPECT_TRUE(has(page, "mlcca_cluster_lease_seconds 8.25"));
+  EXPECT_TRUE(has(page, "mlcca_cluster_store_up 1"));
+  EXPECT_TRUE(has(page, "mlcca_cluster_description_same 0"));
+  EXPECT_TRUE(has(page, R"(mlcca_cluster_member{gateway="gw2",state="silent"} 1)"));
+  EXPECT_TRUE(has(page, R"(mlcca_cluster_member_beat_age_seconds{gateway="gw2"} 75)"));
+  EXPECT_TRUE(has(page, R"(mlcca_cluster_reservations{gateway="gw1",network="mesh"} 1)"));
+  EXPECT_TRUE(
+      has(page, R"(mlcca_cluster_reserved_bytes_per_second{gateway="gw1",network="mesh"} 400000)"));
+  EXPECT_EQ(series(page, "mlcca_cluster_member_beat_age_seconds"), 2U) << "gw3 has none";
+  EXPECT_EQ(series(page_of(answers, {.others = 1}), "mlcca_cluster_member"), 1U);
+  EXPECT_TRUE(has(page_of(answers, {.others = 1}), "mlcca_exporter_left_out{kind=\"gateways\"} 2"));
+}
+
+TEST(ExporterPage, SaysNothingOfAClusterThatTheGatewayIsNotIn) {
+  Answers answers;
+  answers.live.status.emplace();
+  answers.live.cluster.emplace();
+  answers.reports.members.emplace();
+  EXPECT_EQ(page_of(answers).find("mlcca_cluster"), std::string::npos);
+}
+
 /// A daemon that counts what it is asked, and refuses `refused` where that is not empty.
 struct Scene {
   test::Server server{[this](const control::Request& request) {
@@ -235,11 +264,11 @@ TEST(ExporterScrapes, AsksForReportsBetweenScrapesAndNeverShowsThoseOfAnotherDes
 TEST(ExporterScrapes, SaysOnceWhatTheDaemonRefusesAndCountsEachTime) {
   Scene scene;
   (void)scene.network();
-  ASSERT_EQ(scene.said.size(), 3U);
+  ASSERT_EQ(scene.said.size(), 5U);
   EXPECT_EQ(std::ranges::count(scene.said, "gate: full"), 1);
   scene.loaded = 2;
   const auto page = scene.scrapes.page();
-  EXPECT_EQ(scene.said.size(), 3U);
+  EXPECT_EQ(scene.said.size(), 5U);
   EXPECT_TRUE(has(page, R"(mlcca_exporter_scrape_errors_total{request="gate"} 2)"));
 }
 

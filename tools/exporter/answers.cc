@@ -14,10 +14,10 @@ Asking::Asking(const std::string& path, std::chrono::milliseconds patience) {
 }
 
 template <class Question, class Answer>
-void Asking::ask(const char* request, std::optional<Answer>& to) {
+void Asking::ask(const char* request, std::optional<Answer>& to, Question question) {
   // A reload that comes between two slices ends the answer: the second try begins after it.
   for (int tries = 2; tries > 0 && client_; --tries) {
-    auto reply = client_->call({0, Question{}});
+    auto reply = client_->call({0, question});
     if (!reply) {
       client_.reset();
       failed(request, reply.error().text);
@@ -36,6 +36,7 @@ Live Asking::live() {
   Live live;
   ask<control::StatusRequest>("status", live.status);
   ask<control::ChannelsRequest>("channels", live.channels);
+  ask<control::ClusterRequest>("cluster", live.cluster);
   return live;
 }
 
@@ -45,6 +46,8 @@ Reports Asking::reports() {
   ask<control::ReservationsRequest>("reservations", reports.reservations);
   ask<control::GateRequest>("gate", reports.gates);
   ask<control::RoutesRequest>("routes", reports.routes);
+  ask<control::ClusterRequest>("members", reports.members,
+                               {.part = "members", .network = {}, .gateway = {}});
   return reports;
 }
 

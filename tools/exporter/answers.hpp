@@ -16,6 +16,7 @@ namespace mlcca::exporter {
 struct Live {
   std::optional<control::Status> status;
   std::optional<control::Channels> channels;
+  std::optional<control::Cluster> cluster;
 };
 
 /// What it makes beside its loop, for which it forks: tens of ms, and not as often as one likes
@@ -25,6 +26,7 @@ struct Reports {
   std::optional<control::Reservations> reservations;
   std::optional<control::Gates> gates;
   std::optional<control::Routes> routes;
+  std::optional<control::ClusterMembers> members;
 };
 
 struct Failure {
@@ -49,7 +51,7 @@ class Asking {
 
  private:
   template <class Question, class Answer>
-  void ask(const char* request, std::optional<Answer>& to);
+  void ask(const char* request, std::optional<Answer>& to, Question question = {});
   void failed(const char* request, std::string why) {
     failures_.push_back({request, std::move(why)});
   }

@@ -48,8 +48,8 @@ void add_self(const Answers& answers, const LeftOut& left_out, const Past& past,
   scrapes.append_to(page);
   Family failures("mlcca_exporter_scrape_errors_total", "counter",
                   "Requests to mlccad that failed since this exporter started.");
-  for (const char* request :
-       {"connect", "status", "networks", "channels", "reservations", "gate", "routes"}) {
+  for (const char* request : {"connect", "status", "networks", "channels", "reservations", "gate",
+                              "routes", "cluster", "members"}) {
     const auto known = past.failures.find(request);
     failures.add(Labels{{"request", request}},
                  known == past.failures.end() ? std::uint64_t{0} : known->second);
@@ -105,6 +105,11 @@ std::string page(const Answers& answers, const Most& most, const Past& past, dou
     add_status(*live.status, most, left_out, page);
     add_networks(reports, most, left_out, page);
     if (reports.gates) add_gates(*reports.gates, most, left_out, page);
+    // Where the gateway takes part in none, there is nothing to be said of a cluster.
+    if (live.cluster && !live.cluster->system.empty()) {
+      add_cluster(*live.cluster, page);
+      if (reports.members) add_members(*reports.members, most, left_out, page);
+    }
     if (live.channels) add_deliveries(*live.channels, most, left_out, page);
   }
   add_self(answers, left_out, past, took_s, page);

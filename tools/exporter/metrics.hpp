@@ -38,6 +38,9 @@ void add_networks(const Reports& reports, const Most& most, LeftOut& left_out, s
 void add_gates(const control::Gates& gates, const Most& most, LeftOut& left_out, std::string& page);
 void add_deliveries(const control::Channels& channels, const Most& most, LeftOut& left_out,
                     std::string& page);
+void add_cluster(const control::Cluster& cluster, std::string& page);
+void add_members(const control::ClusterMembers& members, const Most& most, LeftOut& left_out,
+                 std::string& page);
 
 /// A reason in which "N" stands for each number that stands alone: what counts frames or seconds
 /// would be another time series with each scrape.
