@@ -5,7 +5,7 @@ import { bits, count, duration, many, moment, percent, rate, value } from "./for
 import { kStates } from "./model.js";
 
 const fact = (name, text) => (text === "" || text === null || text === undefined ? [] : [h("dt", {}, name), h("dd", {}, text)]);
-const table = (caption, names, rows) => h("div", { class: "wide", tabindex: 0, role: "region", "aria-label": caption },
+export const table = (caption, names, rows) => h("div", { class: "wide", tabindex: 0, role: "region", "aria-label": caption },
   h("table", { "data-names": names[2] === "Required" }, h("caption", {}, caption), h("thead", {}, h("tr", {}, names.map((n) => h("th", { scope: "col" }, n)))),
     h("tbody", {}, rows)));
 

@@ -3,6 +3,7 @@
 /* global cockpit */
 import { ask, follow, kLive } from "./ask.js";
 import { admit, changeMode, reinstate, release, reload, withdraw } from "./changes.js";
+import { clusterParts } from "./cluster.js";
 import { channelDetail, placeDetail, silence, verdict } from "./detail.js";
 import { by, h, svg } from "./dom.js";
 import { draw } from "./drawing.js";
@@ -15,7 +16,7 @@ const kEntries = 200; // of the history that are shown, and that are asked for w
 const kSearched = 10000; // that are asked for else: as many as mlccactl gives
 const kSamples = 240; // of what is reserved and used, for as long as the page is open
 const kLoud = ["withdrawn", "revoked", "network-down", "removed", "refused", "missing", "lapsed", "drift", "bypass", "mode", "trouble"];
-const now = { status: null, networks: [], channels: [], reservations: [], routes: { links: [] }, history: [], audit: null, live: false, taken: 0,
+const now = { status: null, networks: [], channels: [], reservations: [], routes: { links: [] }, history: [], audit: null, cluster: null, members: null, taken_there: null, live: false, taken: 0,
   counted: new Counted() };
 const samples = new Map();
 let chosen = null; // key of the channel whose detail is open
@@ -220,7 +221,8 @@ function auditPanel() {
 
 // What a tab has, and what shows it again: those with fields are not made again.
 const kTabs = { channels: ["Channels", channelsPanel, showChannels], reserved: ["Reserved", reservedPanel],
-  history: ["History", historyPanel, showHistory], found: ["Refused", auditPanel] };
+  history: ["History", historyPanel, showHistory], found: ["Refused", auditPanel],
+  cluster: ["Cluster", () => clusterParts(now.cluster, now.members, now.taken_there)] };
 let tab = "channels";
 function openTab(name, focus) {
   tab = name;
@@ -231,6 +233,7 @@ function openTab(name, focus) {
   }
   if (focus) by(`tab-${name}`).focus();
   showTab();
+  if (name === "cluster" && now.cluster?.system && !now.taken_there) refresh();
 }
 function showTab() {
   const [, panel, show] = kTabs[tab];
@@ -256,6 +259,11 @@ function makeTabs() {
 // --- asking ---------------------------------------------------------------------------------------
 
 let asking = false, again = false, due;
+/** An mlccad from before there were clusters does not know the question. What is reserved may be long. */
+function askCluster() {
+  const shown = tab === "cluster" || !kLive;
+  return ["status", "members", shown ? "reservations" : null].map((part) => part && ask("cluster", part).catch(() => null));
+}
 /** Status first, so that what matters is seen while the rest is on its way. */
 async function refresh() {
   clearTimeout(due);
@@ -265,13 +273,17 @@ async function refresh() {
     now.status = await ask("status");
     showHealth();
     const taken = kLive ? Date.now() * 1e6 : now.status.taken_unix_ns;
-    const parts = await Promise.all([ask("channels"), ask("networks"), ask("routes"), ask("reservations"), ask("history", "--limit", pastAsked()), ask("audit", "report")]);
+    const parts = await Promise.all([ask("channels"), ask("networks"), ask("routes"), ask("reservations"), ask("history", "--limit", pastAsked()), ask("audit", "report"),
+      ...askCluster()]);
     now.channels = sorted(parts[0].channels);
     now.networks = parts[1].networks;
     now.routes = parts[2];
     now.reservations = parts[3].resources;
     now.history = parts[4].entries;
     now.audit = parts[5];
+    now.cluster = parts[6];
+    now.members = parts[7]?.members ?? null;
+    now.taken_there = parts[8]?.reservations ?? now.taken_there;
     now.taken = taken;
     now.counted.take(now.channels, taken);
     for (const r of now.reservations) if (r.capacity) {
