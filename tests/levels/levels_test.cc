@@ -508,7 +508,7 @@ TEST_F(Levels, TheTwinNeverContradictsCheck) {
 /// In one of the sets, so that check can refuse what the twin has nothing against.
 bool states_too_little(const core::Publisher& publisher) {
   for (std::size_t set = 0; set <= publisher.lower.size(); ++set) {
-    const core::AttributeSet& stated = core::attributes_in(publisher, set);
+    const AttributeSet& stated = core::attributes_in(publisher, set);
     if (!stated.has(Attribute::period) || !stated.has(Attribute::max_payload)) return true;
   }
   return false;
