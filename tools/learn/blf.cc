@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ constexpr std::uint32_t kNothing = 0;
 constexpr std::uint32_t kLongestObject = 1U << 20U;      // of which one is a frame
 constexpr std::uint32_t kLargestContainer = 64U << 20U;  // uncompressed; tools write 128 KiB
 constexpr std::size_t kHeader = 16;                      // that all objects have
+constexpr std::size_t kBefore = 32;                      // of a container, what is before its data
 constexpr std::uint32_t kTenMicroseconds = 1;            // unit of times; else ns
 
 template <class Number>
@@ -45,7 +47,8 @@ class Blf {
       if (at<std::uint32_t>(all, offset) != kObject)
         return fail("offset " + std::to_string(offset) + ": no object begins here");
       const std::uint64_t size = at<std::uint32_t>(all, offset + 8);
-      if (size < kHeader || size > all.size() - offset)
+      if (size > all.size() - offset) return take_cut(all.subspan(offset), offset, size);
+      if (size < kHeader)
         return fail("offset " + std::to_string(offset + 8) + ": an object of " +
                     std::to_string(size) + " bytes does not fit into the file");
       const Bytes object = all.subspan(offset, size);
@@ -61,18 +64,47 @@ class Blf {
   }
 
  private:
-  Result<void> open_container(Bytes object) {
-    constexpr std::size_t before = 32;
-    if (object.size() < before) return fail("a container without its header");
+  /// The file ends within this object, as it does when its writer was ended: what is complete in a
+  /// container is taken.
+  Result<void> take_cut(Bytes object, std::size_t offset, std::uint64_t size) {
+    if (at<std::uint32_t>(object, 12) == kContainer && object.size() > kBefore)
+      (void)open_container(object, true);
+    if (recording_.handed_over == 0)
+      return fail("offset " + std::to_string(offset + 8) + ": an object of " +
+                  std::to_string(size) + " bytes does not fit into the file");
+    recording_.pass_over("offset " + std::to_string(offset) +
+                         ": the file ends within an object of " + std::to_string(size) + " bytes");
+    return {};
+  }
+
+  /// What there is of a container whose end is missing.
+  static std::size_t uncompress_cut(Bytes packed, std::span<std::uint8_t> to) {
+    z_stream stream{};
+    if (::inflateInit(&stream) != Z_OK) return 0;
+    stream.next_in = const_cast<Bytef*>(packed.data());  // NOLINT(*-const-cast): zlib only reads it
+    stream.avail_in = static_cast<uInt>(packed.size());
+    stream.next_out = to.data();
+    stream.avail_out = static_cast<uInt>(to.size());
+    (void)::inflate(&stream, Z_SYNC_FLUSH);
+    const std::size_t done = to.size() - stream.avail_out;
+    (void)::inflateEnd(&stream);
+    return done;
+  }
+
+  Result<void> open_container(Bytes object, bool is_cut = false) {
+    if (object.size() < kBefore) return fail("a container without its header");
     const auto method = at<std::uint16_t>(object, kHeader);
     const auto size = at<std::uint32_t>(object, kHeader + 8);
-    const Bytes packed = object.subspan(before);
+    const Bytes packed = object.subspan(kBefore);
     if (size > kLargestContainer)
       return fail("a container of " + std::to_string(size) +
                   " bytes: " + std::to_string(kLargestContainer) + " are the limit");
     const std::size_t kept = rest_.size();
     if (method == 0) {
       rest_.insert(rest_.end(), packed.begin(), packed.end());
+    } else if (method == 2 && is_cut) {
+      rest_.resize(kept + size);
+      rest_.resize(kept + uncompress_cut(packed, std::span(rest_).subspan(kept)));
     } else if (method == 2) {
       rest_.resize(kept + size);
       uLongf length = size;

@@ -20,6 +20,7 @@ struct Recording {
   const OnFrame& on_frame;
   std::string stem;  ///< of the file's name: what formats without interface names call theirs
   Left left{};
+  std::uint64_t handed_over = 0;  ///< frames
 
   /// Something that is no frame, and is passed over.
   void pass_over(const std::string& what) {
@@ -32,8 +33,10 @@ struct Recording {
       pass_over("an identifier of 11 bits above 0x7ff");
     else if (frame.interface >= Interfaces::kMost)
       ++left.interfaces;
-    else
+    else {
+      ++handed_over;
       on_frame(frame);
+    }
   }
 };
 

@@ -193,6 +193,31 @@ TEST(Recording, ReadsLogsOfVectorInBinaryAlsoOverTheEndsOfContainers) {
   }
 }
 
+TEST(Recording, OfALogInBinaryThatIsCutOffWhatIsCompleteIsRead) {
+  std::string all;
+  for (std::size_t i = 0; i < 400; ++i)
+    all += blf_object(1,
+                      little(1, 2) + std::string("\0\2", 2) + little(0x100 + i, 4) +
+                          little(i * 0x9e3779b97f4a7c15, 8),
+                      i);
+  for (const bool compressed : {false, true}) {
+    const std::string whole = blf_of({all, all}, compressed);
+    // Within the second container, and within the only one.
+    const auto later = read(whole.substr(0, whole.size() - 500), "x.blf");
+    EXPECT_EQ(later.error, "");
+    EXPECT_GT(later.sent.size(), 500U);
+    EXPECT_LT(later.sent.size(), 800U);
+    EXPECT_TRUE(later.left.first.contains("the file ends within an object of")) << later.left.first;
+    EXPECT_EQ(later.left.lines, 1U);
+    const std::string one = blf_of({all}, compressed);
+    const auto first = read(one.substr(0, one.size() / 2), "x.blf");
+    EXPECT_EQ(first.error, "");
+    EXPECT_GT(first.sent.size(), 50U);
+    EXPECT_LT(first.sent.size(), 400U);
+    EXPECT_NE(read(whole.substr(0, 170), "x.blf").error, "") << "there is no frame in it";
+  }
+}
+
 TEST(Recording, SaysWhatIsWrongWithAFile) {
   EXPECT_TRUE(read("hello\n").error.contains("this is no recording that can be read"));
   EXPECT_TRUE(read("").error.contains("the file is empty"));
