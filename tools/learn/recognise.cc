@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 
 namespace mlcca::learn {
 namespace {
@@ -13,6 +14,21 @@ constexpr std::size_t kMostIdentifiers = 4096;
 
 unsigned percent_of(std::size_t part, std::size_t all) {
   return all == 0 ? 0 : static_cast<unsigned>(part * 100 / all);
+}
+
+std::string counted(std::size_t count, std::string_view one, std::string_view several) {
+  return fmt::format("{} {}", count, count == 1 ? one : several);
+}
+
+/// One fast message is most of the frames of a bus, and many that come once are most of its
+/// identifiers: what more of them have counts.
+struct Share {
+  unsigned percent = 0;
+  std::string_view of;
+};
+Share larger(unsigned of_frames, unsigned of_identifiers) {
+  return of_identifiers > of_frames ? Share{of_identifiers, "identifiers"}
+                                    : Share{of_frames, "frames"};
 }
 
 }  // namespace
@@ -70,8 +86,11 @@ void Recogniser::add_groups(std::uint32_t id) {
   constexpr std::uint32_t pdu2 = 240;
   const std::uint32_t format = id >> 16U & 0xffU;
   const bool page0 = (id >> 24U & 3U) == 0;
-  if (page0 && format >= pdu2) ++broadcast_;
-  if (page0 && std::ranges::find(managing, format) != managing.end()) ++management_;
+  const bool broadcast = page0 && format >= pdu2;
+  const bool manages = page0 && std::ranges::find(managing, format) != managing.end();
+  if (broadcast) ++broadcast_;
+  if (manages) ++management_;
+  if (parameters_.size() < kMostIdentifiers) parameters_.try_emplace(id, broadcast || manages);
   const std::uint32_t tag = id & 0x3fffU;
   if ((id >> 22U & 0x7fU) == 0x7d && (tag == 2 || tag == 4)) ++binding_;
 }
@@ -80,22 +99,35 @@ Recognised Recogniser::result() const {
   if (frames_ == 0) return {core::Profile::raw, 0, "no frames were seen"};
   const unsigned extended = percent_of(extended_, frames_);
   if (extended >= 90) return of_extended();
-  if (extended_ == 0 && !heartbeats_.empty()) {
-    // Function codes of the predefined connection set, of nodes that are alive.
-    std::size_t known = 0;
-    for (const auto& [id, count] : standard_)
-      if (id <= 0x80 || heartbeats_.contains(id & 0x7fU)) known += count;
-    const unsigned share = percent_of(known, frames_);
-    if (share >= 80)
-      return {core::Profile::canopen, std::min(60 + share / 3, 95U),
-              fmt::format("{} nodes send heart-beats (0x700 and the node), {} % of the frames are "
-                          "theirs, SYNC or NMT{}",
-                          heartbeats_.size(), share, services_ == 0 ? "" : ", and there are SDOs")};
-  }
+  if (extended_ == 0) return of_standard();
   return {core::Profile::raw, 90,
-          extended_ == 0
-              ? std::string("11-bit identifiers without the traffic of CANopen")
-              : fmt::format("{} % of the frames have 29-bit identifiers, the others 11", extended)};
+          fmt::format("{} % of the frames have 29-bit identifiers, the others 11", extended)};
+}
+
+Recognised Recogniser::of_standard() const {
+  if (!heartbeats_.empty()) {
+    // Function codes of the predefined connection set, of nodes that are alive.
+    std::size_t frames = 0;
+    std::size_t identifiers = 0;
+    for (const auto& [id, count] : standard_)
+      if (id <= 0x80 || heartbeats_.contains(id & 0x7fU)) {
+        frames += count;
+        ++identifiers;
+      }
+    const Share share =
+        larger(percent_of(frames, frames_), percent_of(identifiers, standard_.size()));
+    if (share.percent >= 80)
+      return {core::Profile::canopen, std::min(60 + share.percent / 3, 95U),
+              fmt::format("{} heart-beats (0x700 and the node), {} % of the {} are theirs, SYNC or "
+                          "NMT{}",
+                          counted(heartbeats_.size(), "node sends", "nodes send"), share.percent,
+                          share.of, services_ == 0 ? "" : ", and there are SDOs")};
+  }
+  constexpr std::size_t enough = 100;  // frames
+  const std::string_view why = "11-bit identifiers without the traffic of CANopen";
+  if (frames_ >= enough) return {core::Profile::raw, 90, std::string(why)};
+  return {core::Profile::raw, 50 + static_cast<unsigned>(frames_ * 40 / enough),
+          fmt::format("{}, in {} only", why, counted(frames_, "frame", "frames"))};
 }
 
 Recognised Recogniser::of_extended() const {
@@ -108,18 +140,31 @@ Recognised Recogniser::of_extended() const {
                         successors)};
   if (binding_ != 0)
     return {Profile::famouso, 95,
-            fmt::format("{} frames ask for tags or deal them, with priority 0x7d", binding_)};
-  const unsigned j1939 = percent_of(broadcast_ + management_, extended_);
-  if (j1939 >= 70 && management_ != 0)
-    return {Profile::j1939, std::min(70 + j1939 / 4, 98U),
-            fmt::format("29-bit identifiers, {} % of them of PGNs that go to everybody or manage "
-                        "the network ({} address claims, requests or announcements)",
-                        j1939, management_)};
-  if (j1939 >= 80)
-    return {Profile::j1939, 70,
-            fmt::format("29-bit identifiers, {} % of them of PGNs that go to everybody; no address "
-                        "claim was seen",
-                        j1939)};
+            fmt::format("{} for tags or deal{} them, with priority 0x7d",
+                        counted(binding_, "frame asks", "frames ask"), binding_ == 1 ? "s" : "")};
+  return of_groups();
+}
+
+Recognised Recogniser::of_groups() const {
+  using core::Profile;
+  const auto known = static_cast<std::size_t>(
+      std::ranges::count_if(parameters_, [](const auto& one) { return one.second; }));
+  const Share share = larger(percent_of(broadcast_ + management_, extended_),
+                             percent_of(known, parameters_.size()));
+  const std::string seen =
+      fmt::format("29-bit identifiers, {} % of the {} of PGNs that go to everybody{}",
+                  share.percent, share.of, management_ == 0 ? "" : " or manage the network");
+  if (share.percent >= 70 && management_ != 0)
+    return {Profile::j1939, std::min(70 + share.percent / 4, 98U),
+            fmt::format("{} ({})", seen,
+                        counted(management_, "address claim, request or announcement",
+                                "address claims, requests or announcements"))};
+  if (share.percent >= 80)
+    return {Profile::j1939, 70, fmt::format("{}; no address claim was seen", seen)};
+  constexpr unsigned close = 40;
+  if (share.percent >= close)
+    return {Profile::raw, 60, fmt::format("{}, which is too few for J1939 to be sure", seen),
+            Profile::j1939};
   return {Profile::raw, 60, "29-bit identifiers of no profile that is known here"};
 }
 

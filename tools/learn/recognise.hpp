@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,8 @@ struct Recognised {
   core::Profile profile = core::Profile::raw;
   unsigned percent = 0;  ///< how sure
   std::string why;       ///< what was seen, in one line
+  /// It may be this one: a close call.
+  std::optional<core::Profile> perhaps = {};
 };
 
 /// The first frames of an interface.
@@ -32,7 +35,9 @@ class Recogniser {
   void add_standard(const Frame& frame);
   void add_tail(const Frame& frame);
   void add_groups(std::uint32_t id);
+  [[nodiscard]] Recognised of_standard() const;
   [[nodiscard]] Recognised of_extended() const;
+  [[nodiscard]] Recognised of_groups() const;
 
   std::size_t frames_ = 0;
   std::size_t extended_ = 0;
@@ -41,8 +46,9 @@ class Recogniser {
   std::size_t successors_ = 0;
   std::size_t compared_ = 0;
   // J1939
-  std::size_t broadcast_ = 0;   ///< PDU2 of data page 0
-  std::size_t management_ = 0;  ///< claims, requests, announcements
+  std::size_t broadcast_ = 0;                 ///< frames: PDU2 of data page 0
+  std::size_t management_ = 0;                ///< claims, requests, announcements
+  std::map<std::uint32_t, bool> parameters_;  ///< identifiers: these, or others
   // FAMOUSO
   std::size_t binding_ = 0;
   // CANopen

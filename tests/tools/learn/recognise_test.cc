@@ -71,6 +71,53 @@ TEST(Recogniser, ParameterGroupsAndClaimsAreJ1939) {
   EXPECT_GE(recognised(sent).percent, 90U);
 }
 
+/// One message that goes to a single node (TSC1) may be most of the frames.
+TEST(Recogniser, OfABusWithOneFastMessageToANodeTheIdentifiersCount) {
+  std::vector<test::Sent> sent;
+  const auto repeat = [&](std::uint32_t id, int times) {
+    for (int i = 0; i < times; ++i)
+      sent.push_back(frame(id | kExtended, {1, 2, 3, 4, 5, 6, 7, static_cast<std::uint8_t>(i)}));
+  };
+  repeat(0x0c000003, 1000);
+  for (const std::uint32_t id : {0x0cf00203U, 0x0cf00300U, 0x18f0010bU, 0x18fef100U, 0x18fef200U})
+    repeat(id, 100);
+  const auto is = recognised(sent);
+  EXPECT_EQ(is.profile, Profile::j1939);
+  EXPECT_TRUE(is.why.contains("83 % of the identifiers of PGNs that go to everybody")) << is.why;
+  repeat(0x18eafff9, 1);
+  EXPECT_GE(recognised(sent).percent, 90U) << "and requests";
+}
+
+TEST(Recogniser, WhatMayBeJ1939IsSaidToBePerhaps) {
+  std::vector<test::Sent> sent;
+  for (std::uint8_t i = 0; i < 100; ++i)
+    for (const std::uint32_t id : {0x0c000003U, 0x0cf00400U})
+      sent.push_back(frame(id | kExtended, {1, 2, 3, 4, 5, 6, 7, i}));
+  const auto is = recognised(sent);
+  EXPECT_EQ(is.profile, Profile::raw);
+  EXPECT_EQ(is.perhaps, Profile::j1939);
+  EXPECT_TRUE(is.why.contains("50 % of the frames of PGNs")) << is.why;
+}
+
+TEST(Recogniser, OfOneFastMessageBesideCanopenTheIdentifiersCount) {
+  std::vector<test::Sent> sent;
+  for (std::uint8_t i = 0; i < 100; ++i) {
+    for (int n = 0; n < 20; ++n) sent.push_back(frame(0x123, {i, 2}));
+    for (const std::uint32_t id : {0x185U, 0x285U, 0x385U, 0x485U}) sent.push_back(frame(id, {i}));
+    sent.push_back(frame(0x705, {5}));
+  }
+  const auto is = recognised(sent);
+  EXPECT_EQ(is.profile, Profile::canopen);
+  EXPECT_TRUE(is.why.starts_with("1 node sends heart-beats")) << is.why;
+  EXPECT_TRUE(is.why.contains("83 % of the identifiers are theirs")) << is.why;
+}
+
+TEST(Recogniser, OfFewFramesItIsLessSure) {
+  const auto one = recognised({frame(0x123, {1})});
+  EXPECT_LE(one.percent, 50U);
+  EXPECT_TRUE(one.why.ends_with("in 1 frame only")) << one.why;
+}
+
 TEST(Recogniser, TagsThatAreAskedForAreFamouso) {
   std::vector<test::Sent> sent = {frame(0x1f480002U | kExtended, {1, 2, 3, 4, 5, 6, 7, 8}),
                                   frame(0x1f5fc004U | kExtended, {1, 2, 3, 4, 5, 6, 7, 8})};
