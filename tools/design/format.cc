@@ -85,6 +85,7 @@ class FormatVerb {
       return;
     }
     if (prints_text) {
+      fmt::print(stderr, "{}", kept_in_words(result));
       print(result.text);
       return;
     }
@@ -94,9 +95,14 @@ class FormatVerb {
                                : fmt::format("{} attribute{} in the {}", result.attributes,
                                              result.attributes == 1 ? "" : "s",
                                              options_.brief ? "short form" : "form of the paper"));
+    print(text + kept_in_words(result));
+  }
+
+  static std::string kept_in_words(const Rewritten& result) {
+    std::string out;
     for (const auto& one : result.kept)
-      text += fmt::format("  line {}: {} stays an element: {}\n", one.line, one.name, one.why);
-    print(text);
+      out += fmt::format("  line {}: {} stays an element: {}\n", one.line, one.name, one.why);
+    return out;
   }
 
   void print(const std::string& text) {

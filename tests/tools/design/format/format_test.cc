@@ -258,6 +258,9 @@ TEST(FormatVerb, SaysWhatStaysAnElement) {
             file +
                 ": nothing to change\n  line 4: Omission stays an element: a comment stands "
                 "with it\n");
+  const auto printed = run({"format", "--short", file});
+  EXPECT_EQ(printed.out, content_of(file));
+  EXPECT_EQ(printed.error, "  line 4: Omission stays an element: a comment stands with it\n");
   const auto json = nlohmann::json::parse(run({"--json", "format", "--short", file}).out);
   EXPECT_EQ(json["changed"], false);
   EXPECT_EQ(json["kept"][0]["line"], 4);
