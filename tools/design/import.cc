@@ -150,8 +150,9 @@ class Import {
       return say(json(draft).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
     for (const auto& network : networks_) {
       fmt::print(stderr, "{}", to_text(network.lacks, network.file));
-      fmt::print(stderr, "{}: {} messages of {} nodes\n", printable(network.file),
-                 network.messages.size(), network.nodes.size());
+      fmt::print(stderr, "{}: {} message{} of {} node{}\n", printable(network.file),
+                 network.messages.size(), network.messages.size() == 1 ? "" : "s",
+                 network.nodes.size(), network.nodes.size() == 1 ? "" : "s");
     }
     return a_.output.empty() ? say(draft) : Exit::fine;
   }

@@ -80,6 +80,11 @@ class DdsMeaning {
       reader(end, called, as);
     omission(end, called, as);
     for (const auto& policy : end.policies) list(policy, called);
+    if (end.topic.find_first_of("*?[") != std::string::npos)
+      lack("pattern",
+           "stands for topics that are not known here: it became one channel, so describe one for "
+           "each topic",
+           end.line, called);
     (end.writes ? next.senders : next.receivers).push_back(as);
     joiner_.add(std::move(next), {});
   }

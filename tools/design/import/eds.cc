@@ -158,8 +158,15 @@ class EdsMeaning {
   /// Whose heart-beats this node waits for. How long it waits is a requirement that only a person
   /// can turn into an Omission.
   void consumers() {
-    const auto count = std::min(number(0x1016, 0).value_or(0), kMostNode);
-    for (std::uint32_t sub = 1; sub <= count; ++sub) {
+    // Some files leave out how many there are.
+    const auto count = std::min(number(0x1016, 0).value_or(kMostNode), kMostNode);
+    for (std::uint32_t sub = 1; sub <= kMostNode; ++sub) {
+      if (sub > count) {
+        if (const int line = line_of(0x1016, sub); line != 0)
+          lack("consumer-count", "is beyond the number of heart-beats that is stated: left out",
+               line, fmt::format("[1016sub{:x}]", sub));
+        continue;
+      }
       const auto value = number(0x1016, sub).value_or(0);
       const auto node = (value >> 16U) & 0xffU;
       if (node == 0 || node > kMostNode || node == node_ || (value & 0xffffU) == 0) continue;

@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t kMostObjects = 100'000;
 constexpr std::size_t kMostLine = 4'096;
+constexpr std::uint32_t kMostIndex = 0xffff;
 
 std::string in_small(std::string_view text) {
   std::string out(text);
@@ -60,6 +61,7 @@ class EdsReader {
     if (line.front() == '[') {
       if (line.back() != ']') return wrong("a section ends with ']'");
       section_ = in_small(without_blanks(line.substr(1, line.size() - 2)));
+      values_of_ = index_of_values(section_);
       object_ = object_of(section_);
       return {};
     }
@@ -68,6 +70,7 @@ class EdsReader {
       return wrong("must be [SECTION], NAME=VALUE or a comment behind ';'");
     const auto name = in_small(without_blanks(line.substr(0, equals)));
     const auto value = without_blanks(line.substr(equals + 1));
+    if (values_of_) return compact_value(name, value);
     if (object_) return entry(name, value);
     if (section_ == "deviceinfo" && name == "productname") out_.product = value;
     if (section_ == "devicecomissioning" || section_ == "devicecommissioning") {
@@ -78,23 +81,45 @@ class EdsReader {
     return {};
   }
 
+  /// CiA 306: an object with CompactSubObj has its values in a section of their own, "1800Value",
+  /// by their sub-indices.
+  static std::optional<std::uint32_t> index_of_values(std::string_view section) {
+    constexpr std::string_view end = "value";
+    if (!section.ends_with(end)) return std::nullopt;
+    section.remove_suffix(end.size());
+    const auto index = number_in<std::uint32_t>(section, kHexadecimalBase);
+    return index && *index <= kMostIndex ? index : std::nullopt;
+  }
+
+  Result<void> compact_value(std::string_view name, std::string_view value) {
+    constexpr std::uint32_t most = 254;
+    const auto sub = constant(name);
+    if (!sub || *sub == 0 || *sub > most || value.empty()) return {};
+    return put({*values_of_, *sub}, value, true);
+  }
+
   Result<void> entry(std::string_view name, std::string_view value) {
+    if (name == "compactsubobj" && object_->second == 0) return put(*object_, value, true);
     if ((name != "defaultvalue" && name != "parametervalue") || value.empty()) return {};
-    if (out_.objects.size() >= kMostObjects && !out_.objects.contains(*object_))
-      return wrong(fmt::format("there are more than {} objects", kMostObjects));
-    auto& there = out_.objects[*object_];
     // What the device is given goes before what it has from the start.
-    if (there.line == 0 || name == "parametervalue") there = {line_, std::string(value)};
+    return put(*object_, value, name == "parametervalue");
+  }
+
+  Result<void> put(const std::pair<std::uint32_t, std::uint32_t>& object, std::string_view value,
+                   bool replaces) {
+    if (out_.objects.size() >= kMostObjects && !out_.objects.contains(object))
+      return wrong(fmt::format("there are more than {} objects", kMostObjects));
+    auto& there = out_.objects[object];
+    if (there.line == 0 || replaces) there = {line_, std::string(value)};
     return {};
   }
 
   /// "1800" and "1800sub1".
   static std::optional<std::pair<std::uint32_t, std::uint32_t>> object_of(
       std::string_view section) {
-    constexpr std::uint32_t most = 0xffff;
     auto rest = section;
     const auto index = take_number<std::uint32_t>(rest, kHexadecimalBase);
-    if (!index || *index > most) return std::nullopt;
+    if (!index || *index > kMostIndex) return std::nullopt;
     if (rest.empty()) return std::pair(*index, 0U);
     if (!rest.starts_with("sub")) return std::nullopt;
     const auto sub = number_in<std::uint32_t>(rest.substr(3), kHexadecimalBase);
@@ -107,6 +132,7 @@ class EdsReader {
   int line_ = 0;
   std::string section_;
   std::optional<std::pair<std::uint32_t, std::uint32_t>> object_;
+  std::optional<std::uint32_t> values_of_;  ///< the index of an object, in its section of values
   EdsFile out_;
 };
 

@@ -240,7 +240,7 @@ Result<void> add_channel(Plan& plan, std::string_view text) {
   const auto period = parse_attribute("Period=" + parts[1], Role::offered);
   if (!period) return std::unexpected(period.error());
   next.period = period->value;
-  if (next.period == 0) return fail("a Period is more than 0");
+  if (next.period == 0) return fail(fmt::format("'{}': a Period is more than 0", text));
   const auto bytes = number_in<Value>(parts[2]);
   if (!bytes || *bytes == 0 || *bytes > kMostBytes)
     return fail(fmt::format("'{}': a number of bytes, 1 to {}", parts[2], kMostBytes));

@@ -57,6 +57,14 @@ TEST_F(DdsImportTest, ParametersOfRos2AreChannelsWithTheirTimes) {
   expect_no_errors();
 }
 
+TEST_F(DdsImportTest, APatternOfTopicsIsListed) {
+  const auto out = json("dds.xml",
+                        "<dds><qos_library name=\"L\"><qos_profile name=\"P\">"
+                        "<datawriter_qos topic_filter=\"a*\"><deadline><period><sec>1</sec>"
+                        "</period></deadline></datawriter_qos></qos_profile></qos_library></dds>");
+  EXPECT_EQ(lacking(out, "pattern"), 1U);
+}
+
 TEST_F(DdsImportTest, PoliciesWithoutACounterpartAreListedWithTheirLines) {
   const auto out = json("robot.yaml", kParameters);
   for (const auto* const kind : {"reliability", "history", "liveliness", "parameters", "deadline",

@@ -76,6 +76,29 @@ TEST_F(EdsImportTest, PdosAndTheHeartBeatAreChannels) {
     EXPECT_NE(finding["severity"], "error") << finding.dump();
 }
 
+TEST_F(EdsImportTest, HeartBeatsThatItWaitsForNeedNoNumberOfThem) {
+  const std::string eds =
+      "[DeviceInfo]\nProductName=PLC\n[1800sub1]\nDefaultValue=$NODEID+0x200\n"
+      "[1016sub1]\nDefaultValue=0x000507d0\n[1016sub3]\nDefaultValue=0x000607d0\n";
+  const auto out = json("plc.eds", eds, {"--node", "1"});
+  EXPECT_TRUE(has("node-5-heartbeat") && has("node-6-heartbeat")) << draft_;
+  EXPECT_EQ(lacking(out, "consumer-time"), 2U);
+  const auto fewer = json("fewer.eds", eds + "[1016sub0]\nDefaultValue=1\n", {"--node", "1"});
+  EXPECT_FALSE(has("node-6-heartbeat"));
+  EXPECT_EQ(lacking(fewer, "consumer-count"), 1U);
+}
+
+/// CiA 306: CompactSubObj and a section of values.
+TEST_F(EdsImportTest, ObjectsInTheCompactFormAreRead) {
+  json("compact.eds",
+       "[DeviceInfo]\nProductName=P\n[1800]\nObjectType=0x9\nCompactSubObj=5\n[1800Value]\n"
+       "NrOfEntries=2\n1=$NODEID+0x180\n5=30\n[1A00]\nCompactSubObj=1\n[1A00Value]\n"
+       "NrOfEntries=1\n1=0x60410010\n",
+       {"--node", "3"});
+  EXPECT_TRUE(has("<COBID>0x183</COBID>")) << draft_;
+  EXPECT_TRUE(has("period=\"30ms\"") && has("maxPayload=\"2\"")) << draft_;
+}
+
 TEST_F(EdsImportTest, FilesOfOneNetworkAreItsNodes) {
   const auto master = folder_.write("master.eds", kMaster);
   json("drive.dcf", kDrive,
