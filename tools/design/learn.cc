@@ -185,8 +185,24 @@ class Learn {
         return wrong(source + ": there is neither such a file nor such an interface");
       }
     }
+    if (auto refused = refuse_absent(live)) return refused;
     listened_ = !live.empty();
     return listened_ ? listen(live) : std::nullopt;
+  }
+
+  /// Options that name an interface of which nothing is read.
+  [[nodiscard]] std::optional<Refusal> refuse_absent(const std::vector<std::string>& live) const {
+    std::set<std::string> there(live.begin(), live.end());
+    for (std::size_t i = 0; i < interfaces_.names().size(); ++i)
+      if (interfaces_.media()[i] != learn::Medium::unknown) there.insert(interfaces_.names()[i]);
+    for (const auto& [option, texts] :
+         {std::pair("--profile", &a_.profiles), std::pair("--bitrate", &a_.bitrates),
+          std::pair("--data-bitrate", &a_.data_bitrates)})
+      for (const std::string& text : *texts)
+        if (const auto parts = assignment(text); parts && !there.contains(parts->first))
+          return wrong(fmt::format("{} {}: there is no interface {}: {}", option, text,
+                                   parts->first, fmt::join(there, ", ")));
+    return std::nullopt;
   }
 
   std::optional<Refusal> read_file_of_frames(const std::string& path) {
@@ -303,6 +319,7 @@ class Learn {
   }
 
   static const char* kind_of(const learn::DraftChannel& channel) {
+    if (channel.on_events) return "cyclic and on events";
     if (channel.periodic) return "periodic";
     return channel.bursts ? "bursts" : "aperiodic";
   }
@@ -313,12 +330,11 @@ class Learn {
     for (std::size_t i = 0; i < interfaces_.names().size(); ++i) {
       const auto& of = observer_.interfaces()[i];
       const auto load = load_of(i);
-      out += fmt::format("{}: {} {}{}, profile {} ({} % sure: {})\n",
-                         printable(interfaces_.names()[i]), of.frames,
-                         of.medium == learn::Medium::ethernet ? "datagrams" : "frames",
-                         load ? fmt::format(", load {:.1f} %", *load) : "",
-                         core::words::kProfiles.of(of.recognised->profile), of.recognised->percent,
-                         of.recognised->why);
+      out += fmt::format(
+          "{}: {} {}{}, profile {} ({} % sure: {})\n", printable(interfaces_.names()[i]), of.frames,
+          learn::word_for(of.frames, of.medium), load ? fmt::format(", load {:.1f} %", *load) : "",
+          core::words::kProfiles.of(of.recognised->profile), of.recognised->percent,
+          of.recognised->why);
     }
     Table table({{"CHANNEL"},
                  {"EVENTS", Align::right},

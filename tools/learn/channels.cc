@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <ranges>
 #include <utility>
 
@@ -68,37 +69,93 @@ std::uint64_t usual_gap(const Flow& flow) {
 
 }  // namespace
 
+namespace {
+
+/// Of a regular flow: the rates whose Period its cycle keeps without an event that a gate would
+/// count as missing, which it does from one and a half of a Period on.
+std::vector<Rate> rates_of_cycle(const Flow& flow, const std::vector<Rate>& rates) {
+  const std::uint64_t median = flow.median_gap();
+  const std::uint64_t shortest =
+      std::clamp(flow.longest_of_one() * 20 / 29, median * 3 / 4, median * 98 / 100);
+  std::vector<Rate> out;
+  std::ranges::copy_if(rates, std::back_inserter(out),
+                       [&](const Rate& rate) { return rate.period >= shortest; });
+  return out;
+}
+
+struct Chosen {
+  Rate rate;
+  bool on_events = false;
+};
+
+/// Of a cycle nothing is early by more than half of it, unless there are events in between. Then it
+/// is the longest Period by which they do not add up, and a little shorter than the cycle, since
+/// each would count for ever by one that is as long.
+std::optional<Chosen> rate_of_cycle(const std::vector<Rate>& rates, std::uint64_t median) {
+  for (const Rate& rate : rates)
+    if (rate.early <= rate.period / 2) return Chosen{rate, false};
+  if (rates.empty() || rates.back().early > rates.back().period * kBurst) return std::nullopt;
+  const std::uint64_t least = rates.back().early;
+  for (const Rate& rate : rates)
+    if (rate.early <= least + rate.period / 2 && rate.period <= median * 99 / 100)
+      return Chosen{rate, true};
+  return Chosen{rates.back(), true};
+}
+
+/// The one that all events kept, early by as many as a burst may have at most.
+Rate rate_of_others(const std::vector<Rate>& rates) {
+  for (const Rate& rate : rates)
+    if (rate.early <= rate.period * kBurst) return rate;
+  return rates.back();
+}
+
+Times times_of_one_stamp(const Flow& flow) {
+  Times out;
+  out.period = tools::kPeriodOfOne;
+  out.seen =
+      fmt::format("{} events that all have one time stamp: the Period is assumed", flow.events());
+  return out;
+}
+
+std::string gaps_in_words(const Flow& flow) {
+  return fmt::format("{} events, median gap {}, shortest {}, longest {}", flow.events(),
+                     about(usual_gap(flow)), about(flow.shortest_gap()), about(flow.longest_gap()));
+}
+
+}  // namespace
+
 Times times_of(const Flow& flow, OfFew few) {
+  if (flow.gaps() != 0 && flow.longest_gap() == 0) return times_of_one_stamp(flow);
   const auto rates = flow.rates();
   if (rates.empty()) return times_of_few(flow, few);
   Times out;
   const std::uint64_t median = flow.median_gap();
-  out.periodic = flow.regular_share() >= kRegular && flow.longest_gap() / kFarApart <= median;
+  std::optional<Chosen> cycle;
+  if (flow.regular_share() >= kRegular && flow.longest_gap() / kFarApart <= median)
+    cycle = rate_of_cycle(rates_of_cycle(flow, rates), median);
+  out.periodic = cycle.has_value();
+  out.on_events = cycle && cycle->on_events;
   out.bursts = !out.periodic && flow.comes_in_bursts();
-  // The gate lets events be early by one Period and the Jitter.
-  const auto fits = [&](const Rate& rate) {
-    return rate.early <= (out.periodic ? rate.period / 2 : rate.period * kBurst);
-  };
-  auto chosen = std::ranges::find_if(rates, fits);
-  if (chosen == rates.end()) chosen = std::prev(rates.end());
-  out.period = chosen->period;
-  out.jitter = chosen->early == 0 ? 0 : with_margin(chosen->early, 25);
-  if (out.periodic)
-    out.seen = fmt::format("{} events, median gap {}, shortest {}, longest {}; Jitter {} + 25 %",
-                           flow.events(), about(usual_gap(flow)), about(flow.shortest_gap()),
-                           about(flow.longest_gap()), about(chosen->early));
+  const Rate chosen = cycle ? cycle->rate : rate_of_others(rates);
+  out.period = chosen.period;
+  out.jitter = chosen.early == 0 ? 0 : with_margin(chosen.early, 25);
+  if (out.on_events)
+    out.seen = fmt::format(
+        "cyclic and on events: {}; by this Period the events in between are early by {} + 25 %",
+        gaps_in_words(flow), about(chosen.early));
+  else if (out.periodic)
+    out.seen = fmt::format("{}; Jitter {} + 25 %", gaps_in_words(flow), about(chosen.early));
   else
     out.seen = fmt::format(
-        "{}: {} events, median gap {}, shortest {}, longest {}; the Period is the one that all of "
-        "them kept, early by {} + 25 % at most",
-        out.bursts ? "aperiodic, in bursts" : "aperiodic", flow.events(), about(usual_gap(flow)),
-        about(flow.shortest_gap()), about(flow.longest_gap()), about(chosen->early));
+        "{}: {}; the Period is the one that all of them kept, early by {} + 25 % at most",
+        out.bursts ? "aperiodic, in bursts" : "aperiodic", gaps_in_words(flow),
+        about(chosen.early));
   return out;
 }
 
-std::uint64_t omission_of(const Flow& flow) {
-  const std::uint64_t median = std::max<std::uint64_t>(flow.median_gap(), 1);
-  const std::uint64_t periods = (flow.longest_gap() + median / 2) / median;
+std::uint64_t omission_of(const Flow& flow, std::uint64_t period) {
+  period = std::max<std::uint64_t>(period, 1);
+  const std::uint64_t periods = (flow.longest_gap() + period / 2) / period;
   return periods == 0 ? 0 : periods - 1;
 }
 

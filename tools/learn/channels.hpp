@@ -18,14 +18,15 @@ struct Times {
   std::uint64_t period = 0;  ///< ns
   std::uint64_t jitter = 0;  ///< ns
   bool periodic = false;
-  bool bursts = false;  ///< not periodic, and many events come soon after another
-  std::string seen;     ///< in words, with the margin
+  bool on_events = false;  ///< periodic, and further events come in between
+  bool bursts = false;     ///< not periodic, and many events come soon after another
+  std::string seen;        ///< in words, with the margin
 };
 /// What the Period of a flow with few events is.
 enum class OfFew : std::uint8_t { half_the_mean, the_mean };
 [[nodiscard]] Times times_of(const Flow& flow, OfFew few = OfFew::half_the_mean);
-/// Events that were lost in a row at most.
-[[nodiscard]] std::uint64_t omission_of(const Flow& flow);
+/// Events that were lost in a row at most, of one in each `period`, ns.
+[[nodiscard]] std::uint64_t omission_of(const Flow& flow, std::uint64_t period);
 
 /// To three digits, for people.
 [[nodiscard]] std::string about(std::uint64_t ns);

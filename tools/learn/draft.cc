@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <utility>
@@ -18,6 +19,7 @@
 #include "tools/elements.hpp"
 #include "tools/escape.hpp"
 #include "tools/learn/channels.hpp"
+#include "tools/learn/remarks.hpp"
 
 namespace mlcca::learn {
 namespace {
@@ -81,6 +83,7 @@ class Drafter {
     for (Channel& channel : channels_) describe(channel);
     note_control();
     note_alike();
+    std::ranges::move(remarks_on(observer_, names_), std::back_inserter(out_.left_out));
     std::string channels;
     std::string ends;
     for (const DraftChannel& row : out_.channels) {
@@ -125,9 +128,12 @@ class Drafter {
       row.bursts = row.bursts || source.times.bursts;
       row.control = row.control || source.seen->control;
       row.periodic = row.periodic && source.times.periodic;
-      if (source.times.periodic) row.omission = std::max(row.omission, omission_of(flow) + 1);
+      row.on_events = row.on_events || source.times.on_events;
+      if (source.times.periodic)
+        row.omission = std::max(row.omission, omission_of(flow, source.times.period) + 1);
     }
     if (!row.periodic) row.omission = 0;
+    row.on_events = row.on_events && row.periodic;
     row.bursts = row.bursts && !row.periodic;
     return channel.sources.front().times.seen;
   }
@@ -343,10 +349,10 @@ class Drafter {
   void write_network(std::uint32_t interface) {
     const auto& of = observer_.interfaces()[interface];
     const std::string& name = names_[interface];
-    out_.xml += fmt::format(
-        "  <!-- {}: {} {}; profile {}, {} % sure: {} -->\n", tools::in_comment(name), of.frames,
-        is_ethernet(interface) ? "datagrams" : "frames",
-        tools::profile_word(of.recognised->profile), of.recognised->percent, of.recognised->why);
+    out_.xml += fmt::format("  <!-- {}: {} {}; profile {}, {} % sure: {} -->\n",
+                            tools::in_comment(name), of.frames, word_for(of.frames, of.medium),
+                            tools::profile_word(of.recognised->profile), of.recognised->percent,
+                            of.recognised->why);
     for (std::string& note : of.timeline.notes(name, observer_.recordings()))
       out_.left_out.push_back(std::move(note));
     if (of.unfollowed != 0)
@@ -375,9 +381,9 @@ class Drafter {
     xml += "  </Network>\n";
     const Datagrams& datagrams = *of.datagrams;
     if (datagrams.others() != 0)
-      out_.left_out.push_back(
-          fmt::format("{}: {} datagrams of other traffic, which needs no channel: {}", name,
-                      datagrams.others(), datagrams.other_ports()));
+      out_.left_out.push_back(fmt::format(
+          "{}: {} {} of other traffic, which needs no channel: {}", name, datagrams.others(),
+          word_for(datagrams.others(), Medium::ethernet), datagrams.other_ports()));
     if (datagrams.malformed() != 0)
       out_.left_out.push_back(fmt::format("{}: {} datagrams to FAMOUSO's ports that are no events",
                                           name, datagrams.malformed()));
@@ -415,8 +421,9 @@ class Drafter {
         xml += bound->second;
     xml += "  </Network>\n";
     if (of.decoder->other_frames() != 0)
-      out_.left_out.push_back(fmt::format("{}: {} frames that no channel of profile {} can have",
-                                          name, of.decoder->other_frames(),
+      out_.left_out.push_back(fmt::format("{}: {} {} that no channel of profile {} can have", name,
+                                          of.decoder->other_frames(),
+                                          word_for(of.decoder->other_frames(), Medium::can),
                                           tools::profile_word(of.recognised->profile)));
   }
 

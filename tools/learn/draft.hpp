@@ -57,6 +57,7 @@ struct DraftChannel {
   std::uint32_t bytes = 0;
   double bytes_per_second = 0;  ///< as it was seen
   bool periodic = false;
+  bool on_events = false;  ///< periodic, with further events in between
   bool bursts = false;
   bool control = false;  ///< control traffic of its profile that crosses
   std::vector<DraftPublisher> publishers;

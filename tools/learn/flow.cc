@@ -33,6 +33,10 @@ void Flow::add(std::uint64_t ns, std::uint32_t bytes, Stretch stretch) {
   most_bytes_ = std::max(most_bytes_, bytes);
   longest_events_ += bytes == most_bytes_ ? 1 : 0;
   const bool is_reset = events_++ == 0 || stretch.clock != stretch_.clock || ns + disorder < last_;
+  if (events_ == 1) {
+    first_ = ns;
+    first_clock_ = stretch.clock;
+  }
   const bool is_new = is_reset || stretch != stretch_;
   stretch_ = stretch;
   if (!is_reset) ns = std::max(ns, last_);
@@ -78,16 +82,26 @@ std::uint64_t Flow::quantile(double share) const {
 
 double Flow::regular_share() const {
   if (gaps_ == 0) return 0;
+  constexpr double near = 0.25;
   const auto median = static_cast<double>(median_gap());
   std::uint64_t regular = 0;
   for (std::size_t part = 0; part < histogram_->size(); ++part) {
     if ((*histogram_)[part] == 0) continue;
     const double times = static_cast<double>(middle_of(part)) / median;
     const double nearest = std::round(times);
-    if (nearest >= 1 && nearest <= 10 && std::abs(times - nearest) <= 0.1 * std::min(nearest, 2.0))
+    if (nearest >= 1 && nearest <= 10 && std::abs(times - nearest) <= near)
       regular += (*histogram_)[part];
   }
   return static_cast<double>(regular) / static_cast<double>(gaps_);
+}
+
+std::uint64_t Flow::longest_of_one() const {
+  if (gaps_ == 0) return 0;
+  const std::uint64_t limit = median_gap() + median_gap() / 2;
+  std::uint64_t longest = 0;
+  for (std::size_t part = 0; part < histogram_->size() && middle_of(part) < limit; ++part)
+    if ((*histogram_)[part] != 0) longest = middle_of(part);
+  return std::min(longest, longest_);
 }
 
 bool Flow::comes_in_bursts() const {

@@ -40,9 +40,18 @@ class Flow {
   /// To 2 %.
   [[nodiscard]] std::uint64_t median_gap() const { return quantile(0.5); }
   [[nodiscard]] std::uint64_t quantile(double share) const;
-  /// Of all gaps, those within a tenth of the median, or of a whole multiple of it up to 10: events
-  /// may be lost.
+  /// Of all gaps, those within a quarter of the median of it, or of a whole multiple of it up to
+  /// 10: events may be lost. A gate takes a gap for another number of periods from half a period
+  /// on, and of gaps at random about a third are so near.
   [[nodiscard]] double regular_share() const;
+  /// The longest gap in which by the median no event is missing: below one and a half of it.
+  [[nodiscard]] std::uint64_t longest_of_one() const;
+
+  // Of the first and the latest event: when, and by which clock.
+  [[nodiscard]] std::uint64_t first() const { return first_; }
+  [[nodiscard]] std::uint64_t last() const { return last_; }
+  [[nodiscard]] std::uint32_t first_clock() const { return first_clock_; }
+  [[nodiscard]] std::uint32_t last_clock() const { return stretch_.clock; }
 
   /// A quarter of the gaps or more are less than a tenth of their mean.
   [[nodiscard]] bool comes_in_bursts() const;
@@ -91,6 +100,8 @@ class Flow {
 
   std::uint64_t events_ = 0;
   std::uint64_t gaps_ = 0;
+  std::uint64_t first_ = 0;
+  std::uint32_t first_clock_ = 0;
   std::uint64_t last_ = 0;
   Stretch stretch_;
   std::uint64_t shortest_ = UINT64_MAX;

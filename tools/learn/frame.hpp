@@ -46,4 +46,10 @@ struct Frame {
   [[nodiscard]] bool is_extended() const { return (id & kExtended) != 0; }
 };
 
+/// What is counted, without its number: "frames", or "frame" of one.
+[[nodiscard]] constexpr const char* word_for(std::uint64_t count, Medium medium) {
+  if (medium == Medium::ethernet) return count == 1 ? "datagram" : "datagrams";
+  return count == 1 ? "frame" : "frames";
+}
+
 }  // namespace mlcca::learn

@@ -30,6 +30,10 @@ class Timeline {
   /// from one stretch to another no gap counts.
   Stretch take(std::uint64_t ns, std::uint32_t recording);
 
+  /// When the first event came of the first recording, and the latest one, by which clock.
+  [[nodiscard]] std::uint64_t first() const { return ranges_.empty() ? 0 : ranges_.front().first; }
+  [[nodiscard]] std::uint64_t last() const { return last_; }
+  [[nodiscard]] std::uint32_t clock() const { return stretch_.clock; }
   /// Ways of `interface` through time that a person should know, a line each; `recordings`: their
   /// names by their numbers.
   [[nodiscard]] std::vector<std::string> notes(const std::string& interface,

@@ -60,7 +60,7 @@ class Gate {
     for (const core::GateRule& rule : state_.gate_state(0)) {
       if (rule.entry.direction != core::Direction::ingress || !rule.pass) continue;
       const auto network = system.gateways[0].ports[rule.entry.port].network;
-      rules_.push_back({network, rule, 0});
+      rules_.push_back({network, rule, 0, 0});
     }
   }
 
@@ -74,19 +74,37 @@ class Gate {
       if (policing.per_frame == 0) return true;
       if (frame.ns + policing.tolerance < held.due) return false;
       held.due = std::max(held.due, frame.ns) + policing.per_frame;
+      watch(held, frame.ns);
       return true;
     }
     return false;
   }
+
+  /// Events that did not come, as bpf/gate_watch.bpf.h counts them.
+  [[nodiscard]] std::uint64_t missing() const { return missing_; }
+  /// Times without an event that were longer than the Omission allows.
+  [[nodiscard]] std::uint64_t silences() const { return silences_; }
 
  private:
   struct Held {
     std::size_t network;
     core::GateRule rule;
     std::uint64_t due;
+    std::uint64_t last;
   };
+  void watch(Held& held, std::uint64_t now) {
+    const core::Watching& watching = held.rule.watching;
+    const std::uint64_t last = std::exchange(held.last, now);
+    if (last == 0 || watching.period == 0) return;
+    const std::uint64_t gap = now - last;
+    if (watching.silence != 0 && gap >= watching.silence) ++silences_;
+    if (2 * gap >= 3 * watching.period)
+      missing_ += (gap + watching.period / 2) / watching.period - 1;
+  }
   core::State state_;
   std::vector<Held> rules_;
+  std::uint64_t missing_ = 0;
+  std::uint64_t silences_ = 0;
 };
 
 inline std::vector<Sent> before(const std::vector<Sent>& sent, std::uint64_t ns) {

@@ -3,11 +3,14 @@
 // what does not belong there. With MLCCA_RECORDINGS=DIRECTORY those of other people, too.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tests/tools/learn/drafted.hpp"
@@ -36,6 +39,19 @@ std::vector<Sent> frames_of(const std::string& path, std::vector<std::string>& n
   return all;
 }
 
+/// Recordings of which more is dropped, by the names of their files, and why. None is known.
+struct Exception {
+  std::string_view file;
+  std::string_view why;
+};
+constexpr std::array<Exception, 0> kExceptions{};
+
+bool is_exception(const std::string& path) {
+  const auto name = std::filesystem::path(path).filename();
+  return std::ranges::find(kExceptions, std::string_view(name.native()), &Exception::file) !=
+         kExceptions.end();
+}
+
 std::vector<std::string> recordings() {
   std::vector<std::string> paths = {"examples/learn/short.log"};
   if (const char* const more = std::getenv("MLCCA_RECORDINGS"); more != nullptr)
@@ -58,11 +74,11 @@ TEST(Halves, TheSecondHalfOfARecordingPassesAndAttacksDoNot) {
                 path.c_str(), all.size(), draft.channels.size(),
                 static_cast<unsigned long long>(dropped.frames),
                 static_cast<unsigned long long>(dropped.of));
-    if (path == recordings().front()) {
+    if (!is_exception(path)) {
       EXPECT_LT(dropped.frames * 1000, dropped.of) << path;
     }
     const std::uint64_t later = all.back().ns + test::kSecond;
-    const Sent known = first.front();
+    const Sent& known = first.front();
     EXPECT_FALSE(gate.passes({.ns = later, .id = 0x7fd, .data = {1}})) << path << ": unknown";
     std::uint64_t passed = 0;
     for (std::uint64_t i = 0; i < 100'000; ++i)

@@ -74,6 +74,9 @@ TEST_F(LearnVerb, SaysWhatCannotBeUsed) {
       {{log, "--gateway", "<g>"}, "--gateway: "},
       {{log, "--profile", "can0=none"}, "write an interface and one of raw, famouso"},
       {{log, "--bitrate", "500k"}, "write can0=500k"},
+      {{log, "--bitrate", "can9=500k"}, "there is no interface can9: can0"},
+      {{log, "--data-bitrate", "can9=2M"}, "there is no interface can9: can0"},
+      {{log, "--profile", "can7=j1939"}, "there is no interface can7: can0"},
       {{log, "--merge", folder.write("bad.xml", "<System/>")}, "cannot be used"}};
   for (const auto& [more, says] : cases) {
     std::vector<std::string> arguments{"learn"};
