@@ -28,9 +28,9 @@ class ReportedSilences {
   [[nodiscard]] bool contains(const core::Verdict& verdict) const {
     return deliveries_.contains(silent_delivery(*scene_.state, verdict));
   }
-  /// `since`: ns, CLOCK_MONOTONIC, when the latest event came. False: that silence was there. A later
-  /// one begins with an event, which comes `longest` after the former at the earliest: before, it
-  /// would not have been reported.
+  /// `since`: ns, CLOCK_MONOTONIC, when the latest event came. False: that silence was there. A
+  /// later one begins with an event, which comes `longest` after the former at the earliest:
+  /// before, it would not have been reported.
   bool add(const core::Verdict& verdict, Value since, Value longest);
   /// False: it was not there.
   bool remove(const core::Verdict& verdict) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// One answer at every level: what check grants is granted by the daemon and compiles, what it
-// refuses is refused by both, and the stylesheet twin contradicts none of them.
+// One answer at every level: what check grants is granted by the daemon and compiles, and what it
+// refuses is refused by both.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -22,10 +22,9 @@
 #include "core/can/analysis.hpp"
 #include "core/can/of_system.hpp"
 #include "core/design/inspect.hpp"
-#include "description/read.hpp"
 #include "tests/description/twin/random_values.hpp"
 #include "tests/description/twin/twin.hpp"
-#include "tests/levels/random_system.hpp"
+#include "tests/levels/checked.hpp"
 #include "tools/design/analyse_bus/bus.hpp"
 #include "tools/design/generate/checks.hpp"
 #include "tools/design/generate/header.hpp"
@@ -33,75 +32,11 @@
 
 namespace mlcca::testing {
 namespace {
-
 namespace design = mlcca::tools::design;
 namespace mesh = mlcca::core::mesh;
 
-constexpr std::uint64_t kSystems = 6000;
 constexpr std::uint64_t kCompiled = 200;  // of them
 constexpr std::size_t kRefused = 40;      // headers, each compiled alone
-constexpr std::uint64_t kTwins = 1200;    // of them
-
-using Delivery = std::tuple<std::size_t, std::size_t, core::Place>;  // channel, publisher, place
-
-using OnBus = std::pair<std::size_t, std::uint64_t>;  // network, key
-
-/// A mesh with nodes, and neither Link nor Source: MLCCA042.
-bool has_no_links(const core::System& system, core::Place place) {
-  if (place.kind != core::Place::Kind::network) return false;
-  const auto& mesh = system.networks[place.index].mesh;
-  return mesh && !mesh->nodes.empty() && mesh->links.empty() && mesh->sources.empty();
-}
-
-/// What check says of a system.
-struct Checked {
-  core::System system;
-  core::Inspection inspection;
-  std::map<Delivery, bool> granted;  ///< at run time, perhaps
-  std::set<Delivery> at_run_time;
-  std::map<OnBus, core::MediumUse> on_bus;  ///< of what is granted
-  std::size_t without_links = 0;            ///< verdicts over a mesh that has no links
-  std::size_t awaits_links = 0;             ///< of them: left to the run time because of that mesh
-};
-
-Checked checked(const std::string& text) {
-  Checked out;
-  auto system = description::read_memory(text, "random.xml", {}, description::Users::any);
-  if (!system) {
-    for (const auto& problem : system.error()) ADD_FAILURE() << description::to_string(problem);
-    ADD_FAILURE() << text;
-    return out;
-  }
-  out.system = std::move(*system);
-  out.system.sort_bindings();
-  std::set<std::size_t> used;
-  out.inspection = core::inspect(
-      out.system, {},
-      [&](std::size_t channel, const core::Decision& decision, std::span<const core::Finding>) {
-        if (!used.insert(channel).second) return;
-        for (const core::Verdict& v : decision.verdicts) {
-          out.granted[{channel, v.publisher, v.to}] = v.outcome != Outcome::unfit;
-          if (v.outcome == Outcome::run_time) out.at_run_time.insert({channel, v.publisher, v.to});
-          for (const core::MediumUse& use : v.media)
-            if (v.granted && use.key != 0) out.on_bus[{use.network, use.key}] = use;
-          for (const core::Place hop : v.route)
-            out.without_links += has_no_links(out.system, hop) ? 1 : 0;
-          for (const core::Row& row : v.rows)
-            out.awaits_links += row.against == core::Against::medium_time &&
-                                        row.comparison.outcome == Outcome::run_time &&
-                                        has_no_links(out.system, row.place)
-                                    ? 1
-                                    : 0;
-        }
-      });
-  return out;
-}
-
-bool has_error(const Checked& checked, std::size_t channel) {
-  for (const auto& f : checked.inspection.findings)
-    if (f.channel == channel && core::info(f.id).severity == core::Severity::error) return true;
-  return false;
-}
 
 /// Whether check has an error for a delivery of the channel in which the end takes part.
 bool has_error_of(const Checked& checked, design::End end) {
@@ -174,22 +109,6 @@ core::System alone(core::System system, std::size_t channel) {
   std::erase_if(system.subscribers, [&](const auto& s) { return s.channel != channel; });
   return system;
 }
-
-class Levels : public ::testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    for (std::uint64_t seed = 1; seed <= kSystems; ++seed) {
-      texts_.push_back(random_system(seed));
-      all_.push_back(checked(texts_.back()));
-    }
-  }
-  static void TearDownTestSuite() {
-    texts_.clear();
-    all_.clear();
-  }
-  static inline std::vector<std::string> texts_;
-  static inline std::vector<Checked> all_;
-};
 
 TEST_F(Levels, TheDaemonRefusesOneOfTwoSendersOfOneIdentifier) {
   std::size_t found = 0;
@@ -482,74 +401,6 @@ TEST_F(Levels, AnalyseBusHasTheResponseTimesOfCheck) {
   EXPECT_GT(behind, 50U);
   EXPECT_GT(whole, 100U);
   EXPECT_GT(refused, 50U);
-}
-
-TEST_F(Levels, TheTwinNeverContradictsCheck) {
-  const Folder folder;
-  std::vector<std::string> files;
-  for (std::size_t i = 0; i < kTwins; ++i)
-    files.push_back(folder.add(std::to_string(i) + ".xml", texts_[i]));
-  const auto twins = twin_findings(files);
-  std::size_t errors = 0;
-  for (std::size_t i = 0; i < kTwins; ++i) {
-    const auto& system = all_[i].system;
-    for (const auto& key : twins[i]) {
-      if (is_note(key)) continue;
-      ++errors;
-      const auto subscriber =
-          std::ranges::find(system.subscribers, key.subscriber, &core::Subscriber::name);
-      ASSERT_NE(subscriber, system.subscribers.end());
-      EXPECT_TRUE(has_error(all_[i], subscriber->channel)) << to_string(key) << "\n" << texts_[i];
-    }
-  }
-  EXPECT_GT(errors, kTwins / 10);
-}
-
-/// In one of the sets, so that check can refuse what the twin has nothing against.
-bool states_too_little(const core::Publisher& publisher) {
-  for (std::size_t set = 0; set <= publisher.lower.size(); ++set) {
-    const AttributeSet& stated = core::attributes_in(publisher, set);
-    if (!stated.has(Attribute::period) || !stated.has(Attribute::max_payload)) return true;
-  }
-  return false;
-}
-
-/// Where check refuses something, the twin has an error for the channel, or says that it does not
-/// decide. What a note of every description says is left: identifiers, frames, and others; so is
-/// what must be stated.
-TEST_F(Levels, TheTwinIsSilentOnNothingThatCheckRefuses) {
-  using enum core::FindingId;
-  const Folder folder;
-  std::vector<std::string> files;
-  for (std::size_t i = 0; i < kTwins; ++i)
-    files.push_back(folder.add(std::to_string(i) + ".xml", texts_[i]));
-  const auto twins = twin_findings(files);
-  const auto left = twin_left(files);
-  std::size_t open = 0;
-  for (std::size_t i = 0; i < kTwins; ++i) {
-    const auto& system = all_[i].system;
-    for (const core::Finding& f : all_[i].inspection.findings) {
-      if (f.publisher == core::kNone || f.subscriber == core::kNone) continue;
-      if (f.id != traffic_mismatch && f.id != hop_unfit && f.id != route_unfit &&
-          f.id != deadline_missed && f.id != medium_time)
-        continue;
-      if (states_too_little(system.publishers[f.publisher])) continue;
-      const std::string& publisher = system.publishers[f.publisher].name;
-      const std::string& subscriber = system.subscribers[f.subscriber].name;
-      const bool refuted = std::ranges::any_of(twins[i], [&](const Key& key) {
-        return !is_note(key) && (key.subscriber == subscriber || key.publisher == publisher);
-      });
-      // Where the set is open, the notes are of those whom a lower one may serve.
-      const bool is_left = std::ranges::any_of(system.publishers, [&](const auto& p) {
-        return p.channel == f.channel && std::ranges::any_of(left[i], [&](const std::string& ends) {
-                 return ends.starts_with(p.name + " ");
-               });
-      });
-      open += is_left ? 1 : 0;
-      ASSERT_TRUE(refuted || is_left) << core::code_of(f.id) << " " << f.text << "\n" << texts_[i];
-    }
-  }
-  EXPECT_GT(open, kTwins / 10);
 }
 
 }  // namespace

@@ -64,8 +64,10 @@ TEST(RenderLeftOutTest, AWithdrawalNamesWhatALongAnswerLeavesOut) {
   EXPECT_TRUE(some.starts_with("a, once it is withdrawn: 4 deliveries stop; ")) << some;
   EXPECT_TRUE(some.ends_with("  and 3 more that are not listed\n")) << some;
   channels.channels.pop_back();
-  EXPECT_TRUE(what_stops(channels, "a", Color::no)
-                  .starts_with("a, once it is withdrawn: up to 3 deliveries stop, none of which is listed; "))
+  EXPECT_TRUE(
+      what_stops(channels, "a", Color::no)
+          .starts_with(
+              "a, once it is withdrawn: up to 3 deliveries stop, none of which is listed; "))
       << "what is refused is listed first";
 }
 

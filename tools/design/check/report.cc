@@ -154,8 +154,7 @@ SystemReport check_system(const std::vector<std::string>& paths, const ReportPro
   const bool problems = !out.findings.empty();
   const RuleFindings by_rules(out.findings);
   for (auto& finding : std::exchange(out.inspection.findings, {}))
-    if (!by_rules.state(out.system, finding))
-      out.findings.push_back(reported(out.system, finding));
+    if (!by_rules.state(out.system, finding)) out.findings.push_back(reported(out.system, finding));
   if (problems) sort_findings(out.system, out.findings);
   return out;
 }
