@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/gateway/admissions.hpp"
@@ -18,10 +20,27 @@ bool is_anothers(const Context& context, core::AdmissionId id) {
   return context.membership != nullptr && context.membership->is_adopted(id);
 }
 
+/// All of a channel that this gateway ends; at least one. The error is for the one who asks.
+Result<std::vector<core::AdmissionId>> admissions_of(const Context& context,
+                                                     const std::string& channel) {
+  const core::State& state = *context.scene.state;
+  auto gone = context.admissions.left_out_of(channel);
+  const auto named = channel_named(state, channel);
+  if (!named && gone.empty()) return std::unexpected(named.error());
+  for (const auto& [admission, of] : state.admissions())
+    if (named && of == *named && !is_anothers(context, admission)) gone.push_back(admission);
+  std::ranges::sort(gone);
+  if (gone.empty())
+    return fail(
+        fmt::format("{0} has no run-time admission: what is described of it is stopped "
+                    "by 'mlccactl withdraw {0}'",
+                    state.system().channels[*named].name));
+  return gone;
+}
+
 }  // namespace
 
 Response release(Context& context, const Asker& /*asker*/, const control::ReleaseRequest& request) {
-  const core::State& state = *context.scene.state;
   std::vector<core::AdmissionId> gone;
   if (request.admission != 0 || !request.key.empty()) {
     if (context.membership != nullptr &&
@@ -32,17 +51,9 @@ Response release(Context& context, const Asker& /*asker*/, const control::Releas
     if (!named) return invalid(named.error().text);
     gone.push_back(*named);
   } else {
-    gone = context.admissions.left_out_of(request.channel);
-    const auto named = channel_named(state, request.channel);
-    if (!named && gone.empty()) return invalid(named.error().text);
-    for (const auto& [admission, of] : state.admissions())
-      if (named && of == *named && !is_anothers(context, admission)) gone.push_back(admission);
-    std::ranges::sort(gone);
-    if (gone.empty())
-      return invalid(
-          fmt::format("{0} has no run-time admission: what is described of it is stopped "
-                      "by 'mlccactl withdraw {0}'",
-                      state.system().channels[*named].name));
+    auto all = admissions_of(context, request.channel);
+    if (!all) return invalid(all.error().text);
+    gone = std::move(*all);
   }
   if (const auto done = context.admissions.release(gone, "released"); !done)
     return failed(done.error().text);

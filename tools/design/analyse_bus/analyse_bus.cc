@@ -204,7 +204,7 @@ std::string unbounded_elsewhere(const Bus& bus) {
 }
 
 /// The same with those messages alone that count.
-AnalysedBus counted(const AnalysedBus& all) {
+AnalysedBus with_counted(const AnalysedBus& all) {
   AnalysedBus out;
   out.bus = all.bus;
   out.bus.messages.clear();
@@ -260,7 +260,7 @@ AnalysedBus analysed(Bus bus, bool assign) {
   result.bus = std::move(bus);
   analyse_messages(result);
   if (std::ranges::any_of(result.bus.messages, &BusMessage::in_vain)) result.schedulable = false;
-  const AnalysedBus there = counted(result);
+  const AnalysedBus there = with_counted(result);
   const auto sent = messages_of(there.bus, &BusMessage::sent);
   const Harm harm = harm_of_uncounted(there.bus, sent, there.fit);
   result.met_alone = !result.late && harm.late;
