@@ -280,13 +280,13 @@ std::string render(const control::Networks& networks, Color color) {
 std::string render(const control::Rollout& rollout, Color color) {
   constexpr std::size_t shown = 12;
   std::string text;
-  const auto line = [&](const char* what, const std::string& value, Style style = Style::plain) {
-    if (!value.empty()) text += fmt::format("{:<13}{}\n", what, styled(value, style, color));
+  const auto line = [&](const char* what, const std::string& value, Style shown_as = Style::plain) {
+    if (!value.empty()) text += fmt::format("{:<13}{}\n", what, styled(value, shown_as, color));
   };
-  line("rollout", rollout.state,
-       rollout.state == "refused"    ? Style::bad
-       : rollout.state == "in-force" ? Style::good
-                                     : Style::plain);
+  Style style = Style::plain;
+  if (rollout.state == "refused") style = Style::bad;
+  if (rollout.state == "in-force") style = Style::good;
+  line("rollout", rollout.state, style);
   line("why", printable(rollout.why));
   if (!rollout.current.empty())
     line("in force",
