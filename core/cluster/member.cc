@@ -32,7 +32,7 @@ Member::Member(std::shared_ptr<const Keys> keys, const Codec& codec, const Ident
       admissions_(identity_.gateway),
       adoptions_(identity_.gateway),
       election_(identity_.gateway, keys_->gateways()),
-      rollouts_(identity_.gateway) {}
+      rollouts_(identity_.gateway, identity_.digest) {}
 
 void Member::on_state(const StoreState& state, Value now) {
   reachable_ = state.reachable;

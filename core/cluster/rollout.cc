@@ -13,6 +13,8 @@ namespace {
 /// Chunks of former descriptions that one transaction deletes.
 constexpr std::size_t kMostOldChunks = 64;
 constexpr const char* kOther = "another description is being rolled out";
+constexpr const char* kElsewhere =
+    "only a gateway that has the description in force can roll out another one";
 /// Of a work that only makes room.
 constexpr std::uint64_t kNoChunk = ~std::uint64_t{0};
 
@@ -74,10 +76,21 @@ void Rollouts::step_next(const View& view, Value now, std::vector<Event>& events
   proposed_ = records.next.value ? std::optional(records.next.value->digest) : std::nullopt;
 }
 
+bool Rollouts::knows_all(const View& view) const {
+  const auto& current = view.records().current;
+  return current.mod == 0 || (current.value && current.value->digest == own_);
+}
+
 /// What the store has to be proposed may be what is proposed here, or bars it.
 void Rollouts::step_staged(const View& view, std::vector<Event>& events) {
   const auto& next = view.records().next;
-  if (!staged_ || claimed_ != 0 || next.mod == 0) return;
+  if (!staged_ || claimed_ != 0) return;
+  if (!knows_all(view)) {
+    staged_.reset();
+    events.emplace_back(NotRolledOut{.why = kElsewhere});
+    return;
+  }
+  if (next.mod == 0) return;
   const bool same = next.value && next.value->digest == staged_->digest;
   if (same && next.value->by == view.keys().gateway_name(self_)) {
     claimed_ = next.mod;
@@ -143,17 +156,26 @@ std::optional<Work> Rollouts::propose(const View& view, const Codec& codec) cons
     work.number = kNoChunk;
     return work;
   }
+  if (chunk_ >= staged_->chunks.size()) return std::nullopt;
   work.puts = {{.key = keys.blob(digest, chunk_), .value = staged_->chunks[chunk_]}};
   return work;
 }
 
 /// Every gateway of the description in force has a say, but those that are off.
-Rollouts::Tally Rollouts::tally(const View& view, const Next& next, Work& work) {
+Rollouts::Tally Rollouts::tally(const View& view, const Next& next, Work& work, Value now) {
   Tally tally;
   const Records& records = view.records();
   for (std::size_t g = 0; g < view.keys().gateways(); ++g) {
     const std::string& name = view.keys().gateway_name(g);
-    if (is_among(next.without, name)) continue;
+    if (is_among(next.without, name)) {
+      const Alive alive = view.alive(g, now);
+      const bool has_gone = alive == Alive::absent || alive == Alive::fenced;
+      if (has_gone || records.current.mod == 0) continue;  // of nothing nobody has something
+      tally.all = false;
+      tally.refused = true;
+      tally.objection = name + ": it was called off, and is there";
+      continue;
+    }
     const auto& vote = records.rollout_votes[g];
     const bool counts = vote.value && vote.value->next == records.next.mod;
     if (counts && vote.value->ok) {
@@ -180,7 +202,8 @@ std::optional<Work> Rollouts::decide(const View& view, const Codec& codec, Value
   if (!records.next.value) return std::nullopt;
   const Next& next = *records.next.value;
   const bool ours = next.by == keys.gateway_name(self_);
-  const Tally votes = tally(view, next, work);
+  Tally votes = tally(view, next, work, now);
+  if (!knows_all(view)) votes = {.all = false, .objection = kElsewhere, .refused = true};
   const Value end = add_saturating(next_since_, ours ? next.patience : 2 * kPatience);
   if (!votes.all || !ours) {
     if (now < end && !(ours && votes.refused)) return std::nullopt;
@@ -227,10 +250,12 @@ std::optional<Work> Rollouts::undo(const View& view, const Codec& codec, Value n
   if (!record.value || record.value->open || record.value->undone || left_at_ ||
       record.value->former == Digest{})
     return std::nullopt;
-  const bool cannot =
-      std::ranges::any_of(view.records().rollout_votes, [&](const Record<RolloutVote>& vote) {
-        return vote.value && vote.value->next == record.mod && !vote.value->ok;
-      });
+  const bool cannot = std::ranges::any_of(record.value->waits, [&](const std::string& name) {
+    const auto g = view.keys().gateway(name);
+    if (!g) return false;
+    const auto& vote = view.records().rollout_votes[*g].value;
+    return vote && vote->next == record.mod && !vote->ok;
+  });
   if (!cannot && now < add_saturating(current_since_, kPatience)) return std::nullopt;
   Current current = *record.value;
   std::swap(current.digest, current.former);
@@ -243,7 +268,7 @@ std::optional<Work> Rollouts::undo(const View& view, const Codec& codec, Value n
 
 /// When no frame of the former description waits in a queue any more.
 std::optional<Work> Rollouts::open(const View& view, const Codec& codec, Value now) {
-  if (!left_at_ || now < queues_empty_at(*left_at_)) return std::nullopt;
+  if (!left_at_ || !knows_all(view) || now < queues_empty_at(*left_at_)) return std::nullopt;
   const auto& record = view.records().current;
   Current current = *record.value;
   current.open = true;

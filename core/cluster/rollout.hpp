@@ -23,7 +23,8 @@ class Rollouts {
   /// What the store has refused is not tried again before, so that beats go on.
   static constexpr Value kForbidden = 2'000'000'000;
 
-  explicit Rollouts(std::size_t self) : self_(self) {}
+  /// `own`: of the description that this gateway decides from.
+  Rollouts(std::size_t self, const Digest& own) : self_(self), own_(own) {}
 
   void stage(Rollout rollout) { staged_ = std::move(rollout), chunk_ = 0, claimed_ = 0; }
   [[nodiscard]] bool stages() const { return staged_.has_value(); }
@@ -61,11 +62,14 @@ class Rollouts {
   void on_staged(const Done& done, std::vector<Event>& events);
   [[nodiscard]] std::optional<Work> decide(const View& view, const Codec& codec, Value now);
   [[nodiscard]] std::optional<Work> open(const View& view, const Codec& codec, Value now);
+  /// Who has the description in force knows every gateway that has something to leave.
+  [[nodiscard]] bool knows_all(const View& view) const;
   [[nodiscard]] static bool all_in(const View& view, Value now);
-  [[nodiscard]] static Tally tally(const View& view, const Next& next, Work& work);
+  [[nodiscard]] static Tally tally(const View& view, const Next& next, Work& work, Value now);
   void judge(const View& view, std::vector<Event>& events);
 
   std::size_t self_;
+  Digest own_;
   std::optional<Rollout> staged_;
   std::size_t chunk_ = 0;     ///< the next one that is to be put into the store
   std::int64_t claimed_ = 0;  ///< revision of the d/next that they belong to; 0: none yet

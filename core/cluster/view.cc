@@ -190,6 +190,8 @@ void View::expire(Value now) {
              at->first.gateway == *it) {
         if (is_over(at->first, at->second, now)) {
           changed_.insert(n);
+          // Of another description it was not read, and is over as well.
+          records_.strange.erase(keys_->reservation(n, *it, at->first.id));
           at = records_.reservations.erase(at);
         } else {
           more = more || at->second.mod < records_.members[*it].fence;

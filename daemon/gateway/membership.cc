@@ -8,6 +8,7 @@
 #include <utility>
 #include <variant>
 
+#include "daemon/gateway/stored_octets.hpp"
 #include "mlcca/arithmetic.hpp"
 
 namespace mlcca {
@@ -28,19 +29,6 @@ constexpr unsigned kHalf = 32;
 std::uint64_t random_number() {
   std::random_device device;
   return (std::uint64_t{device()} << kHalf) | device();
-}
-
-template <std::size_t N>
-std::string octets_of(const std::array<std::uint8_t, N>& from) {
-  const bool none = std::ranges::all_of(from, [](std::uint8_t octet) { return octet == 0; });
-  return none ? std::string() : std::string(from.begin(), from.end());
-}
-template <std::size_t N>
-std::array<std::uint8_t, N> array_of(const std::string& from) {
-  std::array<std::uint8_t, N> out{};
-  if (from.size() == N)
-    std::ranges::transform(from, out.begin(), [](char c) { return static_cast<std::uint8_t>(c); });
-  return out;
 }
 
 store::Membership record_of(const cc::Journalled& journalled) {
@@ -274,7 +262,8 @@ void Membership::act() {
   }
   lost_ = !bring_in_line() && lost_;
   propose_first();
-  if (!more) member_->applied(member_->view().revision());
+  // What the kernel has not closed is not said to be.
+  if (!more && parts_.turn.in_line()) member_->applied(member_->view().revision());
   send();
   report();
   plan();

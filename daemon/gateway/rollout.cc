@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "core/cluster/keys.hpp"
+#include "core/cluster/shared.hpp"
+#include "daemon/gateway/stored_octets.hpp"
 #include "description/bundle.hpp"
 
 namespace mlcca {
@@ -16,17 +18,7 @@ namespace {
 namespace cc = core::cluster;
 
 constexpr std::size_t kShownDigits = 12;
-
-std::string octets_of_digest(const Sha256::Digest& digest) {
-  return digest == Sha256::Digest{} ? std::string() : std::string(digest.begin(), digest.end());
-}
-Sha256::Digest digest_of_octets(const std::string& octets) {
-  Sha256::Digest out{};
-  if (octets.size() == out.size())
-    std::ranges::transform(octets, out.begin(),
-                           [](char c) { return static_cast<std::uint8_t>(c); });
-  return out;
-}
+constexpr std::size_t kDigestOctets = Sha256::Digest{}.size();
 
 std::string shown(const Sha256::Digest& digest) {
   return hex_of_digest(digest).substr(0, kShownDigits);
@@ -41,38 +33,57 @@ std::vector<std::string> chunks_of(const std::string& text) {
 
 }  // namespace
 
-std::string hex_of_digest(const Sha256::Digest& digest) {
-  return cc::hex_of(octets_of_digest(digest));
-}
+std::string hex_of_digest(const Sha256::Digest& digest) { return cc::hex_of(octets_of(digest)); }
 
 void Rollout::restore(const store::Membership& record) {
-  rolled_ = digest_of_octets(record.rolled_digest);
-  replaced_ = digest_of_octets(record.replaced_digest);
-  in_force_ = digest_of_octets(record.in_force_digest);
-  voted_ = digest_of_octets(record.voted_digest);
+  rolled_ = array_of<kDigestOctets>(record.rolled_digest);
+  replaced_ = array_of<kDigestOctets>(record.replaced_digest);
+  in_force_ = array_of<kDigestOctets>(record.in_force_digest);
+  voted_ = array_of<kDigestOctets>(record.voted_digest);
 }
 
 void Rollout::put_into(store::Membership& record) const {
-  record.rolled_digest = octets_of_digest(rolled_);
-  record.replaced_digest = octets_of_digest(replaced_);
-  record.in_force_digest = octets_of_digest(in_force_);
+  record.rolled_digest = octets_of(rolled_);
+  record.replaced_digest = octets_of(replaced_);
+  record.in_force_digest = octets_of(in_force_);
 }
+
+namespace {
+
+/// A file that is not the description in force may not take others off a network.
+DescribedResult held_against(DescribedResult file, const std::optional<std::string>& in_force,
+                             const Sha256::Digest& digest, const ReadText& read_text) {
+  if (!in_force || file->digest == digest) return file;
+  const auto known = read_text(*in_force);
+  if (!known || known->digest != digest) return file;
+  std::string why =
+      cc::no_longer_shared(known->state->system(), known->self, file->state->system(), file->self);
+  if (why.empty()) return file;
+  return std::unexpected(StartError{.lines = {std::move(why)}, .bad_input = true});
+}
+
+}  // namespace
 
 // --- what is loaded ------------------------------------------------------------------------------
 
 /// A file that was changed since is what the operator wants: it is not passed over.
 ReadDescription Rollout::reader(ReadDescription read) const {
   auto rolled = rolled_ == Digest{} ? std::nullopt : parts_.texts.text(rolled_);
+  auto in_force = in_force_ == Digest{} ? std::nullopt : parts_.texts.text(in_force_);
   return [read = std::move(read), rolled = std::move(rolled), digest = rolled_,
-          replaced = replaced_, read_text = parts_.read]() -> DescribedResult {
+          replaced = replaced_, in_force = std::move(in_force), current = in_force_,
+          read_text = parts_.read]() -> DescribedResult {
     auto file = read();
     if (!file) return file;
     file->file_digest = file->digest;
-    if (!rolled || file->digest != replaced || file->digest == digest) return file;
-    auto other = read_text(*rolled);
-    if (!other || other->digest != digest) return file;
-    other->file_digest = file->file_digest;
-    return other;
+    if (rolled && file->digest == replaced && file->digest != digest) {
+      auto other = read_text(*rolled);
+      if (other && other->digest == digest) {
+        other->file_digest = file->file_digest;
+        return other;
+      }
+    }
+    return held_against(std::move(file), in_force, current, read_text);
   };
 }
 
@@ -170,6 +181,10 @@ std::string Rollout::why_not(Check& check) const {
   if (read->state->system().name != parts_.scene.state->system().name)
     return fmt::format("its System is called {}, and a rollout cannot rename {}",
                        read->state->system().name, parts_.scene.state->system().name);
+  if (std::string why = cc::no_longer_shared(parts_.scene.state->system(), parts_.scene.self,
+                                             read->state->system(), read->self);
+      !why.empty())
+    return why;
   return parts_.misfit(*read);
 }
 
@@ -331,7 +346,7 @@ void Rollout::session_closed(std::uint64_t session) {
 
 Response Rollout::take(const Asker& asker, const control::RolloutRequest& request,
                        const cc::Member& member) {
-  if (request.back) return back(asker, request, member);
+  if (request.back) return back(request, member);
   if (request.accept) return accept(member);
   const std::uint64_t session = asker.peer.session;
   if (upload_ && upload_->session != session)
@@ -346,11 +361,11 @@ Response Rollout::take(const Asker& asker, const control::RolloutRequest& reques
   if (request.more) return control::Done{fmt::format("{} bytes", upload_->text.size())};
   std::string text = std::move(upload_->text);
   upload_.reset();
-  return begin(asker, std::move(text), request.without, member);
+  return begin(std::move(text), request.without, member);
 }
 
-Response Rollout::begin(const Asker& asker, std::string text,
-                        const std::vector<std::string>& without, const cc::Member& member) {
+Response Rollout::begin(std::string text, const std::vector<std::string>& without,
+                        const cc::Member& member) {
   const auto& keys = member.view().keys();
   if (text.empty()) return invalid("there is no description");
   for (const std::string& name : without) {
@@ -371,12 +386,10 @@ Response Rollout::begin(const Asker& asker, std::string text,
                       .digest = {},
                       .text = std::make_shared<const std::string>(std::move(text)),
                       .read = {}};
-  static_cast<void>(asker);
   return state(member);
 }
 
-Response Rollout::back(const Asker& asker, const control::RolloutRequest& request,
-                       const cc::Member& member) {
+Response Rollout::back(const control::RolloutRequest& request, const cc::Member& member) {
   const auto& current = member.view().records().current.value;
   if (!current || current->former == Digest{})
     return failed("nothing was changed: there was no description before");
@@ -384,7 +397,7 @@ Response Rollout::back(const Asker& asker, const control::RolloutRequest& reques
   if (!text)
     return failed(fmt::format("nothing was changed: description {} is not kept any more",
                               shown(current->former)));
-  return begin(asker, std::move(*text), request.without, member);
+  return begin(std::move(*text), request.without, member);
 }
 
 Response Rollout::accept(const cc::Member& member) {

@@ -113,10 +113,9 @@ class Rollout {
   void follow(const core::cluster::Switch& event);
   void finish(const std::string& why);
   void keep_needed();
-  Response begin(const Asker& asker, std::string text, const std::vector<std::string>& without,
+  Response begin(std::string text, const std::vector<std::string>& without,
                  const core::cluster::Member& member);
-  Response back(const Asker& asker, const control::RolloutRequest& request,
-                const core::cluster::Member& member);
+  Response back(const control::RolloutRequest& request, const core::cluster::Member& member);
   Response accept(const core::cluster::Member& member);
   [[nodiscard]] std::optional<std::string> text_of(const Digest& digest,
                                                    const core::cluster::Member& member) const;

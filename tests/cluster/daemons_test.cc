@@ -203,10 +203,7 @@ std::string with(const std::string& words, const std::string& others) {
 }
 
 TEST_F(ClusterDaemons, OneDescriptionForAll) {
-  write_file(folder / "without.xml",
-             with("<Gateway name=\"gw2\"><Port network=\"lan\"><Interface name=\"lan0\"/></Port>"
-                  "</Gateway>\n",
-                  ""));
+  write_file(folder / "without.xml", with("<Gateway name=\"gw2\">", "<Gateway name=\"gw4\">"));
   write_file(folder / "grown.xml",
              with("<Publisher channel=\"c0\"",
                   "<xi:include xmlns:xi=\"http://www.w3.org/2001/XInclude\" href=\"more.xml\"/>"

@@ -34,7 +34,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t kPart = 48'000;  // bytes of one request
-constexpr auto kLook = 300ms;          // between two looks
+constexpr auto kPoll = 300ms;          // between two polls
 
 struct RolloutArguments {
   std::string system;
@@ -142,7 +142,7 @@ class RollOut {
                       fmt::format("after {} s: {}: 'mlccactl history --kind rollout' will say what "
                                   "became of it",
                                   a_.wait_s, line));
-      std::this_thread::sleep_for(kLook);
+      std::this_thread::sleep_for(kPoll);
     }
   }
 

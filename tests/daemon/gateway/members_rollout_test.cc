@@ -58,6 +58,16 @@ class MembersRollout : public MembershipBench {
   bool has(std::size_t g, std::uint8_t description) {
     return at(g).daemon().scene().digest == Sha256::Digest{description};
   }
+  /// The first gateway has proposed the second description, and nobody has answered.
+  void propose_to_both() {
+    start_both();
+    finish_reading = false;
+    ASSERT_EQ(roll_out(0, "2"), "checking");
+    run();
+    at(0).reading().finish();
+    run();
+    ASSERT_EQ(state_of(0).state, "judged");
+  }
   /// Another gateway has given its vote, or not yet.
   void until_judged(std::size_t g) {
     for (int n = 0; n < 20 && state_of(g).state != "judged"; ++n) pass(kStepNs);
@@ -178,13 +188,7 @@ TEST_F(MembersRollout, WhoHasAFileThatNeverWasInForceDoesNotFollow) {
 }
 
 TEST_F(MembersRollout, WhoRestartsBetweenVoteAndSwitchSwitches) {
-  start_both();
-  finish_reading = false;
-  ASSERT_EQ(roll_out(0, "2"), "checking");
-  run();
-  at(0).reading().finish();
-  run();
-  ASSERT_EQ(state_of(0).state, "judged");
+  propose_to_both();
   ASSERT_TRUE(at(1).reading().busy());
   at(1).reading().finish();
   link(0).answers = false;  // the one that decides stands still
@@ -200,13 +204,7 @@ TEST_F(MembersRollout, WhoRestartsBetweenVoteAndSwitchSwitches) {
 }
 
 TEST_F(MembersRollout, IsGivenUpWhenWhoHasProposedItDies) {
-  start_both();
-  finish_reading = false;
-  ASSERT_EQ(roll_out(0, "2"), "checking");
-  run();
-  at(0).reading().finish();
-  run();
-  ASSERT_EQ(state_of(0).state, "judged");
+  propose_to_both();
   at(0).end();
   finish_reading = true;
   pass(125 * kSecondNs);
@@ -218,13 +216,7 @@ TEST_F(MembersRollout, IsGivenUpWhenWhoHasProposedItDies) {
 }
 
 TEST_F(MembersRollout, GoesOnWhenTheStoreIsBack) {
-  start_both();
-  finish_reading = false;
-  ASSERT_EQ(roll_out(0, "2"), "checking");
-  run();
-  at(0).reading().finish();
-  run();
-  ASSERT_EQ(state_of(0).state, "judged");
+  propose_to_both();
   for (std::size_t g = 0; g < 2; ++g) link(g).up = false;
   finish_reading = true;
   pass(5 * kSecondNs);
