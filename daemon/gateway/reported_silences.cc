@@ -1,20 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/gateway/reported_silences.hpp"
 
-#include <set>
-
 namespace mlcca {
 
 SilentDelivery silent_delivery(const core::State& state, const core::Verdict& verdict) {
   return {state.system().channels[verdict.channel].subject, state.delivery_of(verdict)};
-}
-
-bool ReportedSilences::add(const core::Verdict& verdict, Value since, Value longest) {
-  const auto [known, is_new] = deliveries_.emplace(silent_delivery(*scene_.state, verdict), since);
-  if (is_new) return true;
-  if (since < known->second || since - known->second < longest) return false;
-  known->second = since;
-  return true;
 }
 
 void ReportedSilences::forget_ended() {
@@ -24,7 +14,8 @@ void ReportedSilences::forget_ended() {
   for (const core::Decision& decision : state.decisions())
     for (const core::Verdict& v : decision.verdicts)
       if (v.granted) granted.insert(silent_delivery(state, v));
-  std::erase_if(deliveries_, [&granted](const auto& one) { return !granted.contains(one.first); });
+  std::erase_if(deliveries_,
+                [&granted](const SilentDelivery& one) { return !granted.contains(one); });
 }
 
 }  // namespace mlcca

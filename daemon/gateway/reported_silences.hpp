@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #pragma once
 #include <compare>
-#include <map>
+#include <set>
 
 #include "core/admission/state.hpp"
 #include "core/model/verdict.hpp"
@@ -28,10 +28,9 @@ class ReportedSilences {
   [[nodiscard]] bool contains(const core::Verdict& verdict) const {
     return deliveries_.contains(silent_delivery(*scene_.state, verdict));
   }
-  /// `since`: ns, CLOCK_MONOTONIC, when the latest event came. False: that silence was there. A
-  /// later one begins with an event, which comes `longest` after the former at the earliest:
-  /// before, it would not have been reported.
-  bool add(const core::Verdict& verdict, Value since, Value longest);
+  void add(const core::Verdict& verdict) {
+    deliveries_.insert(silent_delivery(*scene_.state, verdict));
+  }
   /// False: it was not there.
   bool remove(const core::Verdict& verdict) {
     return deliveries_.erase(silent_delivery(*scene_.state, verdict)) != 0;
@@ -41,7 +40,7 @@ class ReportedSilences {
 
  private:
   const Scene& scene_;
-  std::map<SilentDelivery, Value> deliveries_;  ///< since when
+  std::set<SilentDelivery> deliveries_;
 };
 
 }  // namespace mlcca

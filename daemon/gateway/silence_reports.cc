@@ -43,10 +43,8 @@ void SilenceReports::missing(const core::Verdict& verdict, const gate_event& eve
     wait(key_of(verdict), clock_.monotonic_ns() + (longest - event.silent));
     return;
   }
-  // A gate that gets other slots says again what it has said before.
-  const Value now = clock_.monotonic_ns();
-  const Value since = event.never != 0 ? 0 : now - std::min<Value>(now, event.silent);
-  if (reported_.add(verdict, since, longest)) deliveries_.silence(verdict, event, publishers);
+  reported_.add(verdict);
+  deliveries_.silence(verdict, event, publishers);
 }
 
 /// What a former daemon has reported is not known here.

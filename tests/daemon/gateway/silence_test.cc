@@ -110,41 +110,6 @@ TEST_F(Silence, ThatIsOverInTimeIsNotReportedToWhoWaitsLonger) {
 }
 
 /// The gate says that they come again when they have for a while.
-/// A gate whose slots are written again says again that nothing comes.
-TEST_F(Silence, IsReportedOnceHoweverOftenTheGateSaysIt) {
-  bench_.clock.monotonic += 10'000 * kMs;
-  gate_says(GATE_E_MISSING, patience(kPatient));
-  EXPECT_EQ(std::exchange(said_, {}).size(), 2U);
-  bench_.clock.monotonic += 9'000 * kMs;
-  gate_says(GATE_E_MISSING, patience(kPatient) + 9'000 * kMs);
-  EXPECT_EQ(std::exchange(said_, {}), Said{});
-  // The end of that one was not reported: the ring was full. The next silence is another one.
-  bench_.clock.monotonic += 9'000 * kMs;
-  gate_says(GATE_E_MISSING, patience(kPatient));
-  EXPECT_EQ(std::exchange(said_, {}).size(), 2U);
-}
-
-TEST_F(Silence, OfWhomNothingHasEverComeIsReportedOnce) {
-  bench_.clock.monotonic += 10'000 * kMs;
-  const auto say = [this] {
-    gate_event event{};
-    event.kind = GATE_E_MISSING;
-    event.subject = 1;
-    event.silent = patience(kPatient);
-    event.never = 1;
-    bench_.control().events.push_back(event);
-    bench_.daemon().gates_reported();
-    return std::exchange(said_, {}).size();
-  };
-  EXPECT_EQ(say(), 2U);
-  bench_.clock.monotonic += 9'000 * kMs;
-  EXPECT_EQ(say(), 0U);
-  gate_says(GATE_E_RESTORED, patience(kPatient));
-  EXPECT_EQ(std::exchange(said_, {}).size(), 2U);
-  gate_says(GATE_E_MISSING, patience(kPatient));
-  EXPECT_EQ(std::exchange(said_, {}).size(), 2U);
-}
-
 TEST_F(Silence, IsMeasuredFromTheLatestEvent) {
   gate_says(GATE_E_MISSING, patience(kStrict));
   said_.clear();
