@@ -135,6 +135,7 @@ void BusMessages::put(BusMessage next) {
     return;
   }
   BusMessage& there = messages_[at->second];
+  there.several = true;
   if (there.held == next.held)
     join(there.sent, next.sent);
   else if (next.held)
@@ -244,6 +245,8 @@ void find_guarded(InspectedBuses& buses) {
     if (m.is_counted() && !m.present) more[m.network] = true;
   for (const BusMessage& m : buses.messages) {
     if (m.present && !m.held) buses.guarded[m.network] = false;
+    // The stricter of two deadlines holds only as long as the place that needs it is granted.
+    if (m.several && m.is_counted() && m.outcome != Outcome::fit) buses.guarded[m.network] = false;
     // If it is refused at run time it is sent all the same, and others may be granted in its place.
     const bool may_be_refused = m.held && m.outcome != Outcome::fit && !is_from_elsewhere(m);
     if (may_be_refused && more[m.network]) buses.guarded[m.network] = false;

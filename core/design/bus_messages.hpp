@@ -42,6 +42,7 @@ struct BusMessage {
   /// found, with what was granted before it; kNever if not bounded.
   std::optional<Value> refused_response;
   bool in_vain = false;  ///< refused because something would be late or lost on this bus
+  bool several = false;  ///< for several places behind the bus, each decided for itself
   /// Hops before the bus of which nobody knows how long they delay events: they count as none.
   std::vector<Place> unknown;
   /// The bus before this one, and what the hops in between may add to the jitter.

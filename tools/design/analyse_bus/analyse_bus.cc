@@ -259,7 +259,11 @@ AnalysedBus analysed(Bus bus, bool assign) {
                            [](const BusMessage& m) { return m.message.priority; });
   result.bus = std::move(bus);
   analyse_messages(result);
-  if (std::ranges::any_of(result.bus.messages, &BusMessage::in_vain)) result.schedulable = false;
+  // What is left to the run time is not refused.
+  if (std::ranges::any_of(result.bus.messages, [](const BusMessage& m) {
+        return m.in_vain && (m.outcome != Outcome::run_time || m.held);
+      }))
+    result.schedulable = false;
   const AnalysedBus there = with_counted(result);
   const auto sent = messages_of(there.bus, &BusMessage::sent);
   const Harm harm = harm_of_uncounted(there.bus, sent, there.fit);
