@@ -140,7 +140,12 @@ void BusMessages::put(BusMessage next) {
     join(there.sent, next.sent);
   else if (next.held)
     there.sent = next.sent;
-  there.outcome = worse(there.outcome, next.outcome);
+  // Of two that are refused now it is there if one of them may be granted.
+  const Outcome both = worse(there.outcome, next.outcome);
+  if (there.held || next.held)
+    there.outcome = both;
+  else
+    there.outcome = both == there.outcome ? next.outcome : there.outcome;
   there.held = there.held || next.held;
   there.present = there.present || next.present;
   there.in_vain = there.in_vain || next.in_vain;
