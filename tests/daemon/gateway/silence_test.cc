@@ -142,6 +142,29 @@ TEST_F(Silence, IsShownForWhoWaitsLongerUntilItsEndIsReported) {
   EXPECT_FALSE(is_shown(kPatient));
 }
 
+/// Of whom is granted again nothing has ever come: its own exception says so, whatever was reported
+/// before. A gate that gets another subscriber says it once more.
+TEST_F(Silence, IsReportedToWhoIsGrantedOrAdmittedMeanwhile) {
+  const auto never = [this] {
+    gate_event event{};
+    event.kind = GATE_E_MISSING;
+    event.subject = 1;
+    event.silent = patience(kPatient);
+    event.never = 1;
+    bench_.control().events.push_back(event);
+    bench_.daemon().gates_reported();
+    auto said = std::exchange(said_, {});
+    std::ranges::sort(said);
+    return said;
+  };
+  const Said both{"missing can1", "missing eth0"};
+  EXPECT_EQ(never(), both);
+  static_cast<void>(bench_.ask(control::WithdrawRequest{"c0"}));
+  static_cast<void>(bench_.ask(control::ReinstateRequest{"c0"}));
+  bench_.clock.monotonic += 1'000 * kMs;
+  EXPECT_EQ(never(), both);
+}
+
 TEST_F(Silence, OfAChannelThatIsGrantedNoMoreIsNotReported) {
   gate_says(GATE_E_MISSING, patience(kStrict));
   said_.clear();

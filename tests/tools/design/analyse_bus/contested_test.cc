@@ -89,6 +89,47 @@ TEST_F(AnalyseBusTest, BoundsOfWhatIsContestedAreTheSameInTextAndOnThePage) {
   EXPECT_FALSE(page.contains("is not counted: with it times can be longer"));
 }
 
+/// hi comes over a gateway whose Latency is a best case, and whether the bus has room for it is
+/// left to the run time: nothing is late, and nothing is refused.
+TEST_F(AnalyseBusTest, WhatIsLeftToTheRunTimeIsNoReasonForTheStatus) {
+  const auto lan = [](const std::string& name, const std::string& gateway) {
+    return fmt::format(
+        "<Network name='{0}'><Kind>udp-multicast</Kind><Profile>famouso</Profile><Provision "
+        "latency='10us' jitter='0ns' omission='0' period='1ms' maxPayload='100'/></Network>"
+        "<Gateway name='g-{0}'><Provision {1} omission='0'/><Port network='{0}'><Interface "
+        "name='eth0'/></Port><Port network='bus'><Interface name='can0'/></Port></Gateway>\n",
+        name, gateway);
+  };
+  const auto channel = [](const std::string& name, unsigned subject, const std::string& deadline,
+                          const std::string& from) {
+    return fmt::format(
+        "<EventChannel name='{0}' importance='{1}'><SubjectUID>0x{2}</SubjectUID><Attributes "
+        "period='20ms' deadline='{3}' maxPayload='8'/></EventChannel><Publisher name='{0}' "
+        "channel='{0}' "
+        "network='{4}'/><Subscriber channel='{0}' network='bus'/>\n",
+        name, name == "hi" ? 9 : 0, subject, deadline, from);
+  };
+  std::string bindings;
+  for (const auto& [name, id] :
+       std::map<std::string, std::string>{{"hi", "0x20"}, {"lo", "0x10"}, {"lo2", "0x11"}})
+    bindings += fmt::format(
+        "<Binding channel='{}'><Identifier form='standard'>{}</Identifier></Binding>", name, id);
+  const auto path = file(
+      "left.xml", test::system_of(channel("hi", 1, "600us", "a") + channel("lo", 2, "4ms", "b") +
+                                  channel("lo2", 3, "4ms", "b") +
+                                  "<Network name='bus'><Kind>can</Kind><Profile>raw</Profile><Bus "
+                                  "bitrate='500000'/>" +
+                                  bindings + "</Network>\n" +
+                                  lan("a", "dynamic='true' latency='10us' jitter='0ns'") +
+                                  lan("b", "latency='10us' jitter='300us'")));
+  const auto text = analyse(path);
+  EXPECT_EQ(text.status, 0) << text.out << text.error;
+  EXPECT_TRUE(text.out.contains("every deadline is met")) << text.out;
+  const Json b = bus_of(analyse(path, {"--json", "--network", "bus"}).out);
+  EXPECT_EQ(b["schedulable"], true) << b;
+  EXPECT_EQ(message_of(b, "hi")["outcome"], "run-time");
+}
+
 /// own is refused and sent all the same: admission keeps nothing on its bus.
 TEST_F(AnalyseBusTest, NothingIsBoundedByAdmissionWhereARefusedNodeSends) {
   auto frames = one_of_two();
