@@ -140,15 +140,17 @@ void BusMessages::put(BusMessage next) {
     join(there.sent, next.sent);
   else if (next.held)
     there.sent = next.sent;
+  const Outcome worst = worse(there.outcome, next.outcome);
+  const Outcome best = worst == there.outcome ? next.outcome : there.outcome;
   // Of two that are refused now it is there if one of them may be granted.
-  const Outcome both = worse(there.outcome, next.outcome);
-  if (there.held || next.held)
-    there.outcome = both;
-  else
-    there.outcome = both == there.outcome ? next.outcome : there.outcome;
+  there.outcome = there.held || next.held ? worst : best;
+  // What is granted for one place harms nobody here, whyever it is refused for another one.
+  if (there.held == next.held)
+    there.in_vain = there.in_vain || next.in_vain;
+  else if (next.held)
+    there.in_vain = next.in_vain;
   there.held = there.held || next.held;
   there.present = there.present || next.present;
-  there.in_vain = there.in_vain || next.in_vain;
   if (next.refused_response) there.refused_response = next.refused_response;
   for (const Place place : next.unknown)
     if (std::ranges::find(there.unknown, place) == there.unknown.end())
