@@ -109,6 +109,11 @@ std::string no_path_hint(const Network& network) {
          "without a mesh-node an end may be at any node";
 }
 
+/// Events longer than a packet are carried in fragments.
+bool is_of_fragments(const Network& network) {
+  return network.carries_subjects() && network.kind != NetworkKind::ieee802154;
+}
+
 std::string echo_hint(const Verdict& v) {
   return v.obstacle_at.kind == Place::Kind::gateway
              ? "state the address of each publisher of the channel, or a Route over gateways that "
@@ -235,7 +240,9 @@ void Explainer::add_obstacle(const Verdict& v) {
                               : "add attribute node to the publisher";
       break;
     case Obstacle::too_long:
-      f.hint = "publish a smaller MaxPayload, or use a network with longer frames";
+      f.hint = is_of_fragments(s_.system.networks[v.obstacle_at.index])
+                   ? "publish a smaller MaxPayload: no network carries longer events"
+                   : "publish a smaller MaxPayload, or use a network with longer frames";
       break;
     case Obstacle::no_data_rate:
       f.origin = s_.system.networks[v.obstacle_at.index].origin;

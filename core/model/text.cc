@@ -6,6 +6,7 @@
 #include <span>
 
 #include "base/number.hpp"
+#include "core/model/medium.hpp"
 #include "core/model/words.hpp"
 #include "core/profiles/profile.hpp"
 
@@ -113,6 +114,16 @@ std::string why_in_one_frame(const System& system, const Verdict& v) {
   return why.empty() ? "" : ": " + std::string(why);
 }
 
+/// "a frame of can0"; of networks of datagrams with the limit, which no binding states.
+std::string what_is_too_short(const System& system, const Verdict& v) {
+  const Network& network = system.networks[v.obstacle_at.index];
+  const bool one_frame = !network.carries_subjects() || network.kind == NetworkKind::ieee802154;
+  std::string what = (one_frame ? "a frame of " : "the fragments of ") + network.name;
+  if (network.carries_subjects())
+    what += ": at most " + format_value(Attribute::max_payload, event_bytes(network));
+  return what;
+}
+
 /// What the description would have to say, so that gateways can count what they hold together.
 std::string why_unknown(const System& system, const Verdict& v) {
   const Network& network = system.networks[v.obstacle_at.index];
@@ -146,7 +157,7 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
       return "an event of " +
              format_value(Attribute::max_payload,
                           attributes_in(publisher, v.set)[Attribute::max_payload]) +
-             " does not fit a frame of " + at() + why_in_one_frame(system, v);
+             " does not fit " + what_is_too_short(system, v) + why_in_one_frame(system, v);
     case Obstacle::no_traffic:
       return "publisher " + publisher.name +
              " states neither Period with MaxPayload nor Bandwidth, and the capacity of " + at() +

@@ -30,7 +30,8 @@ std::vector<control::Channel> ChannelReports::report(
     channel.counts_shared = std::ranges::any_of(rules, [&](const core::GateRule& rule) {
       return std::ranges::find(entries, rule.entry) != entries.end();
     });
-    channel.crosses_no_gate = rules.empty();
+    // What is refused may have no rules because it has no tag yet, or no way.
+    channel.crosses_no_gate = v->granted && rules.empty();
     if (!v->granted) continue;
     auto supervision = health_.supervision_of(*v, rules, shared);
     channel.troubles = health_.troubles_of(*v, rules, shared, supervision);

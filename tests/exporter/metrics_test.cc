@@ -178,6 +178,17 @@ TEST(ExporterPage, JoinsAdmissionsThatDifferInTheirNumberAlone) {
   EXPECT_TRUE(has(page, "mlcca_delivery_frames_passed_total" + labels + "7"));
 }
 
+/// Nobody counts frames that no gate sees.
+TEST(ExporterPage, CountsNoFramesOfWhatCrossesNoGateHere) {
+  auto elsewhere = delivery("elsewhere", true);
+  elsewhere.crosses_no_gate = true;
+  const auto page = page_of(answers_with({elsewhere, delivery("here", true)}));
+  EXPECT_EQ(series(page, "mlcca_delivery_frames_passed_total"), 1U);
+  EXPECT_TRUE(
+      has(page,
+          R"(mlcca_delivery_frames_passed_total{channel="here",publisher="p",from="a",to="b"} 0)"));
+}
+
 TEST(ExporterPage, EscapesWhatStandsInLabels) {
   exporter::Family family("m", "gauge", "help");
   family.add(exporter::Labels{{"name", "a\"b\\c\nd"}}, std::uint64_t{1});

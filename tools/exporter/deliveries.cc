@@ -138,7 +138,8 @@ void add_deliveries(const control::Channels& channels, const Most& most, LeftOut
     supervised.add(labels, d.all([](const Channel& one) { return one.not_supervised.empty(); }));
     shared.add(labels, std::ranges::any_of(d.channels, &Channel::counts_shared));
     withdrawn.add(labels, c.withdrawn);
-    passed.add(labels, d.sum(&Channel::passed));
+    // What crosses no gate of this gateway is counted nowhere: 0 would say that nothing comes.
+    if (!d.all(&Channel::crosses_no_gate)) passed.add(labels, d.sum(&Channel::passed));
     dropped.add(labels, d.sum(&Channel::dropped));
     excess.add(labels, d.sum(&Channel::excess));
     would_drop.add(labels, d.sum(&Channel::would_drop));

@@ -163,6 +163,19 @@ TEST_F(TextTest, SaysEachFindingOnALineThatAnEditorFollows) {
                 "1 error, 0 warnings, 0 notes\n");
 }
 
+TEST_F(TextTest, SaysHowLongAnEventMayBeOnANetworkOfDatagrams) {
+  const auto said = [](const std::string& name) {
+    return test::run({"check", "tests/tools/design/check/cases/" + name}).out;
+  };
+  EXPECT_TRUE(
+      said("too-long-for-radio.xml")
+          .contains("an event of 103 bytes does not fit a frame of radio: at most 102 bytes"));
+  const auto datagrams = said("too-long-for-datagrams.xml");
+  EXPECT_TRUE(datagrams.contains(" does not fit the fragments of radio: at most 65535 bytes"))
+      << datagrams;
+  EXPECT_TRUE(datagrams.contains("no network carries longer events"));
+}
+
 /// The rule's error and what does not fit are the same thing: nothing is promised without it.
 TEST_F(TextTest, OfASystemThatIsNotUsableItSaysWhatTheDeliveriesByThemselvesGive) {
   const auto name = file(
