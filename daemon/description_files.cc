@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "base/handle.hpp"
+#include "core/cluster/keys.hpp"
 #include "description/bundle.hpp"
 
 namespace mlcca {
@@ -24,9 +25,7 @@ namespace {
 constexpr std::string_view kDescriptionPrefix = "description-";
 
 std::string description_name(const Sha256::Digest& digest) {
-  std::string name(kDescriptionPrefix);
-  for (const std::uint8_t octet : digest) name += fmt::format("{:02x}", octet);
-  return name;
+  return std::string(kDescriptionPrefix) + core::cluster::hex_of(digest);
 }
 
 Result<void> failed_with(const std::string& path) {

@@ -105,12 +105,8 @@ struct World {
       : conditions(system.networks.size()),
         meshes(system.networks.size()),
         failed(system.gateways.size(), false),
-        foreign(system.networks.size()) {
-    std::vector<std::size_t> ports(system.networks.size(), 0);
-    for (const Gateway& gateway : system.gateways)
-      for (const Port& port : gateway.ports) ++ports[port.network];
-    for (const std::size_t count : ports) shared.push_back(count > 1);
-  }
+        foreign(system.networks.size()),
+        shared(shared_networks(system)) {}
 
   std::vector<Condition> conditions;
   /// Empty where the network is no mesh that is evaluated, or nothing is known of it.

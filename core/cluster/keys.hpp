@@ -95,5 +95,9 @@ class Keys {
 [[nodiscard]] std::string encoded(std::string_view name);
 /// 64 hexadecimal digits.
 [[nodiscard]] std::string hex_of(std::string_view octets);
+template <std::size_t N>
+[[nodiscard]] std::string hex_of(const std::array<std::uint8_t, N>& octets) {
+  return hex_of(std::string(octets.begin(), octets.end()));
+}
 
 }  // namespace mlcca::core::cluster

@@ -18,22 +18,22 @@ constexpr const char* kElsewhere =
 /// Of a work that only makes room.
 constexpr std::uint64_t kNoChunk = ~std::uint64_t{0};
 
-std::string hex(const Digest& digest) {
-  std::string octets;
-  for (const std::uint8_t octet : digest) octets += static_cast<char>(octet);
-  return hex_of(octets);
-}
-
 /// All of it, or nothing.
 std::optional<std::string> content_of(const Records& records, const Next& next) {
   std::string all;
-  const std::string digest = hex(next.digest);
+  const std::string digest = hex_of(next.digest);
   for (std::uint32_t n = 0; n < next.chunks; ++n) {
     const auto it = records.blobs.find({digest, n});
     if (it == records.blobs.end()) return std::nullopt;
     all += it->second;
   }
   return all;
+}
+
+/// It is not there, or others have ended what it had.
+bool is_gone(const View& view, std::size_t gateway, Value now) {
+  const Alive alive = view.alive(gateway, now);
+  return alive == Alive::absent || alive == Alive::fenced;
 }
 
 bool is_among(const std::vector<std::string>& names, const std::string& name) {
@@ -128,7 +128,7 @@ std::optional<Work> Rollouts::propose(const View& view, const Codec& codec) cons
   const Keys& keys = view.keys();
   const Records& records = view.records();
   if (!staged_) return std::nullopt;
-  const std::string digest = hex(staged_->digest);
+  const std::string digest = hex_of(staged_->digest);
   const auto& current = records.current.value;
   if (claimed_ == 0) {
     if (records.next.mod != 0) return std::nullopt;
@@ -149,7 +149,8 @@ std::optional<Work> Rollouts::propose(const View& view, const Codec& codec) cons
             .compares = {{.key = keys.next(), .revision = claimed_}}};
   for (const auto& [key, chunk] : records.blobs)
     if (key.first != digest &&
-        !(current && (key.first == hex(current->digest) || key.first == hex(current->former))) &&
+        !(current &&
+          (key.first == hex_of(current->digest) || key.first == hex_of(current->former))) &&
         work.deletes.size() < kMostOldChunks)
       work.deletes.push_back(keys.blob(key.first, key.second));
   if (!work.deletes.empty()) {
@@ -168,9 +169,8 @@ Rollouts::Tally Rollouts::tally(const View& view, const Next& next, Work& work, 
   for (std::size_t g = 0; g < view.keys().gateways(); ++g) {
     const std::string& name = view.keys().gateway_name(g);
     if (is_among(next.without, name)) {
-      const Alive alive = view.alive(g, now);
-      const bool has_gone = alive == Alive::absent || alive == Alive::fenced;
-      if (has_gone || records.current.mod == 0) continue;  // of nothing nobody has something
+      // Where no description is in force nobody has anything to leave.
+      if (is_gone(view, g, now) || records.current.mod == 0) continue;
       tally.all = false;
       tally.refused = true;
       tally.objection = name + ": it was called off, and is there";
@@ -238,8 +238,7 @@ bool Rollouts::all_in(const View& view, Value now) {
       }))
     return false;
   for (std::size_t g = 0; g < view.keys().gateways(); ++g) {
-    const Alive alive = view.alive(g, now);
-    if (alive != Alive::absent && alive != Alive::fenced && !is_in(view, g)) return false;
+    if (!is_gone(view, g, now) && !is_in(view, g)) return false;
   }
   return true;
 }

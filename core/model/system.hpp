@@ -394,4 +394,15 @@ struct System {
   }
 };
 
+/// By network: several ports lead there, mostly those of several gateways.
+[[nodiscard]] inline std::vector<bool> shared_networks(const System& system) {
+  std::vector<std::size_t> ports(system.networks.size(), 0);
+  for (const Gateway& gateway : system.gateways)
+    for (const Port& port : gateway.ports) ++ports[port.network];
+  std::vector<bool> shared;
+  shared.reserve(ports.size());
+  for (const std::size_t count : ports) shared.push_back(count > 1);
+  return shared;
+}
+
 }  // namespace mlcca::core

@@ -2,7 +2,6 @@
 #include "daemon/gateway/cluster_report.hpp"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <set>
 #include <string>
@@ -18,11 +17,6 @@ namespace mlcca {
 namespace {
 
 namespace cc = core::cluster;
-
-template <std::size_t N>
-std::string hex_digits(const std::array<std::uint8_t, N>& octets) {
-  return cc::hex_of(std::string(octets.begin(), octets.end()));
-}
 
 /// As the store has it, where that says more than what this gateway goes by.
 std::string phase_of(const Membership& membership) {
@@ -145,7 +139,7 @@ void add_beat(const Membership& membership, std::size_t gateway, control::Cluste
   to.incarnation =
       static_cast<std::uint64_t>(beat.incarnation != 0 ? beat.incarnation : record.mod);
   to.lease_ns = beat.lease;
-  to.digest = hex_digits(beat.digest);
+  to.digest = cc::hex_of(beat.digest);
   to.generation = beat.generation;
   to.other = current && current->digest != beat.digest;
 }
@@ -179,11 +173,11 @@ void add_store(const Membership& membership, control::Cluster& to) {
 }
 
 void add_description(const Membership& membership, control::Cluster& to) {
-  to.own_digest = hex_digits(membership.digest());
+  to.own_digest = cc::hex_of(membership.digest());
   const auto& current = membership.member().view().records().current.value;
   if (!current) return;
   to.generation = current->generation;
-  to.digest = hex_digits(current->digest);
+  to.digest = cc::hex_of(current->digest);
   to.in_force = current->open;
 }
 
@@ -204,7 +198,7 @@ control::Cluster cluster_report(const Membership& membership, const core::State&
       out.networks.push_back(system.networks[port.network].name);
   out.health = health_of(out.shared != "closed", membership.problems());
   out.incarnation = static_cast<std::uint64_t>(member.journalled().incarnation);
-  if (records.epoch.value) out.epoch = hex_digits(*records.epoch.value);
+  if (records.epoch.value) out.epoch = cc::hex_of(*records.epoch.value);
   out.lease_ns = membership.lease();
   out.lasts_ns = sub_floor(member.valid_until(), membership.now());
   add_description(membership, out);

@@ -33,7 +33,9 @@ std::vector<std::string> chunks_of(const std::string& text) {
 
 }  // namespace
 
-std::string hex_of_digest(const Sha256::Digest& digest) { return cc::hex_of(octets_of(digest)); }
+std::string hex_of_digest(const Sha256::Digest& digest) {
+  return digest == Sha256::Digest{} ? std::string() : cc::hex_of(digest);
+}
 
 void Rollout::restore(const store::Membership& record) {
   rolled_ = array_of<kDigestOctets>(record.rolled_digest);

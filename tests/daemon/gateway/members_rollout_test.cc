@@ -241,12 +241,7 @@ TEST_F(MembersRollout, OfTwoAtOnceOneIsRefused) {
 }
 
 TEST_F(MembersRollout, ThatOneCannotPutInForceIsTakenBack) {
-  start_both();
-  finish_reading = false;
-  ASSERT_EQ(roll_out(0, "2"), "checking");
-  run();
-  at(0).reading().finish();
-  run();
+  propose_to_both();
   ASSERT_TRUE(at(1).reading().busy());
   at(1).reading().finish();
   // It has agreed, and cannot read it any more.
