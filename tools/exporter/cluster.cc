@@ -8,10 +8,6 @@
 namespace mlcca::exporter {
 namespace {
 
-constexpr double kNsPerSecond = 1e9;
-
-double to_seconds(std::uint64_t ns) { return static_cast<double>(ns) / kNsPerSecond; }
-
 template <class Value>
 void add_gauge(std::string_view name, std::string_view help, Value value, std::string& page) {
   Family family(name, "gauge", help);
@@ -36,11 +32,11 @@ void add_cluster(const control::Cluster& cluster, std::string& page) {
            "What may be used of networks of several gateways: open, described, closed. Always 1.",
            "state", cluster.shared, page);
   add_gauge("mlcca_cluster_lease_seconds", "For how long what is reserved surely lasts.",
-            to_seconds(cluster.lasts_ns), page);
+            in_seconds(cluster.lasts_ns), page);
   add_gauge("mlcca_cluster_store_up", "Whether the store answers.", cluster.store_up, page);
   if (cluster.store_latency_ns != 0)
     add_gauge("mlcca_cluster_store_latency_seconds", "How long its latest answer took.",
-              to_seconds(cluster.store_latency_ns), page);
+              in_seconds(cluster.store_latency_ns), page);
   if (cluster.store_bytes != 0)
     add_gauge("mlcca_cluster_store_bytes", "Size of the store.", cluster.store_bytes, page);
   add_gauge("mlcca_cluster_store_full", "Whether it takes nothing but deletions.",
@@ -70,7 +66,7 @@ void add_members(const control::ClusterMembers& members, const Most& most, LeftO
   for (std::size_t i = 0; i < shown; ++i) {
     const control::ClusterMember& one = members.members[i];
     member.add(Labels{{"gateway", one.name}, {"state", one.state}}, true);
-    if (one.beats) age.add(Labels{{"gateway", one.name}}, to_seconds(one.beat_age_ns));
+    if (one.beats) age.add(Labels{{"gateway", one.name}}, in_seconds(one.beat_age_ns));
     for (const control::ClusterShare& share : one.shares) {
       if (++shares > most.others) continue;
       const Labels labels{{"gateway", one.name}, {"network", share.network}};

@@ -11,10 +11,6 @@
 namespace mlcca::exporter {
 namespace {
 
-constexpr double kInASecond = 1e9;
-
-double in_seconds(std::uint64_t ns) { return static_cast<double>(ns) / kInASecond; }
-
 bool is_well(const control::Channel& c) { return c.granted && c.troubles.empty(); }
 
 /// Admissions that differ in nothing but their number: they are one series, or it would have two

@@ -11,6 +11,12 @@ namespace mlcca::exporter {
 
 inline constexpr const char* kContentType = "text/plain; version=0.0.4; charset=utf-8";
 
+/// Of ns: times are in seconds in Prometheus.
+[[nodiscard]] inline double in_seconds(std::uint64_t ns) {
+  constexpr double ns_in_a_second = 1e9;
+  return static_cast<double>(ns) / ns_in_a_second;
+}
+
 /// "name=\"value\",…" of labels; what stands in a value is escaped.
 class Labels {
  public:
