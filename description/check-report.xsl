@@ -69,7 +69,7 @@
   <!-- Of every description, so that no silence is taken for an answer. -->
   <xsl:template name="rest-left">
     <Left id="MLCCA034">
-      <xsl:text>note MLCCA034: identifiers, lengths of frames, traffic that must be stated, and what reaches others on a shared network are not decided here: left to mlccactl check&#10;</xsl:text>
+      <xsl:text>note MLCCA034: identifiers, lengths of frames, traffic that must be stated, and what reaches others on a network are not decided here: left to mlccactl check&#10;</xsl:text>
     </Left>
   </xsl:template>
 

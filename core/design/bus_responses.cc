@@ -114,8 +114,9 @@ BusLoad load_of(const can::Assumptions& assumptions, std::span<const BusLoadPart
   BusLoad load;
   load.present = load.at_most = can::utilisation_ppm(assumptions, present);
   if (present.size() == all.size()) return load;
-  constexpr std::uint64_t whole = 1'000'000;
-  load.at_most = std::max(load.present, std::min(whole, can::utilisation_ppm(assumptions, all)));
+  constexpr std::uint64_t all_the_time = 1'000'000;
+  load.at_most =
+      std::max(load.present, std::min(all_the_time, can::utilisation_ppm(assumptions, all)));
   return load;
 }
 

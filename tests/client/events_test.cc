@@ -390,7 +390,7 @@ TEST_F(EventsInC, WhatIsLongerThanTheChannelHasIsNeitherSentNorReceived) {
   control::Endpoint from = from_programs_of(::getuid());
   from.frame_bytes = 8;
   ASSERT_EQ(use(subscriber_, 3, MLCCA_SUBSCRIBER, reply_with({from})), "");
-  EXPECT_EQ(publish("123456789"), MLCCA_SENT) << "by a library that does not look";
+  EXPECT_EQ(publish("123456789"), MLCCA_SENT) << "by a library that does not check";
   EXPECT_EQ(publish("12345678"), MLCCA_SENT);
   EXPECT_EQ(came(), std::vector<std::string>{"3 12345678"});
   EXPECT_EQ(mlcca_events_lost(subscriber_.get()), 1U);

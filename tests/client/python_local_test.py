@@ -61,23 +61,23 @@ class Local(unittest.TestCase):
     def test_a_silence_is_an_exception(self):
         client, daemon = self.start(silence_ns=SECOND // 100, period_ns=SECOND // 200, publisher="lever")
         stop, _ = self.subscriber(client, daemon)
-        told = []
-        stop.on_exception = told.append
-        while not told:
+        raised = []
+        stop.on_exception = raised.append
+        while not raised:
             client.wait(60)
-        self.assertEqual((told[0].cause, told[0].publisher), (Cause.MISSING, "lever"))
-        self.assertGreaterEqual(told[0].silent_ns, SECOND // 100)
-        self.assertGreaterEqual(told[0].missing_events, 2)
+        self.assertEqual((raised[0].cause, raised[0].publisher), (Cause.MISSING, "lever"))
+        self.assertGreaterEqual(raised[0].silent_ns, SECOND // 100)
+        self.assertGreaterEqual(raised[0].missing_events, 2)
 
     def test_what_is_too_long_or_too_much_is_counted(self):
         client, daemon = self.start(frame_bytes=8, event_cost_ns=3600 * SECOND)
         stop, lever = self.subscriber(client, daemon)
-        told, came = [], []
-        stop.on_exception, stop.on_event = told.append, lambda event: came.append(event.data)
+        raised, came = [], []
+        stop.on_exception, stop.on_event = raised.append, lambda event: came.append(event.data)
         self.assertEqual([lever.publish(b"123456789"), lever.publish(b"go"), lever.publish(b"no")], [Published.SENT] * 3)
-        while not told:
+        while not raised:
             client.wait(60)
-        self.assertEqual((told[0].cause, told[0].frames), (Cause.POLICED, 1))
+        self.assertEqual((raised[0].cause, raised[0].frames), (Cause.POLICED, 1))
         self.assertEqual((came, stop.lost), ([b"go"], 2))
 
     def test_a_loop_is_woken_as_long_as_events_wait(self):

@@ -65,7 +65,7 @@ class SubscriberChannel(Channel):
 
     @property
     def lost(self) -> int:
-        """Frames and events that came to this client and were not whole, malformed, or lost in a socket; of programs on the
+        """Frames and events that came to this client and were incomplete, malformed, or lost in a socket; of programs on the
         gateway those that are longer than the channel's MaxPayload or more than is admitted."""
         return self._client._session.sockets.lost() + self._part.untaken
 

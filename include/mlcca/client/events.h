@@ -74,7 +74,7 @@ MLCCA_API void mlcca_events_process(struct mlcca_events* events, mlcca_on_event 
 MLCCA_API size_t mlcca_events_happened(struct mlcca_events* events, uint64_t* end, void* reply,
                                        size_t size);
 
-/* Frames and events that came and were not whole, malformed, or lost in a socket, and those for
+/* Frames and events that came and were incomplete, malformed, or lost in a socket, and those for
  * which there was no memory, counted once for each call that had none. Of programs on the gateway
  * those that are longer than the channel's MaxPayload, or more than is admitted. */
 MLCCA_API uint64_t mlcca_events_lost(const struct mlcca_events* events);

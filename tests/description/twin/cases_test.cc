@@ -80,7 +80,7 @@ constexpr const char* kCheck = "xsltproc --nonet description/check.xsl ";
 /// The end of each output: what is left of every description, and the count.
 std::string ended_with(int findings) {
   return "note MLCCA034: identifiers, lengths of frames, traffic that must be stated, and what "
-         "reaches others on a shared network are not decided here: left to mlccactl check\n" +
+         "reaches others on a network are not decided here: left to mlccactl check\n" +
          std::to_string(findings) + " findings\n";
 }
 
