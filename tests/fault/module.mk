@@ -10,7 +10,7 @@ FAULT_SEED ?= 1
 FAULT_NEEDS := $O/tests/nth_call.so $O/mlccad $O/mlcca-awds $O/mlccactl $O/mlcca-readback
 check-fault: $(FAULT_NEEDS) ## mlccad while the n-th call fails, a sample of all (root)
 	$(Q)tests/fault/nth-call $O --sample $(FAULT_SAMPLE) --seed $(FAULT_SEED)
-	$(Q)tests/fault/reload-memory $O 16
+	$(Q)tests/fault/reload-memory $O 32 $(FAULT_SEED)
 soak-fault: stage $(GUEST_READY) $(FAULT_NEEDS) ## the same for every call; of those that allocate every tenth: hours (root)
 	$(Q)tests/fault/nth-call $O --most 1000 --patience 5
 	$(Q)$(SOAK_GUEST) SAMPLE=0 tests/guest/cases/nth-call
