@@ -341,7 +341,7 @@ class Ends {
             widest = &spoken;
       if (widest->last_node < 0)
         wrong(
-            fmt::format("attribute node is for {}, and no network speaks one of them here: "
+            fmt::format("attribute node is for {}, and no CAN network speaks one of them here: "
                         "remove it",
                         core::for_profiles_with([](const auto& p) { return p.last_node >= 0; })));
       else if (*seat.node > static_cast<unsigned>(widest->last_node))

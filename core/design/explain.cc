@@ -85,10 +85,12 @@ std::string provided_name(const System& system, const Row& row) {
   return info(held_against(row.comparison.attribute)).name;
 }
 
-/// Where a hop states what it provides.
-std::string stated_by(const System& system, Place place) {
-  const bool evaluated = place.kind == Place::Kind::network && system.networks[place.index].mesh;
-  return (evaluated ? "PerHop of " : "") + name_of(system, place);
+/// Where a hop states what it provides of the row's attribute. PerHop has none of the user's own.
+std::string stated_by(const System& system, const Row& row) {
+  const Place place = row.place;
+  const bool is_mesh = place.kind == Place::Kind::network && system.networks[place.index].mesh;
+  if (!is_mesh) return name_of(system, place);
+  return (row.is_user() ? "the Provision of " : "PerHop of ") + name_of(system, place);
 }
 
 /// What a mesh provides of it is composed of what each of its links does, unless the mesh itself is
@@ -139,7 +141,7 @@ std::string hop_hint(const System& system, const Row& row, const std::string& re
   const std::string provided = provided_name(system, row);
   const std::string& place = name_of(system, row.place);
   if (!row.comparison.known)
-    return "state " + provided + " of " + stated_by(system, row.place) +
+    return "state " + provided + " of " + stated_by(system, row) +
            ": what is not stated is not given";
   if (is_unbounded_omission(row))
     return "send events that fit one frame of " + place + ", or let it lose none (Omission 0)";

@@ -57,6 +57,12 @@ std::string relay_hint(const System& system, std::size_t network, std::size_t ga
     return "let other nodes relay: gateway " + system.gateways[gateway].name +
            " cannot let through what it only routes on";
   const auto& sources = system.networks[network].mesh->sources;
+  // Whoever names AWDS's own device where it is to listen finds the right Port called wrong.
+  const std::string& named = system.gateways[gateway].port_on(network)->identity.name;
+  if (named.starts_with("awds") &&
+      has(system.networks[network].mesh.value(), SourceKind::awds, named))
+    return "name the radio in <Source kind=\"awds\" interface=\"…\"/>: " + named +
+           " is the mesh's own device, which AWDS makes";
   const auto batman = std::ranges::find(sources, SourceKind::batman, &Source::kind);
   return "give the Port the mesh's own device: <Interface name=\"" +
          (batman != sources.end() ? batman->interface : std::string("awds0")) + "\"/>";

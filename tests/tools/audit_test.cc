@@ -232,7 +232,8 @@ TEST_F(AuditReport, OnlyTheFirstAdditionsFollowTheTable) {
 
 TEST_F(AuditReport, SaysThatNothingWasRefused) {
   EXPECT_EQ(render(control::Audit{.mode = "enforce", .since_unix_s = 1'700'000'000}, Color::no),
-            "enforcing; counted since 2023-11-14 22:13:20\n\nnothing was refused\n");
+            "enforcing; counted since 2023-11-14 22:13:20\n\n"
+            "nothing was refused when the gates were last read, about a second ago\n");
 }
 
 TEST_F(AuditReport, IsJsonWithTheAddition) {

@@ -204,6 +204,23 @@ TEST(MeasuredMeshTest, WhatNoLinkStatesIsToBeStatedInPerHop) {
       << checked.inspection.findings[0].hint;
 }
 
+TEST(MeasuredMeshTest, PerHopHasNoAttributesOfTheUser) {
+  System system = measured();
+  UserAttribute energy;
+  energy.name = "Energy";
+  energy.composition = Composition::sum;
+  energy.better = Better::smaller;
+  system.user_attributes = {energy};
+  system.subscribers[0].user = {{0, false, 5}};
+  system.networks[kBus].user = {{0, false, 1}};
+  system.gateways[0].user = {{0, false, 1}};
+  const Checked checked = check(system);
+  ASSERT_FALSE(checked.inspection.findings.empty());
+  EXPECT_TRUE(
+      checked.inspection.findings[0].hint.starts_with("state Energy of the Provision of air"))
+      << checked.inspection.findings[0].hint;
+}
+
 TEST(MeasuredMeshTest, NoLatencyFollowsFromThePeriodOfThePublisher) {
   System system = measured();
   system.networks[kAir].mesh->per_hop.clear(Attribute::latency);

@@ -105,6 +105,11 @@ TEST(RelayGate, TheHintNamesWhatIsToBeDone) {
             "give the Port the mesh's own device: <Interface name=\"bat7\"/>");
   EXPECT_EQ(relay_hint(with_mesh({{mesh::SourceKind::awds, "wlan0"}}, kRadio), 0, 0),
             "give the Port the mesh's own device: <Interface name=\"awds0\"/>");
+  System own = with_mesh({{mesh::SourceKind::awds, "awds0"}}, kRadio);
+  own.gateways[0].ports[0].identity.name = "awds0";
+  EXPECT_EQ(relay_hint(own, 0, 0),
+            "name the radio in <Source kind=\"awds\" interface=\"…\"/>: awds0 is the mesh's own "
+            "device, which AWDS makes");
 }
 
 TEST(RelayGate, IsAProblemWhereANodeMayRelay) {

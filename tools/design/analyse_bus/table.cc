@@ -257,13 +257,15 @@ class TableReader {
       if (at_[c] == kMissing) missing.emplace_back(kColumns[c]);
     if (unknown.empty() && twice.empty() && missing.empty()) return;
     std::string text;
-    const auto add = [&text](const std::vector<std::string>& names, std::string_view what) {
+    const auto add = [&text](const std::vector<std::string>& names, std::string_view one,
+                             std::string_view several) {
       if (!names.empty())
-        text += fmt::format("{}{} {}", text.empty() ? "" : "; ", what, listed(names));
+        text += fmt::format("{}{} {}", text.empty() ? "" : "; ", names.size() == 1 ? one : several,
+                            listed(names));
     };
-    add(missing, "there is no column");
-    add(unknown, "unknown column");
-    add(twice, "there twice:");
+    add(missing, "there is no column", "there are no columns");
+    add(unknown, "unknown column", "unknown columns");
+    add(twice, "there twice:", "there twice:");
     problem("header", fmt::format("{}. The header must be {}, between commas, semicolons, tabs or "
                                   "bars",
                                   text, kHeader));
