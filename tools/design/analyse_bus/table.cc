@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/many.hpp"
 #include "base/number.hpp"
 #include "base/result.hpp"
 #include "core/can/analysis.hpp"
@@ -105,15 +106,16 @@ std::optional<std::string> take_cell(std::string_view& line, char separator, boo
   return cell;
 }
 
-Result<std::uint64_t> whole_number(std::string_view text, std::uint64_t least, std::uint64_t most,
-                                   std::string_view what) {
-  const bool hex = text.starts_with("0x") || text.starts_with("0X");
-  const auto value = hex ? number_in<std::uint64_t>(text.substr(2), kHexadecimalBase)
-                         : number_in<std::uint64_t>(text);
-  if (!value || *value < least || *value > most)
-    return fail(fmt::format("{} '{}': must be a whole number from {} to {}, decimal or 0x…", what,
-                            text, least, most));
-  return *value;
+auto whole_number(std::uint64_t least, std::uint64_t most) {
+  return [least, most](std::string_view text, std::string_view what) -> Result<std::uint64_t> {
+    const bool hex = text.starts_with("0x") || text.starts_with("0X");
+    const auto value = hex ? number_in<std::uint64_t>(text.substr(2), kHexadecimalBase)
+                           : number_in<std::uint64_t>(text);
+    if (!value || *value < least || *value > most)
+      return fail(fmt::format("{} '{}': must be a whole number from {} to {}, decimal or 0x…", what,
+                              text, least, most));
+    return *value;
+  };
 }
 
 /// An error that quotes `number`, with `text` in its place.
@@ -143,16 +145,55 @@ std::string separator_words(char separator) {
   return separator == '\t' ? "tab" : fmt::format("'{}'", separator);
 }
 
-/// `line`: of another separator than the header's, perhaps.
+/// How many values a line has if that separates them; 0: its quotes are not right.
+std::size_t values_between(std::string_view line, char separator) {
+  std::size_t values = 0;
+  for (bool more = true; more; ++values)
+    if (!take_cell(line, separator, more)) return 0;
+  return values;
+}
+
+/// Why a line has not as many values as the header has columns: another separator, perhaps.
+std::string why_values_wrong(std::size_t values, std::size_t columns, char separator,
+                             std::string_view line) {
+  char other = separator;
+  std::size_t most = 1;
+  for (const char c : kSeparators) {
+    const std::size_t found = c == separator ? 0 : values_between(line, c);
+    if (found <= most || most == columns) continue;
+    most = found;
+    other = c;
+  }
+  if (other != separator && (values == 1 || most == columns))
+    return fmt::format(" (the columns of the header are separated by {}, those of this line by {})",
+                       separator_words(separator), separator_words(other));
+  if (other != separator)
+    return fmt::format(" (this line has {} too, and the columns of the header are separated by {})",
+                       separator_words(other), separator_words(separator));
+  if (separator == ',' && values > columns)
+    return " (columns are separated by ',', so a number must have a decimal point)";
+  return {};
+}
+
 std::string values_wrong(std::size_t values, std::size_t columns, bool commented, char separator,
                          std::string_view line) {
-  std::string why = commented ? " (what follows a # is a comment)" : "";
-  if (const char other = separator_of(line);
-      values == 1 && other != separator && line.contains(other))
-    why = fmt::format(" (the columns of the header are separated by {}, those of this line by {})",
-                      separator_words(separator), separator_words(other));
-  return fmt::format("{} value{}: must be {}, one for each column of the header{}", values,
-                     values == 1 ? "" : "s", columns, why);
+  return fmt::format("{}: must be {}, one for each column of the header{}", many(values, "value"),
+                     columns,
+                     commented ? " (what follows a # is a comment)"
+                               : why_values_wrong(values, columns, separator, line));
+}
+
+/// What is wrong with a value that has a separator in it which is not that of the columns; empty:
+/// it has none.
+std::string other_separator_in(std::string_view value, char separator) {
+  for (const char c : kSeparators) {
+    if (c == separator || !value.contains(c)) continue;
+    return c == ',' ? fmt::format(" (where columns are separated by {}, ',' is a decimal comma)",
+                                  separator_words(separator))
+                    : fmt::format(" (the columns of the header are separated by {}, not by {})",
+                                  separator_words(separator), separator_words(c));
+  }
+  return {};
 }
 
 class TableReader {
@@ -266,11 +307,28 @@ class TableReader {
     add(missing, "there is no column", "there are no columns");
     add(unknown, "unknown column", "unknown columns");
     add(twice, "there twice:", "there twice:");
+    for (const std::string& cell : cells)
+      if (const char other = separator_of(cell); cell.contains(other)) {
+        text += fmt::format(" (this line has {} and {}: all columns must be separated by one)",
+                            separator_words(separator_), separator_words(other));
+        break;
+      }
     problem("header", fmt::format("{}. The header must be {}, between commas, semicolons, tabs or "
                                   "bars",
                                   text, kHeader));
     // Without the columns no line can be understood.
     readable_ = false;
+  }
+
+  /// `read`: of a cell and the name of its column.
+  template <class Read>
+  auto get(std::string_view column, std::string_view cell, const Read& read) {
+    auto value = read(cell, column);
+    if (!value) {
+      problem(column, value.error().text + other_separator_in(cell, separator_));
+      value.emplace();
+    }
+    return *value;
   }
 
   void take_message(const std::vector<std::string>& cells, std::string_view line) {
@@ -287,8 +345,8 @@ class TableReader {
     m.name = cell(Field::name);
     m.where = where();
     if (m.name.empty()) problem("name", "name is empty: each message needs one");
-    m.extended = get("extended", yes_or_no(cell(Field::extended), "extended"));
-    const bool fd = !cell(Field::fd).empty() && get("fd", yes_or_no(cell(Field::fd), "fd"));
+    m.extended = get("extended", cell(Field::extended), yes_or_no);
+    const bool fd = !cell(Field::fd).empty() && get("fd", cell(Field::fd), yes_or_no);
     // A wrong value of extended or fd is one problem, not two.
     const bool forms_known = found_ == problems;
     if (fd && bus_.assumptions.timing.data_bitrate == 0)
@@ -296,14 +354,13 @@ class TableReader {
               "fd: how long an FD frame takes needs --data-bitrate, the bit rate of its data phase "
               "(that of --bitrate where it does not change)");
     const std::uint32_t most_id = m.extended || !forms_known ? 0x1fffffff : 0x7ff;
-    m.id = static_cast<std::uint32_t>(get("id", whole_number(cell(Field::id), 0, most_id, "id")));
-    m.bytes =
-        get("bytes", whole_number(cell(Field::bytes), 0, fd || !forms_known ? 64 : 8, "bytes"));
+    m.id = static_cast<std::uint32_t>(get("id", cell(Field::id), whole_number(0, most_id)));
+    m.bytes = get("bytes", cell(Field::bytes), whole_number(0, fd || !forms_known ? 64 : 8));
     core::can::Message& message = m.message;
     constexpr std::uint64_t most_frames = 65536;
     if (!cell(Field::frames).empty())
       message.frames = static_cast<std::uint32_t>(
-          get("frames", whole_number(cell(Field::frames), 1, most_frames, "frames")));
+          get("frames", cell(Field::frames), whole_number(1, most_frames)));
     message.period = time_of(cell(Field::period), Rounding::down, true, "period_us");
     message.deadline = cell(Field::deadline).empty()
                            ? message.period
@@ -337,26 +394,23 @@ class TableReader {
     return it->second;
   }
 
-  template <class T>
-  T get(std::string_view kind, const Result<T>& value) {
-    if (value) return *value;
-    problem(kind, value.error().text);
-    return T{};
-  }
-
   std::uint64_t time_of(std::string_view text, Rounding rounding, bool positive,
                         std::string_view what) {
     // Where columns are not between commas, one is the point of a number in many countries.
     std::string number(text);
-    const bool has_comma = separator_ != ',' && number.contains(',');
-    if (has_comma) std::ranges::replace(number, ',', '.');
+    const bool has_comma = number.contains(',');
+    if (has_comma && separator_ != ',') std::ranges::replace(number, ',', '.');
     const auto time = parse_microseconds(number, rounding);
-    if (has_comma && std::ranges::count(number, '.') > 1)
+    if (has_comma && separator_ == ',')
+      problem(what, fmt::format("{} '{}': must have a decimal point: columns are separated by ','",
+                                what, text));
+    else if (has_comma && std::ranges::count(number, '.') > 1)
       problem(what, fmt::format("{} '{}': must have one decimal point or comma, and none between "
                                 "thousands",
                                 what, text));
     else if (!time)
-      problem(what, fmt::format("{} {}", what, quoted_as(time.error().text, number, text)));
+      problem(what, fmt::format("{} {}{}", what, quoted_as(time.error().text, number, text),
+                                has_comma ? "" : other_separator_in(text, separator_)));
     else if (positive && *time == 0)
       problem(what, fmt::format("{} '{}': must be 0.001 (1 ns) or more", what, text));
     else

@@ -235,6 +235,61 @@ TEST_F(AnalyseBusTest, ColumnsMayBeLeftOutAndSeparatedAsElsewhere) {
   }
 }
 
+/// A line or a cell with the separator of another table is named for it.
+TEST_F(AnalyseBusTest, ASeparatorThatIsNotThatOfTheHeaderIsNamed) {
+  struct Case {
+    std::string separator;
+    const char* line;
+    std::vector<const char*> texts;
+  };
+  const std::vector<Case> cases = {
+      {",",
+       "V;0x10;0;8;1000,5;1000",
+       {"2 values: must be 6, one for each column of the header (the columns of the header are "
+        "separated by ',', those of this line by ';')"}},
+      {";",
+       "V,0x10,0,8,1000;1000",
+       {"2 values: must be 6, one for each column of the header (this line has ',' too, and the "
+        "columns of the header are separated by ';')"}},
+      {",",
+       "V,0x10,0,8,1000,5,1000",
+       {"7 values: must be 6, one for each column of the header (columns are separated by ',', so "
+        "a number must have a decimal point)"}},
+      {",",
+       "V,0x10,0,8,\"1000,5\",1000",
+       {"period_us '1000,5': must have a decimal point: columns are separated by ','"}},
+      {";",
+       "V;0x10;0;8,0;1000;1000",
+       {"bytes '8,0': must be a whole number from 0 to 8, decimal or 0x… (where columns are "
+        "separated by ';', ',' is a decimal comma)"}},
+      {",",
+       "V,0x10;0,0,8,1000;3,1000",
+       {"id '0x10;0': must be a whole number from 0 to 2047, decimal or 0x… (the columns of the "
+        "header are separated by ',', not by ';')",
+        "period_us '1000;3': must be a number of microseconds (the columns of the header are "
+        "separated by ',', not by ';')"}},
+      {"\t",
+       "V;0x10;0;8;1000;1000",
+       {"1 value: must be 6, one for each column of the header (the columns of the header are "
+        "separated by tab, those of this line by ';')"}},
+  };
+  for (const Case& c : cases) {
+    std::string header = "name,id,extended,bytes,period_us,deadline_us\n";
+    for (char& one : header)
+      if (one == ',') one = c.separator.front();
+    const auto path = file("mixed.csv", header + c.line + "\n");
+    const auto done = slow(path);
+    EXPECT_EQ(done.status, 2) << done.out;
+    for (const char* text : c.texts)
+      EXPECT_TRUE(done.error.contains(path + ":2: " + text + "\n")) << c.line << done.error;
+  }
+  const auto head = slow(file("head.csv", "name;id;extended,bytes;period_us\nV;16;0;8;1000\n"));
+  EXPECT_TRUE(head.error.contains(
+      "head.csv:1: there is no column extended and bytes; unknown column 'extended,bytes' (this "
+      "line has ';' and ',': all columns must be separated by one)"))
+      << head.error;
+}
+
 TEST_F(AnalyseBusTest, QuotesInQuotesAreTwo) {
   const auto done = slow(table("\"5\"\" wheel # 1, left\",1,0,7,2500,2500,0 # a\n"), {"--json"});
   ASSERT_EQ(done.status, 0) << done.error;
