@@ -30,6 +30,34 @@ std::vector<Place> unknown_before(const Verdict& v, std::size_t hop) {
   return out;
 }
 
+/// With more it would be late behind the bus, for everybody there, and refused. A hop that says
+/// that delays vary by more than they take is not understood.
+can::Time most_jitter(const Members& members, const Verdict& v, std::size_t hop) {
+  Value latest = kUnbounded;
+  for (const Attribute a : {Attribute::deadline, Attribute::latency})
+    if (v.requirement.has(a)) latest = std::min(latest, v.requirement[a]);
+  if (latest == kUnbounded) return can::kNever;
+  for (std::size_t i = 0; i < std::min(hop, v.hops.size()); ++i) {
+    const AttributeSet& gives = v.hops[i].provision;
+    if (gives.has(Attribute::jitter) &&
+        (!gives.has(Attribute::latency) || gives[Attribute::jitter] > gives[Attribute::latency]))
+      return can::kNever;
+  }
+  const Value source = attributes_in(members.publisher(v.publisher), v.set)[Attribute::jitter];
+  return add_saturating(source, latest);
+}
+
+/// What of the way to a bus is not known before the run time.
+struct WayThere {
+  std::vector<Place> unknown;
+  can::Time most_jitter = 0;
+};
+WayThere way_to(const Members& members, const Verdict& v, std::size_t hop) {
+  WayThere way{unknown_before(v, hop), 0};
+  if (!way.unknown.empty()) way.most_jitter = most_jitter(members, v, hop);
+  return way;
+}
+
 bool is_in_vain(const Verdict& v, std::size_t network) {
   return std::ranges::any_of(v.rows, [&](const Row& row) {
     return row.against == Against::schedule && row.place == Place{Place::Kind::network, network};
@@ -108,6 +136,7 @@ void BusMessages::add(const Situation& situation, const Ledger& ledger, const Ve
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (!is_bus(ledger, places[i])) continue;
     const Flow flow = flow_on(situation.system, v.publisher, v.route, i);
+    WayThere way = way_to(situation.members, v, i);
     messages_.push_back({.network = places[i].index,
                          .publisher = v.publisher,
                          .from = flow.from,
@@ -121,7 +150,8 @@ void BusMessages::add(const Situation& situation, const Ledger& ledger, const Ve
                          .granted_jitter = 0,
                          .refused_response = std::nullopt,
                          .in_vain = false,
-                         .unknown = unknown_before(v, i),
+                         .unknown = std::move(way.unknown),
+                         .most_jitter = way.most_jitter,
                          .before = bus_before(situation.system, ledger, v, i)});
   }
 }
@@ -155,6 +185,7 @@ void BusMessages::put(BusMessage next) {
   for (const Place place : next.unknown)
     if (std::ranges::find(there.unknown, place) == there.unknown.end())
       there.unknown.push_back(place);
+  there.most_jitter = std::max(there.most_jitter, next.most_jitter);
   join(there.message, next.message);
 }
 
@@ -177,7 +208,8 @@ void BusMessages::add_refused(const Situation& situation, Ledger& ledger, Verdic
   for (std::size_t i = 0; i < places.size(); ++i)
     if (is_bus(ledger, places[i]) && std::ranges::find(tried, i, &TriedMessage::hop) == tried.end())
       tried.push_back({i, std::nullopt});
-  for (const TriedMessage& t : tried)
+  for (const TriedMessage& t : tried) {
+    WayThere way = way_to(situation.members, again, t.hop);
     put({.network = places[t.hop].index,
          .publisher = v.publisher,
          .from = flow_on(situation.system, v.publisher, again.route, t.hop).from,
@@ -192,8 +224,10 @@ void BusMessages::add_refused(const Situation& situation, Ledger& ledger, Verdic
          .refused_response =
              t.message ? refused_response(v, places[t.hop].index, *t.message) : std::nullopt,
          .in_vain = is_in_vain(v, places[t.hop].index),
-         .unknown = unknown_before(again, t.hop),
+         .unknown = std::move(way.unknown),
+         .most_jitter = way.most_jitter,
          .before = bus_before(situation.system, ledger, again, t.hop)});
+  }
 }
 
 /// The messages and response times of what is granted.
@@ -235,11 +269,14 @@ using Form = std::optional<can::Message> BusMessage::*;
 bool is_from_elsewhere(const BusMessage& m) { return m.from != Flow::kOwn; }
 
 void find_all_known(InspectedBuses& buses) {
-  buses.all_known.assign(buses.assumptions.size(), true);
+  buses.forms_known.assign(buses.assumptions.size(), true);
   for (std::size_t n = 0; n < buses.varying.size(); ++n)
-    if (!buses.varying[n].empty()) buses.all_known[n] = false;
+    if (!buses.varying[n].empty()) buses.forms_known[n] = false;
   for (const BusMessage& m : buses.messages)
-    if (m.is_counted() && (!m.sent || !m.unknown.empty())) buses.all_known[m.network] = false;
+    if (m.is_counted() && !m.sent) buses.forms_known[m.network] = false;
+  buses.all_known = buses.forms_known;
+  for (const BusMessage& m : buses.messages)
+    if (m.is_counted() && !m.unknown.empty()) buses.all_known[m.network] = false;
 }
 
 /// Before it is known where messages may come later than admission found.
@@ -295,7 +332,7 @@ class Inheritance {
       standing.push_back(is_of_all() ? Standing{} : standing_of(buses_, m));
     }
     const auto found = responses_beside(*buses_.assumptions[network], on_bus, standing,
-                                        is_of_all() || buses_.all_known[network]);
+                                        is_of_all() ? Known::all : known_of(buses_, network));
     for (std::size_t i = 0; i < here.size(); ++i) responses_[here[i]] = found[i].response;
   }
 
@@ -314,8 +351,8 @@ class Inheritance {
     const bool guarded_before = is_of_all() || buses_.guarded[last->network];
     bool changed = false;
     if (!guarded_before && !buses_.all_known[last->network] && m.is_counted()) {
-      changed = buses_.all_known[m.network];
-      buses_.all_known[m.network] = false;
+      changed = buses_.all_known[m.network] || buses_.forms_known[m.network];
+      buses_.all_known[m.network] = buses_.forms_known[m.network] = false;
     }
     const can::Response& r = responses_[static_cast<std::size_t>(last - buses_.messages.data())];
     const Value jitter =

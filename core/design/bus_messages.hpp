@@ -45,6 +45,8 @@ struct BusMessage {
   bool several = false;  ///< for several places behind the bus, each decided for itself
   /// Hops before the bus of which nobody knows how long they delay events: they count as none.
   std::vector<Place> unknown;
+  /// Where there are any: the longest jitter with which it can be granted; kNever: no bound.
+  can::Time most_jitter = 0;
   /// The bus before this one, and what the hops in between may add to the jitter.
   struct Before {
     std::size_t network = 0;
@@ -66,6 +68,8 @@ struct InspectedBuses {
   std::vector<bool> guarded;
   /// Nothing can be there in another form than that of the messages above.
   std::vector<bool> all_known;
+  /// The same but for BusMessage::most_jitter: nothing but delays is not known.
+  std::vector<bool> forms_known;
   /// Channels that may use another attribute set or way than the messages above have.
   std::vector<std::vector<std::size_t>> varying;
 };

@@ -52,6 +52,22 @@ std::vector<can::Response> analysed_beside(const can::Assumptions& assumptions,
   return out;
 }
 
+/// Of those that count, with the longest jitters that they can have.
+std::vector<can::Response> analysed_late(const can::Assumptions& assumptions,
+                                         std::span<const can::Message> messages,
+                                         std::span<const Standing> standing) {
+  std::vector<can::Message> late(messages.begin(), messages.end());
+  std::vector<std::size_t> there;
+  for (std::size_t i = 0; i < late.size(); ++i) {
+    late[i].jitter = std::max(late[i].jitter, standing[i].most_jitter);
+    if (standing[i].counted) there.push_back(i);
+  }
+  const auto found = responses_of(assumptions, late, there);
+  std::vector<can::Response> out(messages.size());
+  for (std::size_t i = 0; i < there.size(); ++i) out[there[i]] = found[i];
+  return out;
+}
+
 /// The bound that admission keeps, where the analysis has none that is smaller.
 BusResponse bound_of(const can::Assumptions& assumptions, const can::Message& message,
                      const can::Response& analysed, bool all_known) {
@@ -70,18 +86,33 @@ BusResponse bound_of(const can::Assumptions& assumptions, const can::Message& me
 
 std::vector<BusResponse> responses_beside(const can::Assumptions& assumptions,
                                           std::span<const can::Message> messages,
-                                          std::span<const Standing> standing, bool all_known) {
+                                          std::span<const Standing> standing, Known known) {
   const auto analysed = analysed_beside(assumptions, messages, standing);
+  const bool is_delayed =
+      known == Known::forms && std::ranges::any_of(standing, &Standing::admitted);
+  std::vector<can::Response> latest;
+  if (is_delayed) latest = analysed_late(assumptions, messages, standing);
   std::vector<BusResponse> out(messages.size());
-  for (std::size_t i = 0; i < messages.size(); ++i)
-    out[i] = standing[i].admitted ? bound_of(assumptions, messages[i], analysed[i], all_known)
-                                  : BusResponse{analysed[i], false};
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    if (!standing[i].admitted)
+      out[i] = {analysed[i], false};
+    else if (is_delayed && standing[i].most_jitter == 0)
+      out[i] = bound_of(assumptions, messages[i], latest[i], true);
+    else
+      out[i] = bound_of(assumptions, messages[i], analysed[i], known == Known::all);
+  }
   return out;
+}
+
+Known known_of(const InspectedBuses& buses, std::size_t network) {
+  if (buses.all_known[network]) return Known::all;
+  return buses.forms_known[network] ? Known::forms : Known::little;
 }
 
 Standing standing_of(const InspectedBuses& buses, const BusMessage& message) {
   return {.counted = message.is_counted(),
-          .admitted = buses.guarded[message.network] && message.is_counted()};
+          .admitted = buses.guarded[message.network] && message.is_counted(),
+          .most_jitter = message.unknown.empty() ? 0 : std::max<can::Time>(message.most_jitter, 1)};
 }
 
 std::vector<SentMessage> sent_beside(const InspectedBuses& buses, std::size_t network) {
@@ -96,7 +127,7 @@ std::vector<SentMessage> sent_beside(const InspectedBuses& buses, std::size_t ne
     messages.push_back(*m.sent);
     standing.push_back(standing_of(buses, m));
   }
-  const auto found = responses_beside(*assumptions, messages, standing, buses.all_known[network]);
+  const auto found = responses_beside(*assumptions, messages, standing, known_of(buses, network));
   for (std::size_t i = 0; i < out.size(); ++i) {
     out[i].response = found[i].response;
     out[i].by_admission = found[i].by_admission;

@@ -20,6 +20,16 @@ namespace mlcca::core {
 struct Standing {
   bool counted = true;    ///< it can be on the bus, and counts in the response times of others
   bool admitted = false;  ///< it is on the bus only if admission found it and all others in time
+  /// If a delay on its way to the bus is not known: the longest jitter that it can have; 0: all are
+  /// known.
+  can::Time most_jitter = 0;
+};
+
+/// How much is known of what can be on a bus, beside its messages.
+enum class Known : std::uint8_t {
+  all,     ///< there is nothing else
+  forms,   ///< nothing else but jitters of up to Standing::most_jitter
+  little,  ///< there may be other messages, or others of them
 };
 
 struct BusResponse {
@@ -31,13 +41,15 @@ struct BusResponse {
 };
 
 /// Of each message as it is beside those that count; of one that does not: as if it came beside
-/// them. Of very many that do not at most that: as if all of them came. `all_known`: nothing else
-/// can be on the bus.
+/// them. Of very many that do not at most that: as if all of them came. Where delays are not known,
+/// the message with such a delay has the jitter that is stated, and all others are analysed beside
+/// the longest one that it can have.
 [[nodiscard]] std::vector<BusResponse> responses_beside(const can::Assumptions& assumptions,
                                                         std::span<const can::Message> messages,
                                                         std::span<const Standing> standing,
-                                                        bool all_known);
+                                                        Known known);
 
+[[nodiscard]] Known known_of(const InspectedBuses& buses, std::size_t network);
 [[nodiscard]] Standing standing_of(const InspectedBuses& buses, const BusMessage& message);
 
 /// The messages of a network of which the description says enough, as they are on the bus, or would

@@ -227,7 +227,7 @@ void analyse_messages(AnalysedBus& result) {
     standing.push_back(m.standing);
   }
   for (const core::BusResponse& r :
-       core::responses_beside(bus.assumptions, messages, standing, bus.all_known)) {
+       core::responses_beside(bus.assumptions, messages, standing, bus.known)) {
     result.responses.push_back(r.response);
     result.by_admission.push_back(r.by_admission);
   }

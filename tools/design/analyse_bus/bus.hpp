@@ -26,6 +26,7 @@ struct BusMessage {
   Outcome outcome = Outcome::fit;  ///< what check says of it
   bool held = true;         ///< of a description: check grants it, or would where best cases hold
   bool present = true;      ///< on the bus if all best cases hold
+  bool several = false;     ///< for several places behind the bus, each decided for itself
   core::Standing standing;  ///< whether it counts: core/design/bus_responses.hpp
   /// Of what is granted: the response with what else is, and what of it is this bus's; ns.
   std::optional<std::uint64_t> granted_response;
@@ -54,7 +55,7 @@ struct Bus {
   std::vector<std::string> left_out;
   /// Nothing is unknown of what counts, or of what is granted: bounds hold.
   bool sure = true;
-  bool all_known = true;  ///< nothing else can be there than the messages that count
+  core::Known known = core::Known::all;  ///< of what can be there, beside the messages that count
   /// Of what is left out: what it sends here if it does; nothing where the description does not say
   /// enough.
   std::vector<std::optional<core::can::Message>> uncounted;

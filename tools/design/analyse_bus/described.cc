@@ -142,8 +142,8 @@ class DescribedBuses {
 
   /// What may come in another form than that of the messages.
   void add_varying(std::size_t n, Bus& bus) const {
-    bus.all_known = inspected_.all_known[n];
-    if (!inspected_.guarded[n] && !bus.all_known) bus.sure = false;
+    bus.known = core::known_of(inspected_, n);
+    if (!inspected_.guarded[n] && bus.known != core::Known::all) bus.sure = false;
     for (const std::size_t c : inspected_.varying[n])
       bus.unknown.push_back(fmt::format(
           "which attribute set or which way channel {} uses is decided at run time: it counts as "
@@ -191,6 +191,7 @@ class DescribedBuses {
     m.outcome = from.outcome;
     m.held = from.held;
     m.present = from.present;
+    m.several = from.several;
     m.standing = core::standing_of(inspected_, from);
     if (from.granted_response && *from.granted_response != core::can::kNever) {
       m.granted_response = from.granted_response;

@@ -144,6 +144,45 @@ bool has_short_queue(const AnalysedBus& analysed) {
   return false;
 }
 
+bool is_late_though_granted(const AnalysedBus& analysed, std::size_t i) {
+  const BusMessage& m = analysed.bus.messages[i];
+  return m.held && m.granted_response && !analysed.responses[i].meets(m.sent().deadline);
+}
+
+/// What is granted, and late beside what is there if all best cases hold.
+bool is_late_at_best(const AnalysedBus& analysed) {
+  std::vector<core::can::Message> present;
+  std::vector<bool> late;
+  for (std::size_t i = 0; i < analysed.responses.size(); ++i) {
+    const BusMessage& m = analysed.bus.messages[i];
+    if (!m.present) continue;
+    present.push_back(m.sent());
+    late.push_back(is_late_though_granted(analysed, i));
+  }
+  const auto responses = analyse(analysed.bus.assumptions, present);
+  for (std::size_t i = 0; i < present.size(); ++i)
+    if (late[i] && !responses[i].meets(present[i].deadline)) return true;
+  return false;
+}
+
+/// Why check grants what is late.
+std::string why_granted(const AnalysedBus& analysed) {
+  if (is_late_at_best(analysed))
+    return "mlccactl check grants a message that is late here: it counts what it refuses as "
+           "silent, "
+           "but no gate is between a bus and its own nodes.\n";
+  const std::string text =
+      "mlccactl check grants a message that is late here beside what may be granted in the place "
+      "of others: ";
+  if (std::ranges::any_of(analysed.bus.messages, [](const BusMessage& m) {
+        return m.several && m.standing.counted && m.outcome != Outcome::fit;
+      }))
+    return text +
+           "what goes to several places is decided for each of them, and its deadline here is that "
+           "of the strictest, which holds only while that place is granted.\n";
+  return text + "a node of the bus that is refused at run time sends all the same.\n";
+}
+
 /// What the response times of a described bus assume, where that shows.
 std::string assumed_text(const AnalysedBus& analysed) {
   bool differs = false;
@@ -157,18 +196,14 @@ std::string assumed_text(const AnalysedBus& analysed) {
     dropped = dropped || !m.standing.counted;
     competes = competes || (m.standing.counted && !m.present);
     by_admission = by_admission || analysed.by_admission[i];
-    late_though_granted = late_though_granted || (m.held && m.granted_response &&
-                                                  !analysed.responses[i].meets(m.sent().deadline));
+    late_though_granted = late_though_granted || is_late_though_granted(analysed, i);
   }
   std::string text;
   if (differs)
     text +=
         "Check us counts what mlccactl check grants, and the message of the row. Response us also "
         "counts what the bus's own nodes send although it is refused.\n";
-  if (late_though_granted)
-    text +=
-        "mlccactl check grants a message that is late here: it counts what it refuses as silent, "
-        "but no gate is between a bus and its own nodes.\n";
+  if (late_though_granted) text += why_granted(analysed);
   if (dropped)
     text +=
         "What is refused and comes from another network is dropped before this bus. Its row says "

@@ -157,11 +157,64 @@ TEST_F(AnalyseBusTest, NorWhereANodeOfTheBusMayBeRefusedAtRunTime) {
   EXPECT_EQ(message_of(b, "v")["outcome"], "run-time");
   EXPECT_EQ(message_of(b, "V")["by_admission"], false);
   EXPECT_EQ(message_of(b, "V")["verdict"], "late");
+  const auto out = analyse(path, {"--network", "b"}).out;
+  EXPECT_TRUE(
+      out.contains("beside what may be granted in the place of others: a node of the bus "
+                   "that is refused at run time sends all the same.\n"))
+      << out;
   const auto checked = test::run({"check", path}).out;
   EXPECT_TRUE(
       checked.contains("MLCCA044: x may be refused, and no gate keeps its frames off b: "
                        "while they are sent, V could take 940 us of the 900 us"))
       << checked;
+}
+
+/// If V is granted on a, there is room for x or v, otherwise for both: on b it is in time.
+TEST_F(AnalyseBusTest, SaysWhyWhatGoesToSeveralPlacesIsLateThoughGranted) {
+  auto frames = one_of_two();
+  frames[0].deadline = "5ms";
+  auto text = onto_b(frames,
+                     "<Subscriber name='V-on-a' channel='V' network='a'><Attributes "
+                     "deadline='1900us'/></Subscriber>");
+  text.insert(text.find("<Network name='b'>") - 11,
+              "<Binding channel='V'><Identifier form='standard'>0x30</Identifier></Binding>");
+  const auto path = file("several.xml", text);
+  const Json b = bus_of(analyse(path, {"--json", "--network", "b"}).out);
+  EXPECT_EQ(message_of(b, "V")["verdict"], "late") << b;
+  EXPECT_EQ(message_of(b, "V")["deadline_us"], 900) << b;
+  const auto out = analyse(path, {"--network", "b"}).out;
+  EXPECT_TRUE(out.contains(
+      "mlccactl check grants a message that is late here beside what may be granted in the place "
+      "of others: what goes to several places is decided for each of them, and its deadline here "
+      "is that of the strictest, which holds only while that place is granted.\n"))
+      << out;
+  EXPECT_FALSE(out.contains("it counts what it refuses as silent")) << out;
+}
+
+/// How late x comes is not known, and it is granted only as long as its deadline can be kept: once
+/// in 20 ms it is in front of low, and V waits for one frame of whatever else there is.
+TEST_F(AnalyseBusTest, ADelayThatIsNotKnownMakesNoBoundOfOthersTheirDeadline) {
+  const auto path = file("delay.xml", onto_b({{"V", "b", "0x10", 8, "900us"},
+                                              {"x", "a", "0x30", 1, "10ms"},
+                                              {"low", "b", "0x40", 8, "20ms"}}));
+  const Json b = bus_of(analyse(path, {"--json", "--network", "b"}).out);
+  EXPECT_EQ(message_of(b, "V")["response_us"], 540) << b;
+  EXPECT_EQ(message_of(b, "V")["by_admission"], false);
+  EXPECT_EQ(message_of(b, "low")["response_us"], 670) << b;
+  EXPECT_EQ(message_of(b, "low")["by_admission"], false);
+  EXPECT_EQ(message_of(b, "x")["by_admission"], true) << b;
+  EXPECT_TRUE(analyse(path, {"--network", "b"})
+                  .out.contains("how long ga delays events of x is not known"));
+}
+
+/// The same, where x may come up to 19 ms late, and then two of it at once.
+TEST_F(AnalyseBusTest, WhatMayComeLateCountsForThoseBehindIt) {
+  const auto path = file("delay.xml", onto_b({{"V", "b", "0x10", 8, "900us"},
+                                              {"x", "a", "0x30", 1, "20ms"},
+                                              {"low", "b", "0x40", 8, "20ms"}}));
+  const Json b = bus_of(analyse(path, {"--json", "--network", "b"}).out);
+  EXPECT_EQ(message_of(b, "V")["response_us"], 540) << b;
+  EXPECT_EQ(message_of(b, "low")["response_us"], 800) << b;
 }
 
 /// A second set of x is more frequent: how often x comes is not known.
