@@ -42,7 +42,47 @@ Obstacle obstacle_of(std::optional<mesh::Lack> lack) {
   return Obstacle::no_path;
 }
 
+/// The node of a gateway, or all nodes of a mesh.
+std::vector<std::uint32_t> nodes_of(const mesh::Mesh& mesh, Place place) {
+  std::vector<std::uint32_t> nodes;
+  for (std::uint32_t n = 0; n < mesh.nodes.size(); ++n)
+    if (place.kind == Place::Kind::network || mesh.nodes[n].gateway == place.index)
+      nodes.push_back(n);
+  return nodes;
+}
+
+/// Nodes of the mesh that is that hop where events come to it.
+std::vector<std::uint32_t> entries(const Situation& s, const Verdict& v, std::size_t hop) {
+  const auto places = hops_of(v.route);
+  const mesh::Mesh& mesh = *s.system.networks[places[hop].index].mesh;
+  const Place before = hop > 0 ? places[hop - 1] : v.route.front();
+  const auto& at_home = s.members.publisher(v.publisher).mesh_node;
+  if (before.kind == Place::Kind::network && at_home) return {*at_home};
+  return nodes_of(mesh, before);
+}
+
+/// The same where they leave it, or are received.
+std::vector<std::uint32_t> exits(const Situation& s, const Verdict& v, std::size_t hop) {
+  const auto places = hops_of(v.route);
+  const mesh::Mesh& mesh = *s.system.networks[places[hop].index].mesh;
+  const bool last = hop + 1 == places.size();
+  const Place after = last ? v.route.back() : places[hop + 1];
+  if (after.kind == Place::Kind::gateway) return nodes_of(mesh, after);
+  std::vector<std::uint32_t> nodes;
+  for (const std::size_t one : v.subscribers) {
+    const auto& node = s.members.subscriber(one).mesh_node;
+    if (!node) return nodes_of(mesh, after);
+    if (std::ranges::find(nodes, *node) == nodes.end()) nodes.push_back(*node);
+  }
+  return nodes;
+}
+
 }  // namespace
+
+bool stays_at_a_node(const Situation& situation, const Verdict& verdict, std::size_t hop) {
+  const auto from = entries(situation, verdict, hop);
+  return from.size() == 1 && exits(situation, verdict, hop) == from;
+}
 
 Value mesh_event(const AttributeSet& offered) {
   return is_empty(offered) ? 1 : offered[Attribute::max_payload];
@@ -282,37 +322,6 @@ void Media::renew_responses(const Situation& situation, const Ledger& ledger, Ve
 
 // --- meshes -------------------------------------------------------------------------------------
 
-/// The node of a gateway, or all nodes of a mesh.
-std::vector<std::uint32_t> Media::nodes_of(const mesh::Mesh& mesh, Place place) {
-  std::vector<std::uint32_t> nodes;
-  for (std::uint32_t n = 0; n < mesh.nodes.size(); ++n)
-    if (place.kind == Place::Kind::network || mesh.nodes[n].gateway == place.index)
-      nodes.push_back(n);
-  return nodes;
-}
-
-std::vector<std::uint32_t> Media::entries(std::size_t hop) const {
-  const mesh::Mesh& mesh = *s_.system.networks[places_[hop].index].mesh;
-  const Place before = hop > 0 ? places_[hop - 1] : v_.route.front();
-  const auto& at_home = s_.members.publisher(v_.publisher).mesh_node;
-  if (before.kind == Place::Kind::network && at_home) return {*at_home};
-  return nodes_of(mesh, before);
-}
-
-std::vector<std::uint32_t> Media::exits(std::size_t hop) const {
-  const mesh::Mesh& mesh = *s_.system.networks[places_[hop].index].mesh;
-  const bool last = hop + 1 == places_.size();
-  const Place after = last ? v_.route.back() : places_[hop + 1];
-  if (after.kind == Place::Kind::gateway) return nodes_of(mesh, after);
-  std::vector<std::uint32_t> nodes;
-  for (const std::size_t s : v_.subscribers) {
-    const auto& node = s_.members.subscriber(s).mesh_node;
-    if (!node) return nodes_of(mesh, after);
-    if (std::ranges::find(nodes, *node) == nodes.end()) nodes.push_back(*node);
-  }
-  return nodes;
-}
-
 /// What is asked of a mesh, and what its paths have given so far.
 struct Media::Crossing {
   std::size_t network;
@@ -424,8 +433,8 @@ bool Media::take_path(Crossing& c, std::uint32_t from, std::uint32_t to) {
 
 /// From each node to each. False: there is no way between two of them.
 bool Media::take_paths(Crossing& c, std::size_t hop) {
-  const std::vector<std::uint32_t> from_nodes = entries(hop);
-  const std::vector<std::uint32_t> to_nodes = exits(hop);
+  const std::vector<std::uint32_t> from_nodes = entries(s_, v_, hop);
+  const std::vector<std::uint32_t> to_nodes = exits(s_, v_, hop);
   if (from_nodes.empty() || to_nodes.empty()) return false;
   for (const std::uint32_t from : from_nodes)
     for (const std::uint32_t to : to_nodes)

@@ -27,6 +27,11 @@ struct Limit {
 /// Payload bytes/s that a mesh carries for `demand`: of events without payload, a byte each.
 [[nodiscard]] Value mesh_demand(const AttributeSet& offered, Value demand);
 
+/// Events come to a mesh, that hop of the route, and leave it or are received at one node: nothing
+/// is sent over it.
+[[nodiscard]] bool stays_at_a_node(const Situation& situation, const Verdict& verdict,
+                                   std::size_t hop);
+
 class Media {
  public:
   /// `hops`: what the hops of the verdict's route state; what is computed is put in its place.
@@ -76,9 +81,6 @@ class Media {
   [[nodiscard]] std::uint32_t sender_queue(std::size_t hop) const;
   [[nodiscard]] Value pauses_at(std::size_t hop) const;
   void name_sender(std::size_t hop, const Publisher& publisher, can::Message& message) const;
-  [[nodiscard]] static std::vector<std::uint32_t> nodes_of(const mesh::Mesh& mesh, Place place);
-  [[nodiscard]] std::vector<std::uint32_t> entries(std::size_t hop) const;
-  [[nodiscard]] std::vector<std::uint32_t> exits(std::size_t hop) const;
 
   const Situation& s_;
   Ledger& ledger_;

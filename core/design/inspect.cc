@@ -23,6 +23,7 @@
 #include "core/design/load.hpp"
 #include "core/design/refused_on_bus.hpp"
 #include "core/design/sense.hpp"
+#include "core/design/unlinked.hpp"
 #include "core/gates/plan.hpp"
 #include "core/gates/relay_gate.hpp"
 #include "core/model/members.hpp"
@@ -43,6 +44,7 @@ class Inspector {
         progress_(progress),
         each_(each),
         buses_(buses),
+        unlinked_(system),
         topology_(system),
         members_(system),
         world_(described_world(system)),
@@ -56,7 +58,6 @@ class Inspector {
   Inspection run() {
     out_.channels.resize(s_.channels.size());
     check_networks();
-    check_meshes();
     check_relays();
     add_sense_notes(s_, members_, out_.findings);
     const Situation situation{s_, topology_, members_, world_, withdrawn_, true};
@@ -77,6 +78,7 @@ class Inspector {
     report(situation);
     refused_on_bus_.report(s_, members_, ledger_, contested_.take(situation, ledger_),
                            out_.findings);
+    unlinked_.report(out_.findings);
     if (buses_ != nullptr) report_buses(situation);
     for (std::size_t n = 0; n < s_.networks.size(); ++n)
       out_.networks.push_back(load_of(ledger_, world_, n));
@@ -103,7 +105,10 @@ class Inspector {
   void examine(const Situation& situation, std::size_t channel, const Decision& decision) {
     const std::size_t before = out_.findings.size();
     check_channel(channel, decision, Explainer(situation, ledger_, out_.findings));
-    for (const Verdict& v : decision.verdicts) refused_on_bus_.add(v);
+    for (const Verdict& v : decision.verdicts) {
+      refused_on_bus_.add(v);
+      unlinked_.add(situation, v);
+    }
     contested_.add_contested(decision);
     if (buses_ != nullptr) messages_.add(situation, ledger_, decision);
     if (each_) keep(channel, decision, std::span(out_.findings).subspan(before));
@@ -203,16 +208,6 @@ class Inspector {
             if (place.kind == Place::Kind::network) networks.insert(place.index);
       }
     return networks;
-  }
-
-  void check_meshes() {
-    for (std::size_t n = 0; n < s_.networks.size(); ++n) {
-      const std::string words = no_links_words(s_.networks[n]);
-      if (words.empty()) continue;
-      add(FindingId::no_links, s_.networks[n].mesh->origin, words, kNoLinksHint, kNone);
-      out_.findings.back().place = {Place::Kind::network, n};
-      out_.findings.back().has_place = true;
-    }
   }
 
   void check_networks() {
@@ -409,6 +404,7 @@ class Inspector {
   BusMessages messages_;
   BusMessages contested_;
   RefusedOnBus refused_on_bus_;
+  UnlinkedMeshes unlinked_;
   std::vector<Kept> kept_;
   bool has_best_cases_ = false;
   std::map<std::size_t, Decision> waiting_;  ///< by channel: examined when all are decided

@@ -41,7 +41,10 @@ struct Checked {
   std::set<Delivery> at_run_time;
   std::map<OnBus, core::MediumUse> on_bus;  ///< of what is granted
   std::size_t without_links = 0;            ///< verdicts over a mesh that has no links
-  std::size_t awaits_links = 0;             ///< of them: left to the run time because of that mesh
+  /// Networks of those: where all is granted so far, and where something is refused for a link.
+  std::map<std::size_t, bool> misses_links;
+  std::set<std::size_t> refused_over;  ///< networks of those over which something is refused
+  std::size_t awaits_links = 0;        ///< of them: left to the run time because of that mesh
 };
 
 inline Checked checked(const std::string& text) {
@@ -64,8 +67,13 @@ inline Checked checked(const std::string& text) {
           if (v.outcome == Outcome::run_time) out.at_run_time.insert({channel, v.publisher, v.to});
           for (const core::MediumUse& use : v.media)
             if (v.granted && use.key != 0) out.on_bus[{use.network, use.key}] = use;
-          for (const core::Place hop : v.route)
-            out.without_links += has_no_links(out.system, hop) ? 1 : 0;
+          for (const core::Place hop : v.route) {
+            if (!has_no_links(out.system, hop)) continue;
+            ++out.without_links;
+            out.misses_links[hop.index] |=
+                v.obstacle == core::Obstacle::no_path && v.obstacle_at == hop;
+            if (v.outcome == Outcome::unfit) out.refused_over.insert(hop.index);
+          }
           for (const core::Row& row : v.rows)
             out.awaits_links += row.against == core::Against::medium_time &&
                                         row.comparison.outcome == Outcome::run_time &&

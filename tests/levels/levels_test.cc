@@ -265,6 +265,27 @@ TEST_F(Levels, NothingWaitsForLinksThatNothingCanKnow) {
   EXPECT_GT(without, kSystems / 100);
 }
 
+/// MLCCA042 is no error beside channels that fit: where events stay at one node no link is missing.
+TEST_F(Levels, LinksAreMissingWhereSomethingIsRefusedForThem) {
+  std::size_t missing = 0;
+  std::size_t granted = 0;
+  for (std::size_t i = 0; i < all_.size(); ++i)
+    for (const auto& [network, misses] : all_[i].misses_links) {
+      const bool said = std::ranges::any_of(
+          all_[i].inspection.findings, [network = network](const core::Finding& f) {
+            return f.id == core::FindingId::no_links &&
+                   f.place == core::Place{core::Place::Kind::network, network};
+          });
+      const bool all_granted = !all_[i].refused_over.contains(network);
+      ASSERT_TRUE(said || !misses) << texts_[i];
+      ASSERT_FALSE(said && all_granted) << texts_[i];
+      missing += misses ? 1 : 0;
+      granted += all_granted ? 1 : 0;
+    }
+  EXPECT_GT(missing, kSystems / 100);
+  EXPECT_GT(granted, kSystems / 1000);
+}
+
 TEST_F(Levels, TheDaemonRefusesWhatCheckRefuses) {
   for (std::size_t i = 0; i < all_.size(); ++i) {
     if (!core::is_plain(all_[i].system)) continue;

@@ -39,6 +39,28 @@ class ExitTest : public test::CheckTest {
 
 /// A mesh of one link of 11 Mbit/s that also states a bandwidth, and a stream that is too fast for
 /// both: the smaller one is said, and no other.
+/// From a node to itself nothing is sent, whatever is known of links.
+TEST_F(ExitTest, NoLinkIsMissingWhereAllEventsStayAtOneNode) {
+  const auto of = [&](const std::string& node) {
+    return file(node + ".xml",
+                system_of("<EventChannel name='v'><SubjectUID>0x1</SubjectUID><Attributes "
+                          "period='10ms' maxPayload='8'/></EventChannel><Network name='air'>"
+                          "<Kind>mesh</Kind><Mesh><Node name='x' address='02:00:00:00:00:01'/>"
+                          "<Node name='y' address='02:00:00:00:00:02'/></Mesh></Network>"
+                          "<Publisher name='p' channel='v' network='air' mesh-node='x'/>"
+                          "<Subscriber name='s' channel='v' network='air' mesh-node='" +
+                          node + "'/>"));
+  };
+  const auto same = test::run({"check", of("x")});
+  EXPECT_EQ(same.status, 0) << same.out;
+  EXPECT_FALSE(same.out.contains("MLCCA042")) << same.out;
+  EXPECT_TRUE(same.out.contains("1 channel: 1 fit")) << same.out;
+  const auto other = test::run({"check", of("y")});
+  EXPECT_EQ(other.status, 1) << other.out;
+  EXPECT_TRUE(other.out.contains("MLCCA042")) << other.out;
+  EXPECT_TRUE(other.out.contains("1 do not fit")) << other.out;
+}
+
 TEST_F(ExitTest, AStreamThatIsTooFastForAMeshIsToldOneNumber) {
   const auto bytes_a_second = [](const std::string& value) {
     return "<Attribute><Name>Bandwidth</Name><Dimension><SIUnit><Bytes>1</Bytes><Seconds>-1</"
