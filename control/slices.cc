@@ -90,6 +90,7 @@ class Slicer {
       filled_ += lines;
     }
     fill(all.endpoints, &Channels::endpoints);
+    fill(all.admissions_left_out, &Channels::admissions_left_out);
     for (Reply& reply : out_) std::get<Channels>(reply.body).left_out = all.left_out;
     return std::move(out_);
   }

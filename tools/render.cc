@@ -174,6 +174,20 @@ std::string delivery(const control::Channel& channel, Color color, bool in_full)
   return text;
 }
 
+/// Admissions that carry nothing; empty: there are none.
+std::string left_out_text(const control::Channels& channels, Color color) {
+  std::string text;
+  for (const control::LeftOutAdmission& one : channels.admissions_left_out)
+    text += styled("left out", Style::bad, color) +
+            fmt::format("  admission {} of {}: {}\n", one.admission, printable(one.channel),
+                        printable(one.reason));
+  if (!text.empty())
+    text +=
+        "An admission that is left out carries nothing and reserves nothing. It is decided again "
+        "with the next\ndescription, unless 'mlccactl release' ends it.\n";
+  return text;
+}
+
 }  // namespace
 
 std::string render(const control::Channels& channels, Color color) {
@@ -204,10 +218,14 @@ std::string render(const control::Channels& channels, Color color) {
                {channel.admission == 0 ? "" : fmt::format("{}", channel.admission)},
                {media_of(channel)},
                {channel.reason}});
-  return table.empty() ? "no channel has a publisher and a subscriber\n" : table.text(color);
+  const std::string omitted = left_out_text(channels, color);
+  return (table.empty() ? "no channel has a publisher and a subscriber\n" : table.text(color)) +
+         (omitted.empty() ? "" : '\n' + omitted);
 }
 
 std::string explain(const control::Channels& channels, Color color, bool in_full) {
+  std::string omitted = left_out_text(channels, color);
+  if (channels.channels.empty() && !omitted.empty()) return omitted;
   if (channels.channels.empty())
     return styled("refused", Style::bad, color) +
            "  nothing to deliver: no publisher or no subscriber of the channel is known\n";
@@ -222,6 +240,7 @@ std::string explain(const control::Channels& channels, Color color, bool in_full
                         std::ranges::all_of(channels.channels, &control::Channel::granted)
                             ? ", all granted"
                             : "; what is refused is listed first");
+  if (!omitted.empty()) text += '\n' + omitted;
   return text;
 }
 

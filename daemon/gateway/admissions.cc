@@ -44,6 +44,11 @@ const control::Admit* recorded(const Recorder& recorder, core::AdmissionId id) {
 
 }  // namespace
 
+std::string words_of(const control::LeftOutAdmission& left_out) {
+  return fmt::format("admission {} of {} is left out: {}", left_out.admission, left_out.channel,
+                     left_out.reason);
+}
+
 void Admissions::remember() {
   for (const control::Request& request : recorder_.contents().admissions) {
     const auto* admit = std::get_if<control::Admit>(&request.body);
@@ -66,8 +71,10 @@ Admissions::LeftOut Admissions::restore_into(core::State& state) const {
       state.restore(*asked->admission);
     else
       left_out.emplace(request.id,
-                       fmt::format("admission {} of {} is left out: {}", request.id, admit->channel,
-                                   asked ? "the description has it now" : asked.error().text));
+                       control::LeftOutAdmission{
+                           .admission = request.id,
+                           .channel = admit->channel,
+                           .reason = asked ? "the description has it now" : asked.error().text});
   }
   for (const std::string& subject : recorder_.contents().released)
     if (const auto channel = state.find_channel(subject)) state.set_withdrawn(*channel, true);
@@ -77,7 +84,7 @@ Admissions::LeftOut Admissions::restore_into(core::State& state) const {
 void Admissions::report_left_out() {
   for (const auto& [id, why] : left_out_)
     if (const auto before = reported_.find(id); before == reported_.end() || before->second != why)
-      log_.warning(Kind::trouble, why, about(id));
+      log_.warning(Kind::trouble, words_of(why), about(id));
   reported_ = left_out_;
 }
 
@@ -93,6 +100,19 @@ std::vector<core::AdmissionId> Admissions::left_out_of(const std::string& channe
     if (const auto* admit = recorded(recorder_, id); admit != nullptr && is_it(admit->channel))
       found.push_back(id);
   return found;
+}
+
+std::vector<control::LeftOutAdmission> Admissions::left_out_report() const {
+  std::vector<control::LeftOutAdmission> out;
+  for (const auto& [id, why] : left_out_) out.push_back(why);
+  return out;
+}
+
+std::vector<control::LeftOutAdmission> Admissions::left_out_report(
+    const std::string& channel) const {
+  std::vector<control::LeftOutAdmission> out;
+  for (const core::AdmissionId id : left_out_of(channel)) out.push_back(left_out_.at(id));
+  return out;
 }
 
 About Admissions::about(core::AdmissionId id) const {

@@ -26,10 +26,13 @@
 
 namespace mlcca {
 
+/// "admission 7 of camera is left out: there is no network lan"
+[[nodiscard]] std::string words_of(const control::LeftOutAdmission& left_out);
+
 class Admissions {
  public:
   /// Admissions that have no place in the description, and why.
-  using LeftOut = std::map<core::AdmissionId, std::string>;
+  using LeftOut = std::map<core::AdmissionId, control::LeftOutAdmission>;
 
   /// All of them must outlive this.
   Admissions(Scene& scene, Recorder& recorder, EventLog& log, Turn& turn, TagBindings& tags,
@@ -50,6 +53,11 @@ class Admissions {
   void report_left_out();
   /// Those of a channel that a client calls so. The description need not have it any more.
   [[nodiscard]] std::vector<core::AdmissionId> left_out_of(const std::string& channel) const;
+
+  /// As a report has them: all, or those of a channel as above.
+  [[nodiscard]] std::vector<control::LeftOutAdmission> left_out_report() const;
+  [[nodiscard]] std::vector<control::LeftOutAdmission> left_out_report(
+      const std::string& channel) const;
 
   /// By its key, or else by its number; also one that is left out. The error says what is missing.
   [[nodiscard]] Result<core::AdmissionId> named(core::AdmissionId id, const std::string& key) const;

@@ -144,10 +144,11 @@ void DeliveryEvents::gone(const std::string& subject, const core::Delivery& deli
   log_.warning(
       Kind::removed,
       fmt::format(
-          "{} ({}) of {} to {} is gone: {}", name, subject, delivery.publisher, delivery.to,
+          "{} ({}) of {} to {} is removed: {}", name, subject, delivery.publisher, delivery.to,
           delivery.admission == 0
               ? std::string("the description has it no more")
-              : fmt::format("admission {} has no place in the description", delivery.admission)),
+              : fmt::format("the description has no place for admission {}, which is left out",
+                            delivery.admission)),
       {.subject = core::parse_subject(subject).value_or(0),
        .channel = name,
        .network = delivery.to,

@@ -86,8 +86,7 @@ void HealthReport::add_own(std::vector<std::string>& to) const {
   if (std::string why = parts_.tags.problem(); !why.empty()) to.push_back(std::move(why));
   for (const Tag& tag : parts_.tags.all())
     if (!tag.problem().empty()) to.push_back(tag.name + ": " + tag.problem());
-  for (const auto& [id, why] : parts_.admissions.left_out())
-    to.push_back(fmt::format("admission {}: {}", id, why));
+  for (const auto& [id, why] : parts_.admissions.left_out()) to.push_back(words_of(why));
 }
 
 control::Health HealthReport::health(const std::vector<control::Interface>& interfaces) const {

@@ -35,6 +35,22 @@ TEST(RenderLeftOutTest, JsonHasTheNumbers) {
   EXPECT_NE(text.find("\"left_out\":99"), std::string::npos) << text;
 }
 
+TEST(RenderLeftOutTest, AdmissionsThatCarryNothingAreNamedWhereChannelsAreListed) {
+  const control::LeftOutAdmission admission{7, "camera", "there is no network lan"};
+  const std::string line = "left out  admission 7 of camera: there is no network lan\n";
+  control::Channels channels;
+  channels.admissions_left_out = {admission};
+  EXPECT_TRUE(render(channels, Color::no)
+                  .starts_with("no channel has a publisher and a subscriber\n\n" + line));
+  EXPECT_TRUE(explain(channels, Color::no, true).starts_with(line));
+  channels.channels = {test::granted_channel()};
+  EXPECT_TRUE(render(channels, Color::no).contains("\n\n" + line));
+  EXPECT_TRUE(explain(channels, Color::no, true).contains("\n\n" + line));
+  EXPECT_TRUE(to_json({1, channels})
+                  .contains(R"("admissions_left_out":[{"admission":7,"channel":"camera",)"
+                            R"("reason":"there is no network lan"}])"));
+}
+
 /// Output is kept in logs, and a key is for granted publishers alone.
 TEST(RenderLeftOutTest, JsonHasNoKeyOfAReceiver) {
   control::Channels channels;

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include <algorithm>
 #include <iterator>
+#include <utility>
+#include <variant>
 
+#include "daemon/gateway/admissions.hpp"
 #include "daemon/gateway/channel_reports.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
 
@@ -21,11 +24,17 @@ Response channels(Context& context, const Asker& asker,
       for (std::size_t c = 0; c < all; ++c)
         std::ranges::move(context.channels.known({c, {}, {}, {}}).channels,
                           std::back_inserter(out.channels));
+      out.admissions_left_out = context.admissions.left_out_report();
       return out;
     });
-  return made_in_slices(
-      context, all * kLeastRow,
-      [&context, at = ChannelReports::Position{}]() mutable { return context.channels.some(at); });
+  return made_in_slices(context, all * kLeastRow,
+                        [&context, at = ChannelReports::Position{}, first = true]() mutable {
+                          serve::Slice slice = context.channels.some(at);
+                          if (std::exchange(first, false))
+                            std::get<control::Channels>(slice.body).admissions_left_out =
+                                context.admissions.left_out_report();
+                          return slice;
+                        });
 }
 
 }  // namespace mlcca::requests

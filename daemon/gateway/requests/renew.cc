@@ -14,7 +14,7 @@ Response renew(Context& context, const Asker& /*asker*/, const control::RenewReq
   if (!named) return invalid(named.error().text);
   const core::AdmissionId id = *named;
   if (const auto out = admissions.left_out().find(id); out != admissions.left_out().end())
-    return invalid(out->second);
+    return invalid(words_of(out->second));
   if (!admissions.remaining(id))
     return control::Done{
         fmt::format("admission {} {}", id,

@@ -114,6 +114,41 @@ TEST_F(LeftOut, AreReleasedTogetherWithThoseThatAreInForce) {
   EXPECT_TRUE(bench_.recorded(random_).admissions.empty());
 }
 
+/// Where an operator looks for them, each once.
+TEST_F(LeftOut, AreInStatusChannelsAndExplain) {
+  admit_and_leave_out();
+  const auto status = bench_.ask(control::StatusRequest{});
+  std::vector<std::string> of_it;
+  for (const auto& reason : std::get<control::Status>(status.reply.body).health.reasons)
+    if (reason.contains("admission 1")) of_it.push_back(reason);
+  ASSERT_EQ(of_it.size(), 1U);
+  EXPECT_TRUE(of_it[0].starts_with("admission 1 of " + kSubject + " is left out: "));
+  EXPECT_EQ(of_it[0].find("admission 1", 1), std::string::npos) << of_it[0];
+  const control::LeftOutAdmission expected{
+      1, kSubject,
+      of_it[0].substr(std::string("admission 1 of  is left out: ").size() + kSubject.size())};
+  const auto all = bench_.ask(control::ChannelsRequest{});
+  ASSERT_TRUE(all.slices);
+  const auto slice = all.slices();
+  ASSERT_TRUE(slice && !slice->more);
+  EXPECT_EQ(std::get<control::Channels>(slice->body).admissions_left_out, std::vector{expected});
+  const auto one = bench_.ask(control::ExplainRequest{kSubject});
+  ASSERT_TRUE(std::holds_alternative<control::Channels>(one.reply.body)) << "it is not described";
+  EXPECT_EQ(std::get<control::Channels>(one.reply.body).admissions_left_out, std::vector{expected});
+  const auto other = bench_.ask(control::ExplainRequest{"c0"});
+  EXPECT_TRUE(std::get<control::Channels>(other.reply.body).admissions_left_out.empty());
+  EXPECT_NE(error(control::ExplainRequest{"c9"}), "");
+}
+
+TEST_F(LeftOut, AreRemovedWithTheirNumberAndStayRecorded) {
+  admit_and_leave_out();
+  const auto removed = events("removed");
+  ASSERT_EQ(removed.size(), 1U);
+  EXPECT_TRUE(removed[0].message.contains(
+      "is removed: the description has no place for admission 1, which is left out"))
+      << removed[0].message;
+}
+
 TEST_F(LeftOut, AreNamedWhenTheyAreReleased) {
   admit_and_leave_out();
   ASSERT_EQ(error(control::ReleaseRequest{"", 1, ""}), "");
