@@ -32,6 +32,7 @@ constexpr std::array kKinds{
     Named{"dropping", Meaning::happened, Cause::dropped},
     Named{"missing", Meaning::happened, Cause::missing},
     Named{"restored", Meaning::happened, Cause::restored},
+    Named{"missed", Meaning::happened, Cause::missed},
     Named{"late", Meaning::happened, Cause::late},
     Named{"lapsed", Meaning::happened, Cause::gates_closed},
     Named{"stopped", Meaning::happened, Cause::gates_closed},

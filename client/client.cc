@@ -31,6 +31,8 @@ const char* name_of(Cause cause) {
       return "missing";
     case Cause::restored:
       return "restored";
+    case Cause::missed:
+      return "missed";
     case Cause::network_down:
       return "network down";
     case Cause::late:

@@ -157,7 +157,7 @@ void Client::Connection::take_up(const PartOf& part) {
 }
 
 void Client::Connection::ask(const PartOf& part) {
-  if (part->request.role == control::Role::subscriber) part->request.local = data_.address();
+  if (part->request.role == control::Role::subscriber) part->request.local = data_.address(part);
   part->outdated = part->failed = false;
   const std::string request = control::encode(control::Request{last_id_ + 1, part->request, true});
   if (const char* wrong = why_not_sent(part->request, request.size())) {
@@ -334,10 +334,14 @@ void Client::Connection::on_answer(const PartOf& part, const control::Reply& rep
   if (std::exchange(part->lost, false)) part->note(Cause::daemon_back, part->answer->reason);
 }
 
-/// What cannot be carried may be later: another program may hold the port for a while.
+/// What cannot be carried may be later: another program may hold the port for a while. Where the
+/// address for programs on the gateway has changed, the daemon is to know it.
 void Client::Connection::carry(const PartOf& part, const control::Reply& reply) {
   const auto done = data_.use(part, reply);
   const std::string problem = done ? "" : done.error().text;
+  if (part->local && part->request.local != part->local->address() &&
+      std::holds_alternative<control::Channels>(reply.body))
+    part->outdated = true;
   if (!done) {
     part->failed = true;
     start_timer(timer_, options_.longest_retry);

@@ -32,11 +32,17 @@ std::chrono::system_clock::time_point time_of(std::uint64_t unix_ns) {
   return Time(std::chrono::duration_cast<Time::duration>(std::chrono::nanoseconds(unix_ns)));
 }
 
-/// Sockets to receivers on the gateway; with more of them they are opened again and again. One user
-/// has 32 receivers of a channel at most.
-constexpr std::size_t kMostSenders = 256;
-
 bool is_local(const control::Endpoint& endpoint) { return !endpoint.local.empty(); }
+
+bool is_of_programs(const control::Endpoint& endpoint) { return endpoint.user.has_value(); }
+
+/// Publishers of which something is granted on the gateway itself.
+std::vector<std::string> granted_here(const std::vector<control::Channel>& deliveries) {
+  std::vector<std::string> out;
+  for (const control::Channel& delivery : deliveries)
+    if (delivery.granted && delivery.from == delivery.to) out.push_back(delivery.publisher);
+  return out;
+}
 
 /// Of pointers of either kind.
 bool is_same(const auto& a, const auto& b) { return !a.owner_before(b) && !b.owner_before(a); }
@@ -48,7 +54,8 @@ bool is_same(const auto& a, const auto& b) { return !a.owner_before(b) && !b.own
 Client::Data::Data(const Fd& epoll)
     : epoll_(epoll),
       timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)),
-      supervision_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)) {
+      supervision_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)),
+      senders_(epoll) {
   for (const Fd* timer : {&timer_, &supervision_})
     if (*timer) static_cast<void>(watch(timer->get()));
 }
@@ -58,13 +65,47 @@ bool Client::Data::watch(int fd) const {
   return ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, fd, &event) == 0;
 }
 
-std::string Client::Data::address() {
-  if (!receiver_) {
+std::string Client::Data::address(const PartOf& part) {
+  if (!part->local || part->local->address().empty()) {
     auto receiver = LocalReceiver::open();
     if (!receiver || !watch(receiver->fd())) return {};
-    receiver_ = std::move(*receiver);
+    part->local = std::make_shared<LocalReceiver>(std::move(*receiver));
+    receivers_[part->local->fd()] = part->local;
+    if (part->subject != 0) share_receiver(part);
   }
-  return receiver_->address();
+  return part->local->address();
+}
+
+/// The daemon has one address for each channel of a connection.
+void Client::Data::share_receiver(const PartOf& part) {
+  if (!part->local || part->local->subject() == part->subject) return;
+  const auto known = std::ranges::find_if(
+      receivers_, [&](const auto& one) { return one.second->subject() == part->subject; });
+  if (known == receivers_.end()) {
+    part->local->set_subject(part->subject);
+    return;
+  }
+  // Nobody has held its publishers against what is granted since its last subscriber left.
+  if (known->second.use_count() == 1) known->second->change_key();
+  const int former = part->local->fd();
+  part->local = known->second;
+  const auto own = receivers_.find(former);
+  if (own != receivers_.end() && own->second.use_count() == 1) receivers_.erase(own);
+  if (!part->local->address().empty()) return;
+  receivers_.erase(known);
+  part->local.reset();
+}
+
+/// Who has lost its grant still knows the key.
+void Client::Data::hold_publishers(const PartOf& part, std::vector<std::string> granted) {
+  const bool lost = std::ranges::any_of(part->local_publishers, [&](const std::string& one) {
+    return std::ranges::find(granted, one) == granted.end();
+  });
+  part->local_publishers = std::move(granted);
+  if (!lost || !part->local) return;
+  const int fd = part->local->fd();
+  part->local->change_key();
+  if (part->local->address().empty()) receivers_.erase(fd);
 }
 
 Result<relay::Layer*> Client::Data::layer_of(const control::Endpoint& endpoint) {
@@ -144,9 +185,19 @@ void Client::Data::renew(std::uint32_t ifindex) {
 
 Result<void> Client::Data::use(const PartOf& part, const control::Reply& reply) {
   const auto* channels = std::get_if<control::Channels>(&reply.body);
-  if (channels == nullptr) return use_endpoints(part, {});
-  if (!channels->channels.empty()) part->subject = channels->channels.front().subject;
-  return use_endpoints(part, channels->endpoints);
+  if (channels == nullptr) {
+    hold_publishers(part, {});
+    return use_endpoints(part, {});
+  }
+  if (!channels->channels.empty()) {
+    part->subject = channels->channels.front().subject;
+    share_receiver(part);
+  }
+  hold_publishers(part, granted_here(channels->channels));
+  auto done = use_endpoints(part, channels->endpoints);
+  if (done && !part->local && std::ranges::any_of(part->endpoints, is_of_programs))
+    return fail("programs on this gateway: there are no file descriptors left");
+  return done;
 }
 
 /// Of a publisher as well: the first event must not wait until its socket is there.
@@ -200,15 +251,13 @@ void Client::Data::use_local(const PartOf& part, const std::vector<control::Endp
   }
 }
 
-/// A receiver may be gone without a word, and its name another one's.
 void Client::Data::close_unused_senders() {
-  if (senders_.empty()) return;
   std::set<std::string> used;
   for (const auto& weak : publishers_)
     if (const auto part = weak.lock())
       for (const control::Endpoint& endpoint : part->endpoints)
         if (is_local(endpoint)) used.insert(endpoint.local);
-  std::erase_if(senders_, [&](const auto& one) { return !used.contains(one.first); });
+  senders_.keep_only(used);
 }
 
 // --- events --------------------------------------------------------------------------------------
@@ -243,33 +292,39 @@ Sent Client::Data::send_to(const control::Endpoint& endpoint, std::uint64_t subj
 
 /// False: the event is lost to that receiver.
 bool Client::Data::send_local(const std::string& address, std::uint64_t subject, Octets event) {
-  if (receiver_ && address == receiver_->address())
-    return receiver_->send_to_itself(subject, event);
-  auto to = senders_.find(address);
-  if (to == senders_.end()) {
-    auto sender = LocalSender::open(address);
-    if (!sender) return false;
-    if (senders_.size() >= kMostSenders) senders_.erase(senders_.begin());
-    to = senders_.emplace(address, std::move(*sender)).first;
-  }
-  const auto sent = to->second.send(subject, event);
-  if (sent == LocalSender::Sent::gone) senders_.erase(to);
-  return sent == LocalSender::Sent::sent;
+  const auto own = std::ranges::find_if(
+      receivers_, [&](const auto& one) { return one.second->address() == address; });
+  return own == receivers_.end() ? senders_.send(address, subject, event)
+                                 : own->second->send_to_itself(subject, event);
 }
 
-void Client::Data::take_local(const LocalEvent& event) {
+std::size_t Client::Data::receive_local(LocalReceiver& receiver, std::size_t most) {
+  buffer_.resize(LocalReceiver::kBuffer);
+  return receiver.receive(most, buffer_,
+                          [&](const LocalEvent& event) { take_local(receiver, event); });
+}
+
+/// Who knows the key of one channel sends no other one by it.
+void Client::Data::take_local(const LocalReceiver& receiver, const LocalEvent& event) {
   const std::uint64_t when = event.unix_ns == 0 ? unix_ns() : event.unix_ns;
   const std::uint64_t now = monotonic_ns();
+  bool is_known = false;
   for (Local& one : locals_) {
     const auto part = one.part.lock();
-    if (!part || part->subject != event.subject || one.source.granted().user != event.from)
+    if (!part || part->local.get() != &receiver || part->subject != event.subject ||
+        one.source.granted().user != event.from)
       continue;
-    if (one.source.takes(event.octets.size(), when, now))
-      arrived_.push_back({one.part, {}, {event.octets.begin(), event.octets.end()}, when});
-    else
-      ++other_losses_;
+    is_known = true;
+    one.source.miss(event.missed, now);
+    if (!event.is_notice) {
+      if (one.source.takes(event.octets.size(), when, now))
+        arrived_.push_back({one.part, {}, {event.octets.begin(), event.octets.end()}, when});
+      else
+        ++other_losses_;
+    }
     if (const auto due = one.source.due()) supervise_at(*due, now);
   }
+  if (is_known) other_losses_ += event.missed;
 }
 
 /// The timer may be early: events have come since it was set. Then it is set again.
@@ -285,8 +340,7 @@ void Client::Data::supervise_at(std::uint64_t due, std::uint64_t now) {
 void Client::Data::supervise() {
   std::uint64_t expired = 0;
   if (::read(supervision_.get(), &expired, sizeof expired) != sizeof expired) return;
-  if (receiver_)
-    receiver_->receive(kMostBefore, [this](const LocalEvent& event) { take_local(event); });
+  for (const auto& [fd, receiver] : receivers_) receive_local(*receiver, kMostBefore);
   supervised_at_ = 0;
   const std::uint64_t now = monotonic_ns();
   for (Local& one : locals_) {
@@ -315,8 +369,8 @@ void Client::Data::take(const relay::Layer::Arrival& arrival) {
 }
 
 bool Client::Data::receive(int fd) {
-  if (receiver_ && receiver_->fd() == fd) {
-    receiver_->receive(kMostEvents, [this](const LocalEvent& event) { take_local(event); });
+  if (const auto local = receivers_.find(fd); local != receivers_.end()) {
+    receive_local(*local->second, kMostEvents);
     return true;
   }
   if (timer_.get() == fd) {
@@ -329,7 +383,7 @@ bool Client::Data::receive(int fd) {
   }
   const auto found =
       std::ranges::find_if(layers_, [fd](const auto& one) { return one.second.layer->fd() == fd; });
-  if (found == layers_.end()) return false;
+  if (found == layers_.end()) return senders_.on_room(fd);
   if (!found->second.layer->receive(kMostEvents, [this](const auto& arrival) { take(arrival); }))
     renew(found->first);
   else if (!is_timed_ && found->second.layer->holds_parts())

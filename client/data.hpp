@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The events of a program's channels: sockets of its own on each interface that they are granted
-// for, and one for other programs on the gateway. They are opened when they are needed.
+// for, and one of each subscriber for other programs on the gateway. They are opened when they are
+// needed.
 #pragma once
 #include <sys/types.h>
 
@@ -15,6 +16,7 @@
 #include <vector>
 
 #include "base/handle.hpp"
+#include "client/local_senders.hpp"
 #include "client/local_socket.hpp"
 #include "client/local_source.hpp"
 #include "client/part.hpp"
@@ -31,9 +33,9 @@ class Client::Data {
   /// The sockets are added to `epoll`, which must outlive this.
   explicit Data(const Fd& epoll);
 
-  /// Where programs on the gateway send events that this one subscribes; empty: there are no
-  /// descriptors left.
-  [[nodiscard]] std::string address();
+  /// Where programs on the gateway send events to this subscriber; empty: there are no descriptors
+  /// left. It is another one when a publisher has lost its grant: then it is announced again.
+  [[nodiscard]] std::string address(const PartOf& part);
   /// It sends and receives by the endpoints of this answer from now on; of an error there are none.
   /// Error: one cannot be used, and why.
   [[nodiscard]] Result<void> use(const PartOf& part, const control::Reply& reply);
@@ -94,8 +96,11 @@ class Client::Data {
   relay::Sent send_to(const control::Endpoint& endpoint, std::uint64_t subject, Octets event);
   [[nodiscard]] bool send_local(const std::string& address, std::uint64_t subject, Octets event);
   void close_unused_senders();
+  void share_receiver(const PartOf& part);
+  void hold_publishers(const PartOf& part, std::vector<std::string> granted);
   void use_local(const PartOf& part, const std::vector<control::Endpoint>& endpoints);
-  void take_local(const LocalEvent& event);
+  void take_local(const LocalReceiver& receiver, const LocalEvent& event);
+  std::size_t receive_local(LocalReceiver& receiver, std::size_t most);
   void supervise();
   void supervise_at(std::uint64_t due, std::uint64_t now);
   void take(const relay::Layer::Arrival& arrival);
@@ -105,8 +110,10 @@ class Client::Data {
   bool is_timed_ = false;
   Fd supervision_;                   ///< the timer of local deliveries
   std::uint64_t supervised_at_ = 0;  ///< when it is due; 0: never
-  std::optional<LocalReceiver> receiver_;
-  std::map<std::string, LocalSender> senders_;          ///< by address
+  /// By their sockets. They are kept while the client exists: the daemon knows their addresses.
+  std::map<int, std::shared_ptr<LocalReceiver>> receivers_;
+  std::vector<std::uint8_t> buffer_;  ///< of all receivers
+  LocalSenders senders_;
   std::map<std::uint32_t, relay::OpenedLayer> layers_;  ///< by interface
   std::uint64_t other_losses_ = 0;  ///< of interfaces that were closed, and of local deliveries
   std::map<Follower, Following> following_;

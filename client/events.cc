@@ -83,9 +83,9 @@ void mlcca_events_free(mlcca_events* events) { delete events; }
 
 int mlcca_events_fd(const mlcca_events* events) { return events->epoll.get(); }
 
-const char* mlcca_events_address(mlcca_events* events) {
+const char* mlcca_events_address(mlcca_events* events, uint64_t end) {
   try {
-    events->address = events->data.address();
+    events->address = events->data.address(events->end(end, MLCCA_SUBSCRIBER));
   } catch (const std::bad_alloc&) {
     events->address.clear();
   }

@@ -28,7 +28,7 @@ Result<std::uint64_t> random_key() {
   return key;
 }
 
-/// From now on, and for good, the kernel drops each datagram that does not begin with the key,
+/// From now on the kernel drops each datagram that does not begin with the key,
 /// before it looks for room in the queue. All of the key is compared at once: how long a sendto()
 /// takes says nothing of a part of it.
 Result<void> accept_only(const Fd& socket, std::uint64_t key) {
@@ -50,9 +50,6 @@ Result<void> accept_only(const Fd& socket, std::uint64_t key) {
   const sock_fprog filter{.len = program.size(), .filter = program.data()};
   if (::setsockopt(socket.get(), SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) != 0)
     return system_error("SO_ATTACH_FILTER");
-  const int on = 1;
-  if (::setsockopt(socket.get(), SOL_SOCKET, SO_LOCK_FILTER, &on, sizeof on) != 0)
-    return system_error("SO_LOCK_FILTER");
   return {};
 }
 
@@ -68,6 +65,12 @@ uid_t sender_of(msghdr& message) {
   return static_cast<uid_t>(-1);
 }
 
+/// Of an event that was not sent, by errno.
+LocalSender::Sent why_not() {
+  const bool gone = errno == ECONNREFUSED || errno == ENOTCONN || errno == EPIPE;
+  return gone ? LocalSender::Sent::gone : LocalSender::Sent::full;
+}
+
 struct Address {
   sockaddr_un name{};
   socklen_t size = 0;
@@ -81,15 +84,25 @@ Address address_of(const std::string& name) {
   return address;
 }
 
+/// What is in front of an event.
+struct Header {
+  std::uint64_t key = 0;
+  std::uint64_t subject = 0;
+  LocalCount count;
+};
+
 /// `to`: null where the socket is connected.
-ssize_t send_event(const Fd& socket, std::uint64_t key, std::uint64_t subject,
-                   std::span<const std::uint8_t> event, Address* to) {
-  auto first = big_endian(key);
-  auto second = big_endian(subject);
+ssize_t send_event(const Fd& socket, const Header& header, std::span<const std::uint8_t> event,
+                   Address* to) {
+  constexpr unsigned half = 32;
+  auto first = big_endian(header.key);
+  auto second = big_endian(header.subject);
+  auto third = big_endian(std::uint64_t{header.count.sender} << half | header.count.next);
   // The kernel reads them, and nothing else.
-  std::array<iovec, 3> data{
+  std::array<iovec, 4> data{
       iovec{.iov_base = first.data(), .iov_len = first.size()},
       iovec{.iov_base = second.data(), .iov_len = second.size()},
+      iovec{.iov_base = third.data(), .iov_len = third.size()},
       iovec{.iov_base = const_cast<std::uint8_t*>(event.data()),  // NOLINT(*-const-cast)
             .iov_len = event.size()}};
   msghdr message{};
@@ -125,13 +138,30 @@ Result<LocalReceiver> LocalReceiver::open() {
     return system_error("getsockname");
   const std::size_t before = offsetof(sockaddr_un, sun_path) + 1;  // and the null byte
   if (size <= before) return fail("the kernel gave no address to a socket");
+  const auto count = LocalCount::begin();
+  if (!count) return std::unexpected(count.error());
   return LocalReceiver(std::move(socket),
-                       {.name = std::string(&address.sun_path[1], size - before), .key = *key});
+                       {.name = std::string(&address.sun_path[1], size - before), .key = *key},
+                       *count);
 }
 
-std::size_t LocalReceiver::receive(std::size_t most, const OnEvent& on_event) {
+LocalEvent LocalReceiver::read(Octets datagram, uid_t from, std::uint64_t unix_ns) {
+  constexpr unsigned half = 32;
+  const std::uint64_t count = from_big_endian(datagram.subspan(2 * kKey, kKey));
+  const auto sender = static_cast<std::uint32_t>(count >> half);
+  const bool is_notice = (sender & LocalCount::kNotice) != 0;
+  return {.subject = from_big_endian(datagram.subspan(kKey, kKey)),
+          .from = from,
+          .unix_ns = unix_ns,
+          .missed = numbers_.missed(from, sender & ~LocalCount::kNotice,
+                                    static_cast<std::uint32_t>(count), is_notice),
+          .is_notice = is_notice,
+          .octets = datagram.subspan(kHeader)};
+}
+
+std::size_t LocalReceiver::receive(std::size_t most, Buffer buffer, const OnEvent& on_event) {
   for (std::size_t count = 0; count < most; ++count) {
-    iovec data{.iov_base = buffer_.data(), .iov_len = buffer_.size()};
+    iovec data{.iov_base = buffer.data(), .iov_len = buffer.size()};
     alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(ucred)) + CMSG_SPACE(sizeof(timespec))>
         control{};
     msghdr message{};
@@ -143,34 +173,57 @@ std::size_t LocalReceiver::receive(std::size_t most, const OnEvent& on_event) {
     if (n < 0) return count;
     const auto bytes = static_cast<std::size_t>(n);
     if (bytes < kHeader || (message.msg_flags & MSG_TRUNC) != 0) continue;
-    const std::span all(std::as_const(buffer_).data(), bytes);
-    on_event({.subject = from_big_endian(all.first(kHeader).subspan(kKey)),
-              .from = sender_of(message),
-              .unix_ns = relay::beside(message).unix_ns,
-              .octets = all.subspan(kHeader)});
+    const Octets all(buffer.data(), bytes);
+    on_event(read(all, sender_of(message), relay::beside(message).unix_ns));
   }
   return most;
 }
 
 bool LocalReceiver::send_to_itself(std::uint64_t subject, Octets event) {
   Address address = address_of(own_.name);
-  return send_event(socket_, own_.key, subject, event, &address) >= 0;
+  const bool sent = send_event(socket_, {.key = own_.key, .subject = subject, .count = to_itself_},
+                               event, &address) >= 0;
+  ++to_itself_.next;
+  return sent;
 }
 
-Result<LocalSender> LocalSender::open(std::string_view address) {
-  const auto to = control::local_address_in(address);
-  if (!to) return fail("a receiver on the gateway has no such address");
+void LocalReceiver::change_key() {
+  const auto key = random_key();
+  if (key && accept_only(socket_, *key)) {
+    own_.key = *key;
+    address_ = control::to_text(own_);
+    return;
+  }
+  socket_.reset();
+  address_.clear();
+}
+
+Result<LocalSender> LocalSender::open(const control::LocalAddress& to) {
+  const auto count = LocalCount::begin();
+  if (!count) return std::unexpected(count.error());
   Fd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!socket) return system_error("socket");
-  const Address receiver = address_of(to->name);
+  const Address receiver = address_of(to.name);
   if (::connect(socket.get(), generic(receiver.name), receiver.size) != 0)
     return system_error("connect");
-  return LocalSender(std::move(socket), to->key);
+  return LocalSender(std::move(socket), to.key, *count);
 }
 
 LocalSender::Sent LocalSender::send(std::uint64_t subject, Octets event) {
-  if (send_event(socket_, key_, subject, event, nullptr) >= 0) return Sent::sent;
-  return errno == ECONNREFUSED || errno == ENOTCONN ? Sent::gone : Sent::full;
+  subject_ = subject;
+  const bool sent =
+      send_event(socket_, {.key = key_, .subject = subject, .count = count_}, event, nullptr) >= 0;
+  const Sent how = sent ? Sent::sent : why_not();
+  ++count_.next;
+  return how;
+}
+
+LocalSender::Sent LocalSender::send_notice() {
+  LocalCount count = count_;
+  count.sender |= LocalCount::kNotice;
+  const bool sent =
+      send_event(socket_, {.key = key_, .subject = subject_, .count = count}, {}, nullptr) >= 0;
+  return sent ? Sent::sent : why_not();
 }
 
 }  // namespace mlcca::client

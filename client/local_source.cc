@@ -47,21 +47,32 @@ bool LocalSource::takes(std::size_t bytes, std::uint64_t unix_ns, std::uint64_t 
   return true;
 }
 
+void LocalSource::miss(std::uint64_t events, std::uint64_t now) {
+  if (events == 0) return;
+  if (missed_ == 0) missed_at_ = now;
+  missed_ += events;
+}
+
 std::optional<std::uint64_t> LocalSource::due() const {
-  std::optional<std::uint64_t> first;
-  if (excess_ != 0) first = excess_at_ + kPause;
+  std::optional<std::uint64_t> excess;
+  if (excess_ != 0) excess = excess_at_ + kPause;
+  std::optional<std::uint64_t> missed;
+  if (missed_ != 0) missed = missed_at_ + kPause;
   std::optional<std::uint64_t> turned;
   if (silent_at_ != 0) {
     if (back_at_ != 0) turned = back_at_ + kHold;
   } else if (granted_.silence_ns != 0) {
     turned = last_ + granted_.silence_ns;
   }
-  if (!first || !turned) return first ? first : turned;
-  return std::min(*first, *turned);
+  std::optional<std::uint64_t> first;
+  for (const auto& one : {excess, missed, turned})
+    if (one && (!first || *one < *first)) first = one;
+  return first;
 }
 
 std::optional<control::Event> LocalSource::happened(std::uint64_t now) {
   if (excess_ != 0 && now >= excess_at_ + kPause) return excess();
+  if (missed_ != 0 && now >= missed_at_ + kPause) return missed();
   if (granted_.silence_ns == 0) {
     silent_at_ = back_at_ = 0;
     return std::nullopt;
@@ -87,6 +98,14 @@ control::Event LocalSource::excess() {
   out.frames = std::exchange(excess_, 0);
   out.message =
       events_text(out.frames) + " dropped of programs on this gateway: more than is admitted";
+  return out;
+}
+
+control::Event LocalSource::missed() {
+  control::Event out = event("missed");
+  out.missing = std::exchange(missed_, 0);
+  out.message = events_text(out.missing) +
+                " lost of programs on this gateway: they are sent faster than this program reads";
   return out;
 }
 

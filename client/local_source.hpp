@@ -15,7 +15,7 @@ class LocalSource {
  public:
   /// For which events come again before that is reported, as at a gate.
   static constexpr std::uint64_t kHold = 1'000'000'000;
-  /// Between two reports of what was too much, ns.
+  /// Between two reports of what was too much, and of what was missed, ns.
   static constexpr std::uint64_t kPause = 1'000'000'000;
 
   /// `now`: CLOCK_MONOTONIC, ns, as everywhere here.
@@ -29,6 +29,9 @@ class LocalSource {
   /// False: it is too long or too much, and dropped. `unix_ns`: when the kernel received it.
   [[nodiscard]] bool takes(std::size_t bytes, std::uint64_t unix_ns, std::uint64_t now);
 
+  /// So many were lost before this one came: the kernel had no room for them.
+  void miss(std::uint64_t events, std::uint64_t now);
+
   /// What has happened, as the daemon reports it of a gate. Call it until there is nothing.
   [[nodiscard]] std::optional<control::Event> happened(std::uint64_t now);
   /// When there may be something; nothing: not before another event has come.
@@ -38,6 +41,7 @@ class LocalSource {
   [[nodiscard]] bool is_in_turn(std::size_t bytes, std::uint64_t unix_ns);
   [[nodiscard]] control::Event event(const char* kind) const;
   [[nodiscard]] control::Event excess();
+  [[nodiscard]] control::Event missed();
   [[nodiscard]] control::Event missing(std::uint64_t now);
   [[nodiscard]] control::Event restored();
 
@@ -49,6 +53,8 @@ class LocalSource {
   std::uint64_t seen_ = 0;       ///< Unix time of the latest one
   std::uint64_t excess_ = 0;     ///< not reported yet
   std::uint64_t excess_at_ = 0;  ///< when the first of them came
+  std::uint64_t missed_ = 0;     ///< not reported yet
+  std::uint64_t missed_at_ = 0;  ///< when the first of them was seen to be missed
 };
 
 }  // namespace mlcca::client

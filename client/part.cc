@@ -18,6 +18,7 @@ bool only_informs(const Exception& exception) {
     case Cause::dropped:
     case Cause::missing:
     case Cause::restored:
+    case Cause::missed:
     case Cause::late:
     case Cause::mode:
     case Cause::other:

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "client/local_socket.hpp"
 #include "control/messages.hpp"
 #include "mlcca/client/client.hpp"
 
@@ -21,8 +22,11 @@ struct Channel::Part {
   std::shared_ptr<const SubscriberChannel::EventHandler> on_event;
   std::vector<control::Endpoint> endpoints;  ///< where events go to, or come from
   std::uint64_t subject = 0;                 ///< 0: not known yet
-  std::uint64_t asked = 0;                   ///< the request that waits for an answer, 0: none
-  bool outdated = false;                     ///< something has changed since it was asked
+  /// Of a subscriber: where programs on the gateway send to. Others of this channel may share it.
+  std::shared_ptr<LocalReceiver> local;
+  std::vector<std::string> local_publishers;  ///< that are granted there
+  std::uint64_t asked = 0;                    ///< the request that waits for an answer, 0: none
+  bool outdated = false;                      ///< something has changed since it was asked
   bool failed = false;           ///< the daemon could not answer: it is asked again later
   bool lost = false;             ///< the daemon went after it was announced
   bool lagged = false;           ///< exceptions were lost

@@ -6,6 +6,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <array>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -101,6 +102,23 @@ TEST_F(LocalSourceTest, WhatIsMoreThanIsAdmittedIsDroppedAndReportedOnceASecond)
   EXPECT_TRUE(source_.takes(2, kUnix - 3'600'000 * kMilli, kBegin + 2000 * kMilli));
 }
 
+TEST_F(LocalSourceTest, WhatWasMissedIsReportedTogether) {
+  control::Endpoint plain = granted();
+  plain.silence_ns = 0;
+  source_.grant(plain);
+  source_.miss(0, kBegin);
+  EXPECT_FALSE(source_.due());
+  source_.miss(2, kBegin + 10 * kMilli);
+  source_.miss(3, kBegin + 500 * kMilli);
+  EXPECT_EQ(due_ms(), 1010U);
+  EXPECT_EQ(happened(1009), "");
+  EXPECT_EQ(happened(1010),
+            "missed: 5 events are lost of programs on this gateway: they are sent faster than this "
+            "program reads");
+  EXPECT_FALSE(source_.due());
+  EXPECT_EQ(happened(3000), "");
+}
+
 TEST_F(LocalSourceTest, BytesMayCostAsWell) {
   control::Endpoint policed = granted();
   policed.byte_cost = 256 * kMilli;  // 1 ms
@@ -120,7 +138,7 @@ struct LocalClient {
     subscriber.subscribe();
     const auto requests = scene.requests();
     const auto& announced = std::get<control::AnnounceRequest>(requests.at(0).body);
-    auto to = LocalSender::open(announced.local);
+    auto to = LocalSender::open(control::local_address_in(announced.local).value());
     if (!to) throw std::runtime_error(to.error().text);
     sender.emplace(std::move(*to));
   }
@@ -163,6 +181,53 @@ TEST(LocalEvents, WhatIsTooLongOrTooMuchIsCounted) {
   EXPECT_EQ(all[0].frames, 1U);
   EXPECT_EQ(program.subscriber.lost(), 2U);
   EXPECT_EQ(program.came, std::vector<std::string>{"go"});
+}
+
+TEST(LocalEvents, WhatWasMissedIsAnException) {
+  control::Endpoint plain = granted();
+  plain.silence_ns = 0;
+  LocalClient program(plain);
+  unsigned sent = 0;
+  const std::array<std::uint8_t, 1> event{'a'};
+  while (program.sender->send(kSubject, event) == LocalSender::Sent::sent) ++sent;
+  for (int i = 0; i < 2; ++i)
+    EXPECT_NE(program.sender->send(kSubject, event), LocalSender::Sent::sent);
+  program.client.process();
+  EXPECT_EQ(program.sender->send_notice(), LocalSender::Sent::sent);
+  const auto all = exceptions(program.client, program.subscriber, 1);
+  EXPECT_EQ(causes(all), std::vector<std::string>{"missed"});
+  EXPECT_EQ(all[0].missing_events, 3U);
+  EXPECT_EQ(all[0].publisher, "lever");
+  EXPECT_EQ(program.subscriber.lost(), 3U);
+  EXPECT_EQ(program.came.size(), sent);
+}
+
+/// The daemon is given the other address, and gives it to those that are granted.
+TEST(LocalEvents, WhoIsWithdrawnKeepsAKeyThatIsOfNoUse) {
+  control::Endpoint plain = granted();
+  plain.silence_ns = 0;
+  control::Channel here = delivery("bridge", true);
+  control::Channel refused = delivery("bridge", false);
+  Scene scene({{{{0, control::Channels{{here}, 0, {plain}}}, event("withdrawn")}},
+               {{{0, control::Channels{{refused}, 0, {}}}}}});
+  Client client(scene.options());
+  SubscriberChannel subscriber(client, "stop");
+  subscriber.subscribe();
+  while (scene.requests().size() < 3) client.wait(kLong);
+  std::vector<std::string> announced;
+  for (const control::Request& request : scene.requests())
+    announced.push_back(std::get<control::AnnounceRequest>(request.body).local);
+  EXPECT_EQ(announced[1], announced[0]);
+  EXPECT_NE(announced[2], announced[0]);
+  auto old = LocalSender::open(control::local_address_in(announced[0]).value());
+  ASSERT_TRUE(old);
+  client.process();
+  const std::array<std::uint8_t, 1> event{'a'};
+  EXPECT_EQ(old->send(kSubject, event), LocalSender::Sent::sent);
+  unsigned came = 0;
+  subscriber.on_event([&came](const Event&) { ++came; });
+  client.process();
+  EXPECT_EQ(came, 0U);
 }
 
 /// A loop that waits for the descriptor would not find what is left.

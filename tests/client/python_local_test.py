@@ -9,7 +9,7 @@ import mlcca
 from mlcca import Cause, State
 from mlcca.session import FURTHER_ON, MOST_REQUEST, ONLY_INFORM
 from mlcca.types import Published
-from python_test import Daemon, channels, granted_for
+from python_test import Daemon, channels, event, granted_for
 
 CLIENT = os.path.join(os.path.dirname(__file__), "../../client")
 SECOND = 1_000_000_000
@@ -44,6 +44,7 @@ class Local(unittest.TestCase):
         self.addCleanup(self.publishers.close)
         publisher = mlcca.Client(self.publishers.path, patience=60)
         self.addCleanup(publisher.close)
+        self.publisher = publisher
         lever = publisher.publisher("stop")
         lever.announce()
         return stop, lever
@@ -79,6 +80,33 @@ class Local(unittest.TestCase):
             client.wait(60)
         self.assertEqual((raised[0].cause, raised[0].frames), (Cause.POLICED, 1))
         self.assertEqual((came, stop.lost), ([b"go"], 2))
+
+    def test_what_is_missed_is_an_exception(self):
+        client, daemon = self.start(publisher="lever")
+        stop, lever = self.subscriber(client, daemon)
+        raised, came = [], []
+        stop.on_exception, stop.on_event = raised.append, lambda event: came.append(event.data)
+        lost = [lever.publish(b"go") for _ in range(2000)].count(Published.LOST)
+        while not raised:
+            self.assertTrue(select.select([client, self.publisher], [], [], 60)[0])
+            client.process()
+            self.publisher.process()
+        self.assertEqual((raised[0].cause, raised[0].publisher, raised[0].missing_events), (Cause.MISSED, "lever", lost))
+        self.assertEqual((len(came) + lost, stop.lost), (2000, lost))
+
+    def test_who_is_withdrawn_keeps_a_key_that_is_of_no_use(self):
+        here = granted_for(user=os.getuid())
+        here.channels.channels[0].to = getattr(here.channels.channels[0], "from")
+        daemon = Daemon([here, event("withdrawn")], [channels(False)])
+        self.addCleanup(daemon.close)
+        with mlcca.Client(daemon.path, patience=60) as client:
+            client.subscriber("stop").subscribe()
+            while len(daemon.requests) < 3:
+                client.wait(60)
+        first, second, third = (request.announce.local for request in daemon.requests[:3])
+        self.assertEqual(first, second)
+        self.assertEqual(first[:5], third[:5])
+        self.assertNotEqual(first, third)
 
     def test_a_loop_is_woken_as_long_as_events_wait(self):
         client, daemon = self.start()

@@ -26,7 +26,7 @@ def _load() -> ctypes.CDLL:
     for name, result, arguments in (("new", events, ()),
                                     ("free", None, (events,)),
                                     ("fd", ctypes.c_int, (events,)),
-                                    ("address", ctypes.c_char_p, (events,)),
+                                    ("address", ctypes.c_char_p, (events, end)),
                                     ("use", ctypes.c_int, (events, end, ctypes.c_int, data, size, data, size)),
                                     ("leave", None, (events, end)),
                                     ("publish", ctypes.c_int, (events, end, data, size)),
@@ -78,15 +78,17 @@ class Events:
         """It stays the same."""
         return int(self._library.mlcca_events_fd(self._events))
 
-    def address(self) -> str:
-        """Where programs on the gateway send events that this one subscribes."""
-        return bytes(self._library.mlcca_events_address(self._events)).decode()
+    def address(self, end: int) -> str:
+        """Where programs on the gateway send events to this end; it may be another one after use()."""
+        return bytes(self._library.mlcca_events_address(self._events, end)).decode()
 
     def use(self, end: int, publishes: bool, reply: control_pb2.Reply) -> str:
         """What of the endpoints in the reply cannot be used, and why; empty: nothing."""
         wanted = control_pb2.Reply(id=1)
         wanted.channels.endpoints.extend(reply.channels.endpoints)
-        wanted.channels.channels.extend(reply.channels.channels[:1])
+        for of in reply.channels.channels:
+            row = wanted.channels.channels.add(subject=of.subject, publisher=of.publisher, to=of.to, granted=of.granted)
+            setattr(row, "from", getattr(of, "from"))
         data = encode(wanted)
         why = ctypes.create_string_buffer(WHY_SIZE)
         done = self._library.mlcca_events_use(self._events, end, 0 if publishes else 1, data, len(data), why, WHY_SIZE)

@@ -26,6 +26,7 @@ UNITS = {"Latency": "ns", "Jitter": "ns", "Deadline": "ns", "Period": "ns", "Ban
 NANOSECONDS = {"ns": 1, "us": 1_000, "ms": 1_000_000, "s": 1_000_000_000}
 
 HAPPENED = {"excess": Cause.POLICED, "dropping": Cause.DROPPED, "missing": Cause.MISSING, "restored": Cause.RESTORED,
+            "missed": Cause.MISSED,
             "late": Cause.LATE, "lapsed": Cause.GATES_CLOSED, "stopped": Cause.GATES_CLOSED, "mode": Cause.MODE}
 # What is decided may be otherwise: it is asked for.
 VERDICT = {"granted", "refused", "withdrawn", "released", "switched", "rerouted", "reinstated", "reload", "lagged", "local",
@@ -33,7 +34,8 @@ VERDICT = {"granted", "refused", "withdrawn", "released", "switched", "rerouted"
 # Of a subscription that the gateway has passed on.
 FURTHER_ON = {"refused": Cause.REFUSED, "granted": Cause.GRANTED}
 # They are lost first where a program takes none.
-ONLY_INFORM = {Cause.POLICED, Cause.DROPPED, Cause.MISSING, Cause.RESTORED, Cause.LATE, Cause.MODE, Cause.OTHER}
+ONLY_INFORM = {Cause.POLICED, Cause.DROPPED, Cause.MISSING, Cause.RESTORED, Cause.MISSED, Cause.LATE, Cause.MODE,
+               Cause.OTHER}
 
 
 class ProtocolError(Exception):
@@ -243,7 +245,7 @@ class Session:
 
     def ask(self, part: Part) -> None:
         if not part.publishes:
-            part.request.local = self.sockets.address()
+            part.request.local = self.sockets.address(part.number)
         request = control_pb2.Request(id=self._last_id + 1, announce=part.request, slices=True)
         part.outdated, part.failed = False, False
         if request.ByteSize() > MOST_REQUEST:  # the daemon would close the connection, of all channels
@@ -341,6 +343,8 @@ class Session:
         # They are those of this answer; without an answer that counts they stay, and the gates judge.
         # Another program may hold the port for a while: it is tried again.
         wrong = self.sockets.use(part.number, part.publishes, reply)
+        if reply.HasField("channels") and not part.publishes and part.request.local != self.sockets.address(part.number):
+            part.outdated = True
         part.failed = bool(wrong)
         if wrong != part.problem:
             part.problem = wrong

@@ -30,6 +30,7 @@ class Cause(enum.Enum):
     DROPPED = "dropped"            # the gate dropped frames of the channel
     MISSING = "missing"            # nothing has come for longer than a subscriber's Omission allows
     RESTORED = "restored"          # events come again
+    MISSED = "missed"              # events of programs on this gateway were lost, since they were not read in time
     LATE = "late"                  # events took longer in mlcca-relay than the gateway states
     GATES_CLOSED = "gates closed"  # the kernel closed all gates for a while, or the daemon ends
     MODE = "mode"                  # enforce or audit
@@ -98,7 +99,7 @@ class ChannelException:
     publisher: str = ""      # that it is of, by its name; empty: of several, or of none
     network: str = ""        # network down: which one
     silent_ns: int = 0       # missing, restored: how long nothing came
-    missing_events: int = 0  # missing, restored: how many did not come in that time
+    missing_events: int = 0  # missing, restored: how many did not come in that time; missed: since the last one
     frames: int = 0          # policed, dropped: so many since the last such exception
     late_events: int = 0     # late: so many since the last such exception
     longest_ns: int = 0      # late: the time that one of these took in mlcca-relay

@@ -83,6 +83,7 @@ enum class Cause : std::uint8_t {
   dropped,       ///< the gate dropped frames of the channel
   missing,       ///< nothing has come for longer than a subscriber's Omission allows
   restored,      ///< events come again
+  missed,        ///< events of programs on this gateway were lost, since they were not read in time
   late,          ///< events took longer in mlcca-relay than the gateway states
   gates_closed,  ///< the kernel closed all gates for a while, or the daemon ends and closes them
   mode,          ///< enforce or audit
@@ -101,7 +102,8 @@ struct Exception {
   std::string publisher;              ///< that it is of, by its name; empty: of several, or of none
   std::string network;                ///< network_down: which one
   std::chrono::nanoseconds silent{};  ///< missing, restored: how long nothing came
-  std::uint64_t missing_events = 0;   ///< missing, restored: how many did not come in that time
+  std::uint64_t missing_events = 0;   ///< missing, restored: how many did not come in that time;
+                                      ///< missed: so many since the last such exception
   std::uint64_t frames = 0;           ///< policed, dropped: so many since the last such exception
   std::uint64_t late_events = 0;      ///< late: so many since the last such exception
   std::chrono::nanoseconds longest{};    ///< late: the time that one of these took in mlcca-relay
@@ -239,8 +241,8 @@ class MLCCA_API SubscriberChannel : public Channel {
   void on_event(EventHandler handler) { receive(std::move(handler)); }
   /// Frames and events that came from networks to any channel of this Client and were not whole,
   /// malformed, or lost in a socket of this process, since it was made. Of programs on the gateway
-  /// itself those that are longer than the channel's MaxPayload or more than is admitted, and not
-  /// those that the kernel drops where the socket is full.
+  /// itself those that are longer than the channel's MaxPayload or more than is admitted, and those
+  /// that were missed.
   [[nodiscard]] std::uint64_t lost() const { return losses(); }
 };
 

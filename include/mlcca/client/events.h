@@ -3,9 +3,10 @@
  * themselves (mlcca/v1/control.proto): the sockets that events go by, as mlcca::client has them.
  *
  *   struct mlcca_events* events = mlcca_events_new();
- *   announce.local = mlcca_events_address(events);             // of a subscriber
- *   mlcca_events_use(events, 1, MLCCA_PUBLISHER, reply, size, why, sizeof why);
- *   mlcca_events_publish(events, 1, "go", 2);
+ *   announce.local = mlcca_events_address(events, 1);          // of a subscriber
+ *   mlcca_events_use(events, 1, MLCCA_SUBSCRIBER, reply, size, why, sizeof why);
+ *   mlcca_events_use(events, 2, MLCCA_PUBLISHER, reply, size, why, sizeof why);
+ *   mlcca_events_publish(events, 2, "go", 2);
  *
  * What belongs to one `struct mlcca_events` belongs to one thread. Nothing here waits. */
 #ifndef MLCCA_CLIENT_EVENTS_H
@@ -40,14 +41,17 @@ MLCCA_API void mlcca_events_free(struct mlcca_events* events);
 /* Can be read when mlcca_events_process() has something to do. It stays the same. */
 MLCCA_API int mlcca_events_fd(const struct mlcca_events* events);
 
-/* For AnnounceRequest.local of a subscriber; valid as long as `events`. Who knows it can send to
- * this program: it is for the daemon alone, which tells it to granted publishers. Empty: there are
- * no file descriptors left, and events of programs on the gateway do not come. */
-MLCCA_API const char* mlcca_events_address(struct mlcca_events* events);
+/* For AnnounceRequest.local of a subscriber; valid until the next call. Who knows it can send to
+ * this end: it is for the daemon alone, which gives it to granted publishers. After
+ * mlcca_events_use() it may be another one, since a publisher has lost its grant or since two ends
+ * have one channel: announce once more then. Empty: there are no file descriptors left, and events
+ * of programs on the gateway do not come. */
+MLCCA_API const char* mlcca_events_address(struct mlcca_events* events, uint64_t end);
 
 /* An end of a channel, by a number that the caller chooses, sends or receives as the daemon has
  * answered from now on. `reply`: a mlcca.v1.Reply with `channels`, behind its length as a varint;
- * of an error, or of a reply without endpoints, the end is granted nothing. The numbers of an end
+ * of an error, or of a reply without endpoints, the end is granted nothing. Of each of its channels
+ * subject, publisher, from, to and granted are read. The numbers of an end
  * keep their role. 0: done. -1: the text at `why` says what cannot be used; what can be is. */
 MLCCA_API int mlcca_events_use(struct mlcca_events* events, uint64_t end, enum mlcca_role role,
                                const void* reply, size_t size, char* why, size_t why_size);
@@ -69,14 +73,14 @@ MLCCA_API void mlcca_events_process(struct mlcca_events* events, mlcca_on_event 
 
 /* What has happened to events of programs on the gateway, which no gate supervises: call it after
  * mlcca_events_process() until it returns 0. It writes one mlcca.v1.Reply with an `event` of kind
- * missing, restored or excess, behind its length as a varint, and the end that it is of. The size
- * of it; where that is more than `size` nothing is written, and it stays. */
+ * missing, restored, excess or missed, behind its length as a varint, and the end that it is of.
+ * The size of it; where that is more than `size` nothing is written, and it stays. */
 MLCCA_API size_t mlcca_events_happened(struct mlcca_events* events, uint64_t* end, void* reply,
                                        size_t size);
 
 /* Frames and events that came and were incomplete, malformed, or lost in a socket, and those for
  * which there was no memory, counted once for each call that had none. Of programs on the gateway
- * those that are longer than the channel's MaxPayload, or more than is admitted. */
+ * those that are longer than the channel's MaxPayload, or more than is admitted, or missed. */
 MLCCA_API uint64_t mlcca_events_lost(const struct mlcca_events* events);
 
 #ifdef __cplusplus

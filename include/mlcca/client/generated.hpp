@@ -53,6 +53,7 @@ void call_handler(const Exception& exception) {
     case Cause::policed:
     case Cause::dropped:
     case Cause::missing:
+    case Cause::missed:
     case Cause::late:
       Spec::exception(Why::violated);
       break;
