@@ -140,6 +140,12 @@ std::optional<Event> Reassembly::take_numbered(Source source, const Fragment& fr
     return std::nullopt;
   }
   auto event = begun_.find(key);
+  if (is_overtaken(key)) {
+    ++losses_.late;
+    if (event != begun_.end()) forget(event);
+    remember(key, now);  // its other fragments are no further event
+    return std::nullopt;
+  }
   if (event == begun_.end()) event = begin(key, now);
   if (event->second.fragments.contains(fragment.left)) {
     ++losses_.duplicates;
@@ -147,15 +153,27 @@ std::optional<Event> Reassembly::take_numbered(Source source, const Fragment& fr
   }
   if (!keep(event, fragment)) return std::nullopt;
   auto whole = complete(event);
-  if (whole) {
-    done_.emplace(key, now);
-    done_order_.push_back(key);
-    if (done_.size() > limits_.remembered) {
-      done_.erase(done_order_.front());
-      done_order_.pop_front();
-    }
-  }
+  if (whole) remember(key, now);
   return whole;
+}
+
+void Reassembly::remember(const Key& key, std::uint64_t now) {
+  done_.emplace(key, now);
+  done_order_.push_back(key);
+  if (done_.size() <= limits_.remembered) return;
+  done_.erase(done_order_.front());
+  done_order_.pop_front();
+}
+
+/// After the highest number 0 comes.
+bool Reassembly::is_overtaken(const Key& key) const {
+  const auto follows = [&](std::uint32_t from) {
+    const auto next = done_.lower_bound({.source = key.source, .number = from});
+    return next != done_.end() && next->first.source == key.source &&
+           next->first.number - key.number <= kOvertakes;
+  };
+  const std::uint32_t after = key.number + 1;
+  return (after != 0 && follows(after)) || (key.number > ~kOvertakes && follows(0));
 }
 
 template <class Weight>

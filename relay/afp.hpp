@@ -73,6 +73,7 @@ struct Losses {
   std::uint64_t duplicates = 0;  ///< fragments that were there before, or of an event that was
   std::uint64_t incomplete = 0;  ///< events of which a fragment did not come, or not in time
   std::uint64_t crowded = 0;     ///< events that were given up since too many were begun
+  std::uint64_t late = 0;        ///< events that a later one of their source has overtaken
   auto operator<=>(const Losses&) const = default;
 };
 
@@ -98,7 +99,12 @@ class Reassembly {
   explicit Reassembly(const Form& form) : Reassembly(form, Limits{}) {}
   Reassembly(const Form& form, const Limits& limits) : form_(form), limits_(limits) {}
 
-  /// The event that this fragment completes, if it does. `now` never falls.
+  /// Of numbered events: as many before the latest one as are late. What is further from it is of a
+  /// sender that has begun again.
+  static constexpr std::uint32_t kOvertakes = 1024;
+
+  /// The event that this fragment completes, if it does and none of its source that was sent later
+  /// is complete. `now` never falls.
   std::optional<Event> take(Source source, Octets fragment, std::uint64_t now);
   /// Gives up what is older than Limits::lifetime_ns; take() does, too.
   void expire(std::uint64_t now);
@@ -136,6 +142,8 @@ class Reassembly {
   /// False: it is too much, or of another length than the others; the event is given up.
   bool keep(All::iterator event, const Fragment& fragment);
   std::optional<Event> complete(All::iterator event);
+  void remember(const Key& key, std::uint64_t now);
+  [[nodiscard]] bool is_overtaken(const Key& key) const;
   All::iterator begin(const Key& key, std::uint64_t now);
   void give_up(All::iterator event, std::uint64_t& why);
   void forget(All::iterator event);

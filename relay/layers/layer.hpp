@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string_view>
 
 #include "base/result.hpp"
 #include "control/messages.hpp"
@@ -26,7 +27,7 @@ enum class Sent : std::uint8_t {
 /// What came and gave no event, and what was to be sent later and could not.
 struct Losses {
   std::uint64_t malformed = 0;   ///< frames or datagrams that are none of the profile
-  std::uint64_t incomplete = 0;  ///< events of several of them, of which one is missing
+  std::uint64_t incomplete = 0;  ///< events of several of them, of which one is missing or late
   std::uint64_t crowded = 0;     ///< events that were given up: too many were begun
   std::uint64_t too_long = 0;    ///< longer than the follower takes
   std::uint64_t in_socket = 0;   ///< the process came too late, and its socket was full
@@ -47,6 +48,7 @@ class Layer {
     /// Who sent it: on CAN the identifier of that frame, else the IPv4 address in the order of the
     /// host.
     std::uint32_t source = 0;
+    std::string_view station{};  ///< the same on IEEE 802.15.4, as an endpoint has its address
   };
   using OnEvent = std::function<void(const Arrival&)>;
 

@@ -223,7 +223,7 @@ Losses UdpLayer::losses() const {
   Losses out = losses_;
   const afp::Losses& of_fragments = fragments_.losses();
   out.malformed += of_fragments.malformed;
-  out.incomplete += of_fragments.incomplete;
+  out.incomplete += of_fragments.incomplete + of_fragments.late;
   out.crowded += of_fragments.crowded;
   return out;
 }

@@ -141,6 +141,54 @@ TEST(Afp, NumberedFragmentsComeInAnyOrderAndTwice) {
   EXPECT_EQ(reassembly.begun(), 0U);
 }
 
+/// What is late is missing: a subscriber sees events in their order.
+TEST(Afp, AnEventThatIsOvertakenIsLostAndCountedOnce) {
+  Reassembly reassembly(kAwds);
+  const Event event = event_of(3'000);
+  const auto first = cut(kAwds, event, 0xfffffffe);
+  ASSERT_EQ(first.size(), 3U);
+  EXPECT_FALSE(reassembly.take(1, first[0], 0));
+  EXPECT_EQ(put_together(reassembly, cut(kAwds, event, 0xffffffff)), event);
+  EXPECT_FALSE(put_together(reassembly, {first[1], first[2], first[0]}));
+  EXPECT_EQ(reassembly.losses().late, 1U);
+  EXPECT_EQ(reassembly.begun(), 0U);
+  EXPECT_EQ(reassembly.octets(), 0U);
+  // After the highest number 0 comes.
+  EXPECT_EQ(put_together(reassembly, cut(kAwds, event, 1)), event);
+  EXPECT_FALSE(put_together(reassembly, cut(kAwds, event, 0)));
+  EXPECT_FALSE(put_together(reassembly, cut(kAwds, event, 0xfffffff0)));
+  EXPECT_EQ(reassembly.losses().late, 3U);
+  EXPECT_EQ(put_together(reassembly, cut(kAwds, event, 0), 2), event) << "another source";
+  // A sender that begins again has other numbers; 3 s later nothing is remembered.
+  EXPECT_EQ(put_together(reassembly, cut(kAwds, event, 0xfffff000)), event);
+  EXPECT_EQ(put_together(reassembly, cut(kAwds, event, 0), 1, 3 * kSecond), event);
+  EXPECT_EQ(reassembly.losses().late, 3U);
+}
+
+TEST(Afp, EventsOfANetworkThatReordersComeInTheirOrder) {
+  std::mt19937 random(2);
+  Reassembly reassembly(kAwds);
+  std::vector<std::pair<std::uint32_t, Event>> sent;
+  for (std::uint32_t number = 0; number < 300; ++number)
+    for (Event& fragment : cut(kAwds, event_of(2'000), number)) {
+      sent.emplace_back(number, fragment);
+      if (random() % 10 == 0) sent.emplace_back(number, std::move(fragment));
+    }
+  for (std::size_t i = 0; i + 4 < sent.size(); ++i)
+    if (random() % 5 == 0) std::swap(sent[i], sent[i + 1 + random() % 4]);
+  std::optional<std::uint32_t> latest;
+  std::size_t came = 0;
+  for (const auto& [number, fragment] : sent) {
+    if (!reassembly.take(1, fragment, 0)) continue;
+    EXPECT_TRUE(!latest || number > *latest) << number;
+    latest = number;
+    ++came;
+  }
+  EXPECT_EQ(came + reassembly.losses().late, 300U);
+  EXPECT_GT(reassembly.losses().late, 0U);
+  EXPECT_GT(came, 200U);
+}
+
 TEST(Afp, SourcesAreApart) {
   Reassembly reassembly(kCan);
   const Event a = event_of(20);
