@@ -123,8 +123,8 @@ void check_subscriptions(const core::Network& network, Problems& problems) {
     problems.add(
         policy.origin, "Subscriptions",
         fmt::format(
-            "{} is not of profile famouso on CAN, Ethernet or a mesh, whose nodes subscribe: "
-            "remove it",
+            "{} is not of profile famouso on CAN, Ethernet, IEEE 802.15.4 or a mesh, whose nodes "
+            "subscribe: remove it",
             network.name),
         FindingId::wrong_place);
 }

@@ -83,7 +83,8 @@ class ControlRules {
                      const Port& at, const Network& network) {
     const std::size_t first = rules_.size();
     ControlFrames frames = kind.frames.front();
-    if (network.subscriptions.accept != Subscribing::nobody) frames.max_length = kSubscriptionBytes;
+    if (network.subscriptions.accept != Subscribing::nobody)
+      frames.max_length = subscription_bytes(network);
     add(port, frames, kind, state, at);
     for (std::size_t i = first; i < rules_.size(); ++i) {
       GateEntry& entry = rules_[i].entry;
@@ -102,6 +103,10 @@ class ControlRules {
 };
 
 }  // namespace
+
+std::uint16_t subscription_bytes(const Network& network) {
+  return static_cast<std::uint16_t>(std::min<Value>(kSubscriptionBytes, event_bytes(network)));
+}
 
 std::span<const ControlKind> control_kinds(Profile profile) { return traits_of(profile).control; }
 

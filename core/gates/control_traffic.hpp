@@ -14,6 +14,9 @@
 
 namespace mlcca::core {
 
+/// The longest message about subscriptions on a network that carries subjects.
+[[nodiscard]] std::uint16_t subscription_bytes(const Network& network);
+
 /// Subject of the slots of control traffic: no channel has it.
 inline constexpr Subject kControlSubject = 0;
 

@@ -87,8 +87,7 @@ bool has_subscriptions(const Network& network) {
   const ProfileTraits& traits = traits_of(network.profile);
   if (network.kind == NetworkKind::can)
     return std::ranges::any_of(traits.control, &ControlKind::is_tagged);
-  // Frames of IEEE 802.15.4 are too short for what states attributes.
-  return network.carries_subjects() && network.kind != NetworkKind::ieee802154 &&
+  return network.carries_subjects() &&
          std::ranges::any_of(traits.datagram_control, &ControlKind::is_tagged);
 }
 

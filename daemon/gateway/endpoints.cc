@@ -106,7 +106,7 @@ control::SubscriptionNetwork Endpoints::of_subscriptions(std::size_t port) const
     out.problem = "the interface is not there, or has no gate";
     return out;
   }
-  there->frame_bytes = core::kSubscriptionBytes;
+  there->frame_bytes = core::subscription_bytes(network);
   if (there->can) {
     const auto frames = core::subscription_frames(network, own);
     if (!frames) {

@@ -57,15 +57,15 @@ std::optional<Announcement> parse_announcement(Octets event) {
   return out;
 }
 
-std::vector<std::uint8_t> encode(const Announcement& announcement) {
+std::vector<std::uint8_t> encode(const Announcement& announcement, std::size_t longest) {
   std::vector<std::uint8_t> out;
   put_number(kSubscriptionSubject, out);
   out.push_back(kSubscriptionVersion);
   out.push_back(kAnnouncementKind);
   put_number(announcement.lasts_ns, out);
   out.push_back(announcement.forwards ? 1 : 0);
-  const auto put = [&out](const std::string& name) {
-    if (out.size() + 1 + name.size() > kLongestSubscription) return;
+  const auto put = [&out, longest](const std::string& name) {
+    if (out.size() + 1 + name.size() > longest) return;
     out.push_back(static_cast<std::uint8_t>(name.size()));
     out.insert(out.end(), name.begin(), name.end());
   };

@@ -33,7 +33,8 @@ struct Announcement {
 
 /// Nothing: it is none. Names are of letters, digits, dots, underscores and hyphens.
 [[nodiscard]] std::optional<Announcement> parse_announcement(Octets event);
-/// At most kLongestSubscription octets: names that do not fit are left out.
-[[nodiscard]] std::vector<std::uint8_t> encode(const Announcement& announcement);
+/// At most `longest` octets: names that do not fit are left out.
+[[nodiscard]] std::vector<std::uint8_t> encode(const Announcement& announcement,
+                                               std::size_t longest = kLongestSubscription);
 
 }  // namespace mlcca::relay

@@ -13,11 +13,12 @@ void Announcer::daemon_gone() {
 
 void Announcer::announce() {
   if (own_.interval_ns == 0) return;
-  const auto event = encode(Announcement{.gateway = own_.gateway,
-                                         .lasts_ns = own_.lasts_ns,
-                                         .forwards = own_.forwards,
-                                         .not_received = own_.not_received});
-  for (const std::string& network : own_.networks) outside_.send(network, event);
+  const Announcement own{.gateway = own_.gateway,
+                         .lasts_ns = own_.lasts_ns,
+                         .forwards = own_.forwards,
+                         .not_received = own_.not_received};
+  for (const std::string& network : own_.networks)
+    outside_.send(network, encode(own, outside_.longest(network)));
 }
 
 void Announcer::turn(std::uint64_t now) {

@@ -26,6 +26,10 @@ class Announcer {
     std::function<void(const std::string& network, Octets event)> send;
     /// The number of the request; 0: there is no daemon now.
     std::function<std::uint64_t(control::PresenceRequest)> ask;
+    /// Octets of a message on the network.
+    std::function<std::size_t(const std::string& network)> longest = [](const std::string&) {
+      return kLongestSubscription;
+    };
   };
   explicit Announcer(Outside outside) : outside_(std::move(outside)) {}
 

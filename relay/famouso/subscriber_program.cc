@@ -21,8 +21,10 @@ constexpr std::size_t kMostOfTurn = 64;
 constexpr std::uint64_t kAskAgain = 10'000'000'000;  // ns: what no event reports
 constexpr std::chrono::milliseconds kPause(20);
 
-/// "0x12" of a node, "192.0.2.7".
-std::string source_text(const control::Endpoint& endpoint, std::uint32_t source) {
+/// "0x12" of a node, "192.0.2.7", "0xbeef:0x0002"; a station without an address is "station".
+std::string source_text(const control::Endpoint& endpoint, const Layer::Arrival& arrival) {
+  if (endpoint.wpan) return arrival.station.empty() ? "station" : std::string(arrival.station);
+  const std::uint32_t source = arrival.source;
   constexpr unsigned node_shift = 14;
   constexpr std::uint32_t nodes = 0x7f;
   if (endpoint.can) return fmt::format("{:#04x}", source >> node_shift & nodes);
@@ -50,8 +52,8 @@ SubscriberProgram::SubscriberProgram(std::string socket, std::uint32_t user, Out
                       .random = [] { return std::random_device{}(); }}),
       announcer_(
           {.send = [this](const auto& network, Octets event) { send(network, event); },
-           .ask =
-               [this](control::PresenceRequest request) { return ask({0, std::move(request)}); }}),
+           .ask = [this](control::PresenceRequest request) { return ask({0, std::move(request)}); },
+           .longest = [this](const auto& network) { return longest_on(network); }}),
       link_(std::move(socket), {.connected =
                                     [this] {
                                       subscriptions_.ask_all();
@@ -164,13 +166,18 @@ void SubscriberProgram::receive(int fd) {
     if (network.layer->fd() != fd) continue;
     const bool there = network.layer->receive(kMostOfTurn, [&](const Layer::Arrival& arrival) {
       if (announcer_.receive(name, arrival.event, outside_.now())) return;
-      subscriptions_.receive(name, source_text(network.endpoint, arrival.source), arrival.event,
+      subscriptions_.receive(name, source_text(network.endpoint, arrival), arrival.event,
                              outside_.now());
     });
     if (link_.is_connected()) link_.flush();
     if (!there) close(std::string(name));
     return;
   }
+}
+
+std::size_t SubscriberProgram::longest_on(const std::string& network) const {
+  const auto known = networks_.find(network);
+  return known == networks_.end() ? kLongestSubscription : longest_at(known->second.endpoint);
 }
 
 void SubscriberProgram::send(const std::string& network, Octets event) {

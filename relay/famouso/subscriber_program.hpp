@@ -48,6 +48,7 @@ class SubscriberProgram {
   void open(const control::Subscriptions& said);
   void close(const std::string& network);
   void send(const std::string& network, Octets event);
+  [[nodiscard]] std::size_t longest_on(const std::string& network) const;
 
   std::uint32_t user_;
   Outside outside_;

@@ -66,7 +66,12 @@ std::optional<Subscription> parse_subscription(Octets event) {
   return out;
 }
 
-std::vector<std::uint8_t> encode(const Subscription& subscription) {
+std::size_t longest_at(const control::Endpoint& endpoint) {
+  return endpoint.wpan ? std::min<std::size_t>(endpoint.frame_bytes, kLongestSubscription)
+                       : kLongestSubscription;
+}
+
+std::vector<std::uint8_t> encode(const Subscription& subscription, std::size_t longest) {
   std::vector<std::uint8_t> out;
   const auto put = [&](std::uint64_t value, std::size_t size) {
     for (std::size_t i = size; i-- > 0;)
@@ -92,7 +97,9 @@ std::vector<std::uint8_t> encode(const Subscription& subscription) {
   }
   put(subscription.subject, kSubjectSize);
   if (subscription.kind == Kind::refused) {
-    const std::string_view reason = std::string_view(subscription.reason).substr(0, kLongestReason);
+    const std::size_t room = longest > out.size() ? longest - out.size() : 0;
+    const std::string_view reason =
+        std::string_view(subscription.reason).substr(0, std::min(room, kLongestReason));
     out.insert(out.end(), reason.begin(), reason.end());
   }
   return out;

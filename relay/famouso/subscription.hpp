@@ -52,9 +52,14 @@ struct Subscription {
 
 inline constexpr std::size_t kLongestReason = 200;  ///< octets
 
+/// What a message may have where it is sent: on IEEE 802.15.4 it has to fit a frame.
+[[nodiscard]] std::size_t longest_at(const control::Endpoint& endpoint);
+
 /// Nothing: it is none, or one of a version or kind that is not known.
 [[nodiscard]] std::optional<Subscription> parse_subscription(Octets event);
-/// At most 256 octets. A longer reason is cut off.
-[[nodiscard]] std::vector<std::uint8_t> encode(const Subscription& subscription);
+/// A reason is cut off where the message would have more than `longest` octets; what is required is
+/// not.
+[[nodiscard]] std::vector<std::uint8_t> encode(const Subscription& subscription,
+                                               std::size_t longest = kLongestSubscription);
 
 }  // namespace mlcca::relay

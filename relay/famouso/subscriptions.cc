@@ -82,7 +82,7 @@ void Subscriptions::end_all_but(const AllWanted& wanted) {
     over.kind = Kind::end;
     over.lease_s = 0;
     over.hops = 0;
-    if (it->second.was_sent) outside_.send(it->first.network, encode(over));
+    if (it->second.was_sent) send(it->first.network, over);
     it = own_.erase(it);
   }
 }
@@ -122,6 +122,15 @@ std::uint8_t Subscriptions::hops_left(const OwnKey& key, const Own& own) const {
   return most.value_or(kHops);
 }
 
+std::size_t Subscriptions::longest_on(const std::string& network) const {
+  const auto known = networks_.find(network);
+  return known == networks_.end() ? kLongestSubscription : longest_at(known->second.endpoint);
+}
+
+void Subscriptions::send(const std::string& network, const Subscription& message) {
+  outside_.send(network, encode(message, longest_on(network)));
+}
+
 void Subscriptions::send_own(const OwnKey& key, Own& own, std::uint64_t now) {
   if (is_ending(key.subject)) {
     own.due_at = now + kWithout;
@@ -135,12 +144,21 @@ void Subscriptions::send_own(const OwnKey& key, Own& own, std::uint64_t now) {
   const std::uint8_t left = hops_left(key, own);
   if (left == 0) return;  // it has come over as many gateways as may be
   own.message.hops = static_cast<std::uint8_t>(left - 1);
-  outside_.send(key.network, encode(own.message));
+  const auto message = encode(own.message);
+  if (const std::size_t longest = longest_on(key.network); message.size() > longest) {
+    own.answers["this gateway"] = {
+        .refused = fmt::format("what is required takes {} octets, and a frame has {}",
+                               message.size(), longest),
+        .at = now};
+    judge(key, own, now);
+    return;
+  }
+  outside_.send(key.network, message);
   // Then gateways of FAMOUSO, which keep a subscription for ever.
   if (!std::exchange(own.was_sent, true)) {
     Subscription plain;
     plain.subject = key.subject;
-    outside_.send(key.network, encode(plain));
+    send(key.network, plain);
   }
 }
 
@@ -177,7 +195,7 @@ void Subscriptions::subscribe(PeerKey key, const Subscription& message, std::uin
     if (message.kind == Kind::plain) return;
     Subscription full{.kind = Kind::refused, .subject = message.subject, .number = message.number};
     full.reason = fmt::format("{} has as many subscriptions as it allows", key.network);
-    outside_.send(key.network, encode(full));
+    send(key.network, full);
     return;
   }
   if (known == peers_.end()) known = peers_.emplace(key, Peer{.wanted = message}).first;
@@ -363,7 +381,7 @@ void Subscriptions::answer(const PeerKey& key, Peer& peer) {
                    .subject = key.subject,
                    .number = peer.wanted.number};
   out.reason = std::move(why);
-  outside_.send(key.network, encode(out));
+  send(key.network, out);
 }
 
 // --- the daemon's decisions ----------------------------------------------------------------------

@@ -146,6 +146,8 @@ class Subscriptions {
   void answer(const PeerKey& key, Peer& peer);
   void answer_all();
   void send_own(const OwnKey& key, Own& own, std::uint64_t now);
+  void send(const std::string& network, const Subscription& message);
+  [[nodiscard]] std::size_t longest_on(const std::string& network) const;
   [[nodiscard]] std::uint8_t hops_left(const OwnKey& key, const Own& own) const;
   /// Why its events do not come to it although the daemon grants that.
   [[nodiscard]] std::optional<std::string> refused_further_on(const PeerKey& key,

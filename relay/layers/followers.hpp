@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 #include <type_traits>
 #include <unordered_map>
 #include <utility>
@@ -42,7 +43,7 @@ class Followers {
       if (event.size() > one.longest)
         ++losses.too_long;
       else
-        on_event({one.follower, event, unix_ns, source_of(from)});
+        on_event({one.follower, event, unix_ns, source_of(from), station_of(from)});
     }
   }
 
@@ -51,6 +52,10 @@ class Followers {
   static std::uint32_t source_of(const Address& from) {
     if constexpr (std::is_convertible_v<Address, std::uint32_t>) return from;
     return 0;
+  }
+  static std::string_view station_of(const Address& from) {
+    if constexpr (std::is_convertible_v<const Address&, std::string_view>) return from;
+    return {};
   }
   struct One {
     Layer::Follower follower = 0;

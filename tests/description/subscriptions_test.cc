@@ -56,13 +56,13 @@ TEST(SubscriptionPolicyTest, HasLimits) {
 TEST(SubscriptionPolicyTest, IsForNetworksOfFamouso) {
   EXPECT_TRUE(problems_of(network("udp-multicast", "famouso", "")).empty());
   EXPECT_TRUE(problems_of(network("mesh", "famouso", "")).empty());
+  EXPECT_TRUE(problems_of(network("ieee802154", "famouso", "")).empty());
   const std::vector<std::string> wrong{
-      "t.xml:1: <Subscriptions>: n is not of profile famouso on CAN, Ethernet or a mesh, whose "
-      "nodes "
-      "subscribe: remove it"};
+      "t.xml:1: <Subscriptions>: n is not of profile famouso on CAN, Ethernet, IEEE 802.15.4 or a "
+      "mesh, whose nodes subscribe: remove it"};
   EXPECT_EQ(problems_of(network("can", "raw", "")), wrong);
   EXPECT_EQ(problems_of(network("udp-multicast", "", "")), wrong);
-  EXPECT_EQ(problems_of(network("ieee802154", "famouso", "")), wrong);  // too short for them
+  EXPECT_EQ(problems_of(network("ieee802154", "", "")), wrong);
 }
 
 }  // namespace
