@@ -286,9 +286,10 @@ Sent CanLayer::send_fragments(const control::Endpoint& endpoint, Octets event) {
   return Sent::sent;
 }
 
-Sent CanLayer::send_transfer(const control::Endpoint& endpoint, std::uint64_t subject,
-                             Octets event) {
-  std::uint8_t& number = numbers_[subject];
+/// As on the wire they are of a subject-id and a node: there are no more of them, whatever channels
+/// come and go.
+Sent CanLayer::send_transfer(const control::Endpoint& endpoint, Octets event) {
+  std::uint8_t& number = numbers_[endpoint.id];
   const auto frames = cyphal::frames_of(event, endpoint.frame_bytes, number);
   if (!frames || (frames->size() > 1 && !endpoint.fragmented)) return Sent::too_long;
   number = (number + 1) & cyphal::kNumbers;
@@ -332,7 +333,7 @@ Sent CanLayer::send_due(std::uint32_t first) {
   return of_first;
 }
 
-Sent CanLayer::send(const control::Endpoint& endpoint, std::uint64_t subject, Octets event) {
+Sent CanLayer::send(const control::Endpoint& endpoint, std::uint64_t /*subject*/, Octets event) {
   const auto form = form_of(endpoint);
   if (!form) return Sent::failed;
   switch (*form) {
@@ -340,7 +341,7 @@ Sent CanLayer::send(const control::Endpoint& endpoint, std::uint64_t subject, Oc
       if (event.size() > afp::kCan.payload) return send_fragments(endpoint, event);
       return send_frame(endpoint, endpoint.id & ~kFragmentBit, event);
     case Form::cyphal:
-      return send_transfer(endpoint, subject, event);
+      return send_transfer(endpoint, event);
     case Form::transport:
       if (event.size() > CAN_MAX_DLEN) return send_message(endpoint, event);
       break;

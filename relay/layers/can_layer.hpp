@@ -110,7 +110,7 @@ class CanLayer : public Layer {
                  const OnEvent& on_event);
   Sent send_frame(const control::Endpoint& endpoint, std::uint32_t id, Octets data);
   Sent send_fragments(const control::Endpoint& endpoint, Octets event);
-  Sent send_transfer(const control::Endpoint& endpoint, std::uint64_t subject, Octets event);
+  Sent send_transfer(const control::Endpoint& endpoint, Octets event);
   Sent send_message(const control::Endpoint& endpoint, Octets event);
   Sent send_due(std::uint32_t first);
 
@@ -124,7 +124,8 @@ class CanLayer : public Layer {
   cyphal::Reassembly transfers_;
   j1939::Reassembly messages_;
   j1939::Sending sending_;
-  std::unordered_map<std::uint64_t, std::uint8_t> numbers_;  ///< of the next transfer, by subject
+  std::unordered_map<std::uint32_t, std::uint8_t>
+      numbers_;  ///< of the next transfer, by identifier
   Losses losses_;
 };
 

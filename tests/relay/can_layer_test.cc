@@ -210,7 +210,8 @@ TEST_F(CanLayerTest, CyphalHasATailThatIsNotOfTheEvent) {
   EXPECT_EQ(got[0].second, (std::vector<std::uint8_t>{1, 2}));
   EXPECT_EQ(layer_->losses().malformed, 2U);
   for (int i = 0; i < 33; ++i) ASSERT_EQ(layer_->send(at, 1, counting(2)), Sent::sent);
-  ASSERT_EQ(layer_->send(at, 2, counting(7)), Sent::sent);
+  const auto other = endpoint("cyphal", kId + 1);
+  ASSERT_EQ(layer_->send(other, 2, counting(7)), Sent::sent);
   EXPECT_TRUE(sent().starts_with("0001e0 0001e1 ")) << sent();
   EXPECT_TRUE(sent().ends_with("0001ff 0001e0 00010203040506e0 ")) << sent();
   EXPECT_EQ(layer_->send(at, 1, counting(8)), Sent::too_long);
