@@ -119,7 +119,7 @@ Channel::~Channel() = default;
 void Channel::on_exception(Handler handler) {
   part_->handler = handler ? std::make_shared<const Handler>(std::move(handler)) : nullptr;
 }
-std::shared_ptr<const Answer> Channel::answer() const { return part_->answer; }
+std::shared_ptr<const Answer> Channel::answer() const { return part_->answer.get(); }
 
 Published Channel::send(const void* data, std::size_t size) {
   const auto connection = part_->connection.lock();
@@ -139,7 +139,7 @@ std::uint64_t Channel::losses() const {
 
 std::shared_ptr<const Answer> Channel::take_up() {
   if (const auto connection = part_->connection.lock()) connection->take_up(part_);
-  return part_->answer;
+  return part_->answer.get();
 }
 
 }  // namespace mlcca::client

@@ -111,11 +111,11 @@ void Client::Connection::lose(const std::string& why, Try after) {
   asked_.clear();
   retry_later(after);
   for (const PartOf& part : parts()) {
-    const State before = part->answer->state;
+    const State before = part->answer.state();
     part->asked = 0;
     part->outdated = part->failed = false;
     part->lost = true;
-    part->answer = no_daemon(why);
+    part->answer = KeptAnswer(no_daemon(why));
     if (before == State::no_daemon || before == State::unannounced) continue;
     part->note(Cause::daemon_gone, why);
   }
@@ -152,8 +152,8 @@ void Client::Connection::take_up(const PartOf& part) {
   }
   if (part->asked == 0) return;
   part->lost = true;  // the answer may come later
-  part->answer = no_daemon("no answer from mlccad within " +
-                           std::to_string(options_.patience.count()) + " ms");
+  part->answer = KeptAnswer(no_daemon("no answer from mlccad within " +
+                                      std::to_string(options_.patience.count()) + " ms"));
 }
 
 void Client::Connection::ask(const PartOf& part) {
@@ -316,11 +316,11 @@ void Client::Connection::on_answer(const PartOf& part, const control::Reply& rep
     // Too much to do, no memory: it may be otherwise soon. What is known stays.
     part->failed = true;
     retry_later(Try::asked_for);
-    if (part->answer->state != State::unannounced && part->answer->state != State::no_daemon)
+    if (part->answer.state() != State::unannounced && part->answer.state() != State::no_daemon)
       return;
     const auto* error = std::get_if<control::Error>(&reply.body);
-    part->answer =
-        no_daemon(error == nullptr ? "mlccad answered with something else" : error->message);
+    part->answer = KeptAnswer(
+        no_daemon(error == nullptr ? "mlccad answered with something else" : error->message));
     part->lost = true;
     return;
   }
@@ -331,7 +331,7 @@ void Client::Connection::on_answer(const PartOf& part, const control::Reply& rep
     return;
   }
   part->take(std::make_shared<Answer>(std::move(*answer)));
-  if (std::exchange(part->lost, false)) part->note(Cause::daemon_back, part->answer->reason);
+  if (std::exchange(part->lost, false)) part->note(Cause::daemon_back, part->answer.get()->reason);
 }
 
 /// What cannot be carried may be later: another program may hold the port for a while. Where the
@@ -366,7 +366,7 @@ void Client::Connection::on_event(const control::Event& event) {
 void Client::Connection::on_event(const PartOf& part, const control::Event& event,
                                   Meaning meaning) {
   // What came before the first answer happened before it was announced.
-  if (meaning == Meaning::happened && part->answer->state == State::unannounced) return;
+  if (meaning == Meaning::happened && part->answer.state() == State::unannounced) return;
   if (const auto cause = said_further_on(event)) {
     if (part->request.role == control::Role::subscriber) part->note(*cause, event.message, &event);
   } else if (meaning == Meaning::happened) {

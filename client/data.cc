@@ -32,9 +32,9 @@ std::chrono::system_clock::time_point time_of(std::uint64_t unix_ns) {
   return Time(std::chrono::duration_cast<Time::duration>(std::chrono::nanoseconds(unix_ns)));
 }
 
-bool is_local(const control::Endpoint& endpoint) { return !endpoint.local.empty(); }
+bool is_local(const SharedEndpoint& endpoint) { return !endpoint->local.empty(); }
 
-bool is_of_programs(const control::Endpoint& endpoint) { return endpoint.user.has_value(); }
+bool is_of_programs(const SharedEndpoint& endpoint) { return endpoint->user.has_value(); }
 
 /// Publishers of which something is granted on the gateway itself.
 std::vector<std::string> granted_here(const std::vector<control::Channel>& deliveries) {
@@ -128,7 +128,8 @@ Result<relay::Layer*> Client::Data::renewed_layer_of(const control::Endpoint& en
   const auto known = layers_.find(endpoint.ifindex);
   if (known != layers_.end() && !known->second.serves(endpoint))
     for (const Following& one : close(endpoint.ifindex))
-      if (const auto part = one.part.lock()) std::erase(part->endpoints, one.endpoint);
+      if (const auto part = one.part.lock())
+        std::erase_if(part->endpoints, [&](const auto& other) { return *other == *one.endpoint; });
   return layer_of(endpoint);
 }
 
@@ -138,8 +139,8 @@ void Client::Data::leave(const std::weak_ptr<Channel::Part>& part) {
   std::erase_if(following_, [&](const auto& one) {
     const auto& [follower, following] = one;
     if (!is_same(following.part, part)) return false;
-    if (const auto layer = layers_.find(following.endpoint.ifindex); layer != layers_.end())
-      layer->second.layer->leave(follower, following.endpoint, following.subject);
+    if (const auto layer = layers_.find(following.endpoint->ifindex); layer != layers_.end())
+      layer->second.layer->leave(follower, *following.endpoint, following.subject);
     return true;
   });
 }
@@ -162,7 +163,7 @@ std::vector<Client::Data::Following> Client::Data::close(std::uint32_t ifindex) 
   other_losses_ += known->second.layer->losses().all();
   layers_.erase(known);
   std::erase_if(following_, [&](auto& one) {
-    if (one.second.endpoint.ifindex != ifindex) return false;
+    if (one.second.endpoint->ifindex != ifindex) return false;
     former.push_back(std::move(one.second));
     return true;
   });
@@ -175,8 +176,8 @@ void Client::Data::renew(std::uint32_t ifindex) {
   for (Following& one : close(ifindex)) {
     const auto part = one.part.lock();
     if (!part) continue;
-    const auto layer = layer_of(one.endpoint);
-    if (layer && (*layer)->follow(++last_, one.endpoint, one.subject, kMostLocalBytes))
+    const auto layer = layer_of(*one.endpoint);
+    if (layer && (*layer)->follow(++last_, *one.endpoint, one.subject, kMostLocalBytes))
       following_.emplace(last_, std::move(one));
     else
       part->endpoints.clear();
@@ -201,29 +202,35 @@ Result<void> Client::Data::use(const PartOf& part, const control::Reply& reply) 
 }
 
 /// Of a publisher as well: the first event must not wait until its socket is there.
-Result<void> Client::Data::use_endpoint(const PartOf& part, const control::Endpoint& endpoint) {
-  const auto layer = renewed_layer_of(endpoint);
+Result<void> Client::Data::use_endpoint(const PartOf& part, const SharedEndpoint& endpoint) {
+  const auto layer = renewed_layer_of(*endpoint);
   if (!layer) return std::unexpected(layer.error());
   if (part->request.role == control::Role::publisher) return {};
-  auto followed = (*layer)->follow(++last_, endpoint, part->subject, kMostLocalBytes);
+  auto followed = (*layer)->follow(++last_, *endpoint, part->subject, kMostLocalBytes);
   if (followed) following_.emplace(last_, Following{part, endpoint, part->subject});
   return followed;
 }
 
 Result<void> Client::Data::use_endpoints(const PartOf& part,
-                                         std::vector<control::Endpoint> endpoints) {
+                                         std::vector<control::Endpoint> stated) {
   leave_expired();
   const bool publishes = part->request.role == control::Role::publisher;
-  if (!publishes && endpoints == part->endpoints) return {};
+  const auto is_same_as = [](const control::Endpoint& one, const SharedEndpoint& other) {
+    return one == *other;
+  };
+  if (!publishes && std::ranges::equal(stated, part->endpoints, is_same_as)) return {};
+  std::vector<SharedEndpoint> endpoints;
+  endpoints.reserve(stated.size());
+  for (control::Endpoint& one : stated) endpoints.push_back(endpoints_.share(std::move(one)));
   leave(part);
   std::erase_if(publishers_,
                 [&](const auto& other) { return other.expired() || is_same(other, part); });
   use_local(part, endpoints);
   Result<void> done;
-  std::erase_if(endpoints, [&](const control::Endpoint& endpoint) {
-    if (endpoint.user || is_local(endpoint)) return false;
+  std::erase_if(endpoints, [&](const SharedEndpoint& endpoint) {
+    if (is_of_programs(endpoint) || is_local(endpoint)) return false;
     const auto used = use_endpoint(part, endpoint);
-    if (!used) done = fail(endpoint.network + ": " + used.error().text);
+    if (!used) done = fail(endpoint->network + ": " + used.error().text);
     return !used && !publishes;  // so that it is tried again
   });
   part->endpoints = std::move(endpoints);
@@ -233,7 +240,7 @@ Result<void> Client::Data::use_endpoints(const PartOf& part,
 }
 
 /// What is known of a user stays.
-void Client::Data::use_local(const PartOf& part, const std::vector<control::Endpoint>& endpoints) {
+void Client::Data::use_local(const PartOf& part, const std::vector<SharedEndpoint>& endpoints) {
   std::vector<Local> before;
   std::erase_if(locals_, [&](Local& one) {
     if (!one.part.expired() && !is_same(one.part, part)) return false;
@@ -241,12 +248,12 @@ void Client::Data::use_local(const PartOf& part, const std::vector<control::Endp
     return true;
   });
   const std::uint64_t now = monotonic_ns();
-  for (const control::Endpoint& endpoint : endpoints) {
-    if (!endpoint.user) continue;
+  for (const SharedEndpoint& endpoint : endpoints) {
+    if (!is_of_programs(endpoint)) continue;
     const auto known = std::ranges::find_if(
-        before, [&](const Local& one) { return one.source.granted().user == endpoint.user; });
-    locals_.push_back(known == before.end() ? Local{part, LocalSource(endpoint, now)} : *known);
-    locals_.back().source.grant(endpoint);
+        before, [&](const Local& one) { return one.source.granted().user == endpoint->user; });
+    locals_.push_back(known == before.end() ? Local{part, LocalSource(*endpoint, now)} : *known);
+    locals_.back().source.grant(*endpoint);
     if (const auto due = locals_.back().source.due()) supervise_at(*due, now);
   }
 }
@@ -255,8 +262,8 @@ void Client::Data::close_unused_senders() {
   std::set<std::string> used;
   for (const auto& weak : publishers_)
     if (const auto part = weak.lock())
-      for (const control::Endpoint& endpoint : part->endpoints)
-        if (is_local(endpoint)) used.insert(endpoint.local);
+      for (const SharedEndpoint& endpoint : part->endpoints)
+        if (is_local(endpoint)) used.insert(endpoint->local);
   senders_.keep_only(used);
 }
 
@@ -267,8 +274,8 @@ Published Client::Data::publish(const Channel::Part& part, Octets event) {
   if (part.endpoints.empty()) return Published::not_granted;
   std::size_t sent = 0;
   bool too_long = false;
-  for (const control::Endpoint& endpoint : part.endpoints) {
-    const Sent how = send_to(endpoint, part.subject, event);
+  for (const SharedEndpoint& endpoint : part.endpoints) {
+    const Sent how = send_to(*endpoint, part.subject, event);
     too_long = too_long || how == Sent::too_long;
     if (how == Sent::sent) ++sent;
   }
@@ -278,7 +285,7 @@ Published Client::Data::publish(const Channel::Part& part, Octets event) {
 }
 
 Sent Client::Data::send_to(const control::Endpoint& endpoint, std::uint64_t subject, Octets event) {
-  if (is_local(endpoint)) {
+  if (!endpoint.local.empty()) {
     if (endpoint.frame_bytes != 0 && event.size() > endpoint.frame_bytes) return Sent::too_long;
     return send_local(endpoint.local, subject, event) ? Sent::sent : Sent::dropped;
   }
@@ -363,7 +370,7 @@ void Client::Data::take(const relay::Layer::Arrival& arrival) {
   if (known == following_.end()) return;
   const auto& [part, endpoint, subject] = known->second;
   arrived_.push_back({part,
-                      endpoint.network,
+                      endpoint->network,
                       {arrival.event.begin(), arrival.event.end()},
                       arrival.unix_ns == 0 ? unix_ns() : arrival.unix_ns});
 }

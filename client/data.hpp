@@ -60,7 +60,7 @@ class Client::Data {
   /// A subscriber and one of its endpoints.
   struct Following {
     std::weak_ptr<Channel::Part> part;
-    control::Endpoint endpoint;
+    SharedEndpoint endpoint;
     std::uint64_t subject = 0;
   };
 
@@ -87,7 +87,7 @@ class Client::Data {
   Result<relay::Layer*> layer_of(const control::Endpoint& endpoint);
   /// The same, opened again for the network as it is now.
   Result<relay::Layer*> renewed_layer_of(const control::Endpoint& endpoint);
-  Result<void> use_endpoint(const PartOf& part, const control::Endpoint& endpoint);
+  Result<void> use_endpoint(const PartOf& part, const SharedEndpoint& endpoint);
   Result<void> use_endpoints(const PartOf& part, std::vector<control::Endpoint> endpoints);
   void leave(const std::weak_ptr<Channel::Part>& part);
   void leave_expired();
@@ -98,7 +98,7 @@ class Client::Data {
   void close_unused_senders();
   void share_receiver(const PartOf& part);
   void hold_publishers(const PartOf& part, std::vector<std::string> granted);
-  void use_local(const PartOf& part, const std::vector<control::Endpoint>& endpoints);
+  void use_local(const PartOf& part, const std::vector<SharedEndpoint>& endpoints);
   void take_local(const LocalReceiver& receiver, const LocalEvent& event);
   std::size_t receive_local(LocalReceiver& receiver, std::size_t most);
   void supervise();
@@ -116,6 +116,7 @@ class Client::Data {
   LocalSenders senders_;
   std::map<std::uint32_t, relay::OpenedLayer> layers_;  ///< by interface
   std::uint64_t other_losses_ = 0;  ///< of interfaces that were closed, and of local deliveries
+  SharedEndpoints endpoints_;
   std::map<Follower, Following> following_;
   Follower last_ = 0;
   std::vector<Local> locals_;

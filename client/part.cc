@@ -55,7 +55,7 @@ void Channel::Part::note(Cause cause, std::string text, const control::Event* ev
   Exception exception;
   exception.cause = cause;
   exception.text = std::move(text);
-  exception.answer = answer;
+  exception.answer = answer.get();
   if (event != nullptr) {
     exception.publisher = event->publisher;
     if (cause == Cause::network_down) exception.network = event->network_down;
@@ -73,7 +73,7 @@ std::optional<Exception> Channel::Part::next() {
     Exception exception;
     exception.cause = Cause::lagged;
     exception.text = "exceptions were lost: process() is called too seldom";
-    exception.answer = answer;
+    exception.answer = answer.get();
     return exception;
   }
   if (waiting.empty()) return std::nullopt;
@@ -84,25 +84,27 @@ std::optional<Exception> Channel::Part::next() {
 
 bool Channel::Part::concerns(const control::Event& event) const {
   // Before there is a delivery nothing but the channel is known.
-  if (event.publisher.empty() || answer->deliveries.empty()) return true;
-  return std::ranges::any_of(answer->deliveries, [&](const Delivery& d) {
+  const auto known = answer.get();
+  if (event.publisher.empty() || known->deliveries.empty()) return true;
+  return std::ranges::any_of(known->deliveries, [&](const Delivery& d) {
     return d.publisher == event.publisher &&
            (d.to == event.network || d.from == event.network || event.network.empty());
   });
 }
 
-void Channel::Part::take(std::shared_ptr<const Answer> now) {
-  const auto before = std::exchange(answer, std::move(now));
-  if (answer->state == State::rejected) {
+void Channel::Part::take(const std::shared_ptr<const Answer>& now) {
+  const auto before = answer.get();
+  answer = KeptAnswer(now);
+  if (now->state == State::rejected) {
     if (before->state != State::rejected && before->state != State::unannounced)
-      note(Cause::rejected, answer->reason);
+      note(Cause::rejected, now->reason);
     return;
   }
   if (before->state == State::unannounced || before->state == State::no_daemon) return;
-  for (const Delivery& d : answer->deliveries)
+  for (const Delivery& d : now->deliveries)
     if (const auto cause = change_of(same_delivery(*before, d), d)) note(*cause, d.reason);
   for (const Delivery& d : before->deliveries)
-    if (d.granted && same_delivery(*answer, d) == nullptr)
+    if (d.granted && same_delivery(*now, d) == nullptr)
       note(Cause::withdrawn,
            "there is no delivery of " + d.publisher + " to " + d.to + " any more");
 }
@@ -112,16 +114,17 @@ bool Channel::Part::forget_trouble(const control::Event& event) {
     return !d.trouble.empty() && (event.publisher.empty() || d.publisher == event.publisher) &&
            (event.network.empty() || d.to == event.network || d.from == event.network);
   };
-  if (std::ranges::none_of(answer->deliveries, is_of)) return false;
-  auto now = std::make_shared<Answer>(*answer);
+  const auto before = answer.get();
+  if (std::ranges::none_of(before->deliveries, is_of)) return false;
+  const auto now = std::make_shared<Answer>(*before);
   for (Delivery& d : now->deliveries)
     if (is_of(d)) d.trouble.clear();
-  answer = std::move(now);
+  answer = KeptAnswer(now);
   return true;
 }
 
 void Channel::Part::withdraw(const control::Event& event) {
-  auto now = std::make_shared<Answer>(*answer);
+  const auto now = std::make_shared<Answer>(*answer.get());
   bool found = false;
   for (Delivery& d : now->deliveries) {
     if (!d.granted || (!event.publisher.empty() && d.publisher != event.publisher) ||
@@ -134,7 +137,7 @@ void Channel::Part::withdraw(const control::Event& event) {
   }
   if (!found) return;
   summarise(*now);
-  answer = std::move(now);
+  answer = KeptAnswer(now);
   note(event.network_down.empty() ? Cause::withdrawn : Cause::network_down, event.message, &event);
 }
 

@@ -6,7 +6,9 @@
 #include <memory>
 #include <vector>
 
+#include "client/kept_answer.hpp"
 #include "client/local_socket.hpp"
+#include "client/shared_endpoints.hpp"
 #include "control/messages.hpp"
 #include "mlcca/client/client.hpp"
 
@@ -17,11 +19,11 @@ struct Channel::Part {
   static constexpr std::size_t kMostWaiting = 256;
 
   control::AnnounceRequest request;
-  std::shared_ptr<const Answer> answer = std::make_shared<Answer>();
+  KeptAnswer answer;
   std::shared_ptr<const Handler> handler;
   std::shared_ptr<const SubscriberChannel::EventHandler> on_event;
-  std::vector<control::Endpoint> endpoints;  ///< where events go to, or come from
-  std::uint64_t subject = 0;                 ///< 0: not known yet
+  std::vector<SharedEndpoint> endpoints;  ///< where events go to, or come from
+  std::uint64_t subject = 0;              ///< 0: not known yet
   /// Of a subscriber: where programs on the gateway send to. Others of this channel may share it.
   std::shared_ptr<LocalReceiver> local;
   std::vector<std::string> local_publishers;  ///< that are granted there
@@ -41,7 +43,7 @@ struct Channel::Part {
   /// The event is of a delivery of this end.
   [[nodiscard]] bool concerns(const control::Event& event) const;
   /// Another answer, and an exception for each delivery that is decided otherwise than before.
-  void take(std::shared_ptr<const Answer> now);
+  void take(const std::shared_ptr<const Answer>& now);
   /// Events of a delivery come again: the answer does not say any more that something is wrong.
   /// False: it did not.
   bool forget_trouble(const control::Event& event);
