@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <string>
 
+#include "base/many.hpp"
+
 namespace mlcca::client {
 namespace {
 
@@ -16,9 +18,7 @@ std::string time_text(std::uint64_t ns) {
   return ns < 10 * milli ? std::to_string(ns / micro) + " us" : std::to_string(ns / milli) + " ms";
 }
 
-std::string events_text(std::uint64_t number) {
-  return number == 1 ? "1 event is" : std::to_string(number) + " events are";
-}
+std::string events_text(std::uint64_t number) { return many(number, "event is", "events are"); }
 
 }  // namespace
 

@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "base/handle.hpp"
+#include "base/many.hpp"
 #include "base/result.hpp"
 #include "core/admission/state.hpp"
 #include "daemon/early_closing.hpp"
@@ -76,9 +77,11 @@ int check_description(const Options& options) {
   if (system) {
     if (!has_gateway(*system, options)) return kBadInput;
     if (!has_room(*system, options.description)) return kBadInput;
-    fmt::print("{}: {} channels, {} networks, {} gateways, {} publishers, {} subscribers\n",
-               options.description, system->channels.size(), system->networks.size(),
-               system->gateways.size(), system->publishers.size(), system->subscribers.size());
+    fmt::print("{}: {}, {}, {}, {}, {}\n", options.description,
+               many(system->channels.size(), "channel"), many(system->networks.size(), "network"),
+               many(system->gateways.size(), "gateway"),
+               many(system->publishers.size(), "publisher"),
+               many(system->subscribers.size(), "subscriber"));
     return 0;
   }
   for (const auto& problem : description::shortened(system.error()))

@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "base/many.hpp"
 #include "core/model/text.hpp"
 #include "daemon/manager.hpp"
 
@@ -147,9 +148,9 @@ bool SystemLog::send(const Note& note, const std::string& message) const {
 
 void SystemLog::write(const Note& note) const {
   const std::string before =
-      *lost_ == 0
-          ? ""
-          : fmt::format("({} lines before this one were lost: they were not read) ", *lost_);
+      *lost_ == 0 ? ""
+                  : fmt::format("({} before this one {} not read) ", many(*lost_, "line"),
+                                *lost_ == 1 ? "was lost: it was" : "were lost: they were");
   if (send(note, before + note.message))
     *lost_ = 0;
   else

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/many.hpp"
 #include "core/model/text.hpp"
 #include "tools/render.hpp"
 #include "tools/times.hpp"
@@ -78,7 +79,8 @@ std::string render(const control::Audit& audit, Color color) {
                {f.reason}});
   out += '\n' + table.text(color);
   if (audit.left_out != 0)
-    out += fmt::format("{} further ones had fewer frames and are not listed\n", audit.left_out);
+    out += many(audit.left_out, "further one had fewer frames and is not listed\n",
+                "further ones had fewer frames and are not listed\n");
   out += advice_lines(audit);
   std::vector<std::string> shown;
   std::size_t all = 0;

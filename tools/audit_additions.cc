@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/many.hpp"
 #include "core/model/text.hpp"
 #include "core/model/words.hpp"
 #include "core/profiles/profile.hpp"
@@ -133,8 +134,8 @@ class Additions {
 
   static std::string seen(const control::Finding& f, const Channel& channel) {
     const std::uint64_t frames = f.dropped + f.would_drop;
-    std::string out = fmt::format("{} frame{} since {}", frames, frames == 1 ? "" : "s",
-                                  print_second(f.first_unix_s));
+    std::string out =
+        fmt::format("{} since {}", many(frames, "frame"), print_second(f.first_unix_s));
     if (f.busy_gap_ns != 0)
       out +=
           fmt::format(", in the busiest second one every {}", time_words(nominal(f.busy_gap_ns)));

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <string_view>
 
+#include "base/many.hpp"
 #include "base/number.hpp"
 #include "core/mesh/evaluation.hpp"
 #include "core/mesh/route.hpp"
@@ -171,9 +172,9 @@ std::string to_text(const Question& question, const Numbers& numbers) {
   text += fmt::format("  limited by  {}\n", numbers.limited_by);
   text += fmt::format("  limit       {} of the medium's time, of which others take {}\n",
                       percent(mesh::limit_of(mesh)), percent(question.background));
-  text += fmt::format(
-      "  packets     {} bytes of payload, {} bytes of header, {:g} us beside them\n",
-      mesh.packet_bytes, mesh.header_bytes, static_cast<double>(mesh.packet_time) / 1e3);
+  text += fmt::format("  packets     {} of payload, {} of header, {:g} us beside them\n",
+                      many(mesh.packet_bytes, "byte"), many(mesh.header_bytes, "byte"),
+                      static_cast<double>(mesh.packet_time) / 1e3);
   if (question.demand)
     text += fmt::format("  demand      {} takes {}: {}\n",
                         print_bit_rate(mul_saturating(*question.demand, kBitsPerByte)),

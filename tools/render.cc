@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/many.hpp"
 #include "core/model/text.hpp"
 #include "tools/times.hpp"
 #include "tools/values.hpp"
@@ -62,7 +63,7 @@ std::string rows_of(const control::Channel& channel, Color color) {
                {row.margin}});
   auto text = table.text(color, "  ");
   if (channel.rows_left_out != 0)
-    text += fmt::format("  and {} more comparisons{}\n", channel.rows_left_out,
+    text += fmt::format("  and {}{}\n", many(channel.rows_left_out, "more comparison"),
                         channel.granted ? "" : "; those that do not fit go first");
   return text;
 }
@@ -104,7 +105,7 @@ std::string arrivals_of(const control::Watch& watch) {
     return fmt::format(
         "only whether none of those that look alike sends; the latest event {} ago{}",
         about(watch.since_last_ns), watch.missing_now ? ": MISSING" : "");
-  std::string text = fmt::format("{} events", watch.events);
+  std::string text = many(watch.events, "event");
   if (watch.rate_mhz != 0)
     text += fmt::format(", {} a second", static_cast<double>(watch.rate_mhz) / 1e3);
   text += fmt::format(", jitter {}, {} missing; the latest {} ago", about(watch.jitter_ns),
@@ -235,8 +236,7 @@ std::string explain(const control::Channels& channels, Color color, bool in_full
     text += delivery(channel, color, in_full);
   }
   if (channels.left_out != 0)
-    text += fmt::format("\nand {} more {}{}\n", channels.left_out,
-                        channels.left_out == 1 ? "delivery" : "deliveries",
+    text += fmt::format("\nand {}{}\n", many(channels.left_out, "more delivery", "more deliveries"),
                         std::ranges::all_of(channels.channels, &control::Channel::granted)
                             ? ", all granted"
                             : "; what is refused is listed first");
@@ -260,13 +260,11 @@ std::string what_stops(const control::Channels& channels, std::string_view name,
   // What is refused is listed first: beside a listed one that is granted, all others are, too.
   const std::size_t others = channels.left_out;
   std::string head = "nothing of it is granted now";
-  if (granted == 1 && others == 0) head = "1 delivery stops";
-  if (granted + others > 1) head = fmt::format("{} deliveries stop", granted + others);
+  if (granted + others != 0) head = many(granted + others, "delivery stops", "deliveries stop");
   if (granted == 0 && others != 0)
-    head = fmt::format("up to {} {}, none of which is listed", others,
-                       others == 1 ? "delivery stops" : "deliveries stop");
+    head = "up to " + head + ", none of which is listed";
   else if (others != 0)
-    text += fmt::format("  and {} more that {} not listed\n", others, others == 1 ? "is" : "are");
+    text += "  and " + many(others, "more that is not listed\n", "more that are not listed\n");
   return fmt::format(
              "{}, once it is withdrawn: {}; everything of it is refused, also what is described, "
              "until it is reinstated\n",

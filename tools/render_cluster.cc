@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/many.hpp"
 #include "tools/render.hpp"
 #include "tools/values.hpp"
 #include "tools/words.hpp"
@@ -133,7 +134,7 @@ std::string render(const control::Cluster& cluster, Color color) {
   line("gateways", fmt::format("{} of {} are there", cluster.present, cluster.gateways));
   line("reservations", fmt::format("{} in the store", cluster.reservations));
   if (cluster.unreadable != 0)
-    line("unreadable", fmt::format("{} entries of the store", cluster.unreadable), Style::bad);
+    line("unreadable", many(cluster.unreadable, "entry", "entries") + " of the store", Style::bad);
   return text;
 }
 

@@ -8,6 +8,7 @@
 #include <ranges>
 #include <vector>
 
+#include "base/many.hpp"
 #include "core/model/text.hpp"
 #include "tools/render.hpp"
 #include "tools/times.hpp"
@@ -56,8 +57,8 @@ bool loses(const control::Outlook& outlook) { return outlook.granted_now && !out
 
 std::string render(const control::WhatIf& what_if, Color color) {
   if (what_if.outlooks.empty())
-    return fmt::format("nothing would change; {} deliveries are as they are now\n",
-                       what_if.unchanged);
+    return "nothing would change; " + many(what_if.unchanged, "delivery is as it is now\n",
+                                           "deliveries are as they are now\n");
   auto outlooks = what_if.outlooks;
   std::ranges::stable_sort(outlooks, {}, effect_of);
   Table table({{"EFFECT"}, {"CHANNEL"}, {"PUBLISHER"}, {"TO"}, {"NOW"}, {"THEN"}, {"REASON"}});

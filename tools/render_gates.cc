@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/many.hpp"
 #include "tools/render.hpp"
 #include "tools/values.hpp"
 #include "tools/words.hpp"
@@ -130,17 +131,18 @@ std::string render(const control::Gates& gates, const std::vector<control::Inter
     const bool ethernet = gate.masked_room == 0;
     const control::Interface* const interface = interface_of(gate, interfaces);
     if (!text.empty()) text += '\n';
-    text += fmt::format("{} on {}: profile {}, {}, {} of {} slots",
+    text += fmt::format("{} on {}: profile {}, {}, {} of {}",
                         styled(gate.interface, Style::bold, color), printable(gate.network),
                         printable(gate.profile), attachment(gate, interface, color), gate.slots,
-                        gate.room);
-    if (gate.masked != 0) text += fmt::format(", {} of {} masks", gate.masked, gate.masked_room);
+                        many(gate.room, "slot"));
+    if (gate.masked != 0)
+      text += fmt::format(", {} of {}", gate.masked, many(gate.masked_room, "mask"));
     text += '\n';
     if (!gate.problem.empty()) text += "  " + styled(gate.problem, Style::bad, color) + '\n';
     text +=
         slots(gate.control, true, ethernet, color) + slots(gate.channels, false, ethernet, color);
     if (ethernet && gate.slots > gate.channels.size())
-      text += fmt::format("  and {} slots more\n", gate.slots - gate.channels.size());
+      text += fmt::format("  and {} more\n", many(gate.slots - gate.channels.size(), "slot"));
     if (interface != nullptr) text += reasons(*interface, color);
   }
   return text.empty() ? "this gateway has no gates\n" : text;

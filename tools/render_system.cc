@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/many.hpp"
 #include "core/model/text.hpp"
 #include "tools/render.hpp"
 #include "tools/times.hpp"
@@ -153,7 +154,8 @@ std::string problems(const std::vector<control::Interface>& all, Color color) {
       text += styled(one.name + ": " + one.problem, Style::bad, color) + '\n';
     if (!one.drift.empty()) text += styled(one.drift, Style::bad, color) + '\n';
     if (one.bypassed != 0)
-      text += styled(fmt::format("{}: {} frames were sent past its gate", one.name, one.bypassed),
+      text += styled(fmt::format("{}: {} sent past its gate", one.name,
+                                 many(one.bypassed, "frame was", "frames were")),
                      Style::bad, color) +
               '\n';
   }
@@ -231,7 +233,7 @@ std::string render(const control::Status& status, Color color) {
        fmt::format("{} granted, {} refused", status.channels_granted, status.channels_refused));
   line("grace",
        fmt::format("{}, lapsed {}", print_duration(status.grace_ns),
-                   status.lapses == 1 ? "once" : fmt::format("{} times", status.lapses)),
+                   status.lapses == 1 ? "once" : many(status.lapses, "time")),
        status.lapses == 0 ? Style::plain : Style::warning);
   // The health of a newer daemon has all of this among its reasons.
   const bool older = status.health.state == control::HealthState::unknown;

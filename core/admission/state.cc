@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "base/many.hpp"
 #include "base/number.hpp"
 #include "core/admission/allocation.hpp"
 #include "core/model/progress.hpp"
@@ -114,10 +115,9 @@ Result<void> State::check_room_for_unlisted(std::size_t channel,
       return other.first != channel && is_used(other.first) && other.second.contains(n);
     });
     if (static_cast<std::size_t>(there) >= system_.networks[n].unlisted.most)
-      return fail(
-          system_.networks[n].name + " has " +
-          (there == 1 ? "1 channel that is" : std::to_string(there) + " channels that are") +
-          " not described, and its Unlisted allows no more");
+      return fail(system_.networks[n].name + " has " +
+                  many(there, "channel that is", "channels that are") +
+                  " not described, and its Unlisted allows no more");
   }
   return {};
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "base/many.hpp"
 #include "core/can/level.hpp"
 #include "core/can/of_system.hpp"
 #include "core/can/schedule.hpp"
@@ -443,9 +444,8 @@ void Explainer::add_medium(const Verdict& v, const Row& row) {
   if (queue) f.frames_of = static_cast<std::uint32_t>(row.end);
   f.attribute = queue ? "queue-length" : info(c.attribute).name;
   const BoundWords words = format_bound(c.attribute, c.provided, c.required);
-  f.required = queue ? std::to_string(row.reserved) + " frames" : words.limit;
-  f.provided =
-      queue ? std::to_string(row.room) + (row.room == 1 ? " frame" : " frames") : words.bound;
+  f.required = queue ? many(row.reserved, "frame") : words.limit;
+  f.provided = queue ? many(row.room, "frame") : words.bound;
   if (row.against == Against::schedule) {
     f.text = "with " + publisher + ", " + schedule_text(s_.system, s_.members, row);
     if (queue)

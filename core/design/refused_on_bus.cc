@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "base/many.hpp"
 #include "core/can/analysis.hpp"
 #include "core/can/of_system.hpp"
 #include "core/model/text.hpp"
@@ -38,8 +39,7 @@ std::string harm_of(const Members& members, const can::Schedule& bus,
   std::string harm = members.publisher(Ledger::publisher_of(messages[late].key)).name +
                      harm_to(messages[late], responses[late]);
   if (others != 0)
-    harm += ", and " + std::to_string(others) +
-            (others == 1 ? " message more may fail so" : " messages more may fail so");
+    harm += ", and " + many(others, "message more may fail so", "messages more may fail so");
   return harm;
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <span>
 
+#include "base/many.hpp"
 #include "base/number.hpp"
 #include "core/model/medium.hpp"
 #include "core/model/words.hpp"
@@ -422,8 +423,8 @@ std::string schedule_text(const System& system, const Members& members, const Ro
   const Comparison& c = row.comparison;
   if (c.attribute == Attribute::omission)
     return frames + " could find the queue of their gateway full and be lost: it holds " +
-           std::to_string(row.room) + (row.room == 1 ? " frame" : " frames") + ", and up to " +
-           std::to_string(row.reserved) + " wait in it";
+           many(row.room, "frame") + ", and up to " + std::to_string(row.reserved) +
+           (row.reserved == 1 ? " waits in it" : " wait in it");
   if (c.required == 0 && c.provided != kUnbounded)
     return "no time is left for " + frames + ": they take up to " +
            format_value(Attribute::latency, c.provided) +

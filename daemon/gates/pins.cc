@@ -16,6 +16,7 @@
 #include <system_error>
 #include <utility>
 
+#include "base/many.hpp"
 #include "daemon/gates/failure.hpp"
 
 namespace mlcca::enforce {
@@ -109,8 +110,9 @@ std::string what_is_at(const std::string& path) {
   if (is_program(there.get())) return "a program";
   if (!is_map(there.get())) return "a link or another object";
   const auto info = map_info(there.get());
-  return fmt::format("a map of type {} ({}, {} entries of {} bytes)", info.type,
-                     static_cast<const char*>(info.name), info.max_entries, info.value_size);
+  return fmt::format("a map of type {} ({}, {} of {})", info.type,
+                     static_cast<const char*>(info.name),
+                     many(info.max_entries, "entry", "entries"), many(info.value_size, "byte"));
 }
 
 Result<std::string> give_way(const std::string& path) {

@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "base/many.hpp"
 #include "core/model/text.hpp"
 #include "daemon/gateway/drops.hpp"
 #include "daemon/gateway/report.hpp"
@@ -80,8 +81,7 @@ void DeliveryEvents::silence(const core::Verdict& v, const gate_event& event,
         "{} towards {}: {} {}, {} missing where {} may be", what, note.network,
         event.never != 0 ? "nothing has come since the gate lets it in, for"
                          : "nothing has come for",
-        time, note.missing == 1 ? "1 event is" : fmt::format("{} events are", note.missing),
-        v.requirement[Attribute::omission]);
+        time, many(note.missing, "event is", "events are"), v.requirement[Attribute::omission]);
   else
     note.message =
         fmt::format("{} towards {} comes again: for {} it stayed out, or came with breaks", what,
@@ -215,7 +215,7 @@ void DeliveryEvents::excess(const std::vector<const core::Verdict*>& verdicts, F
   const Attribute what = said.has(Attribute::period) ? Attribute::period : Attribute::bandwidth;
   log_.warning(Kind::excess,
                fmt::format("{} sent {} of {} ({}) more than was admitted{}: {} said {} {}",
-                           fmt::join(who, " or "), frames_words(frames), channel.name,
+                           fmt::join(who, " or "), many(frames, "frame"), channel.name,
                            core::format_subject(channel.subject),
                            fate == Fate::let_through ? ", passed in audit mode" : "",
                            who.size() > 1 ? who.front() : "it", info(what).name,

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/many.hpp"
 #include "core/model/medium.hpp"
 #include "core/model/text.hpp"
 #include "daemon/gates/counters.hpp"
@@ -151,7 +152,7 @@ std::string DeliveryHealth::late_line(const core::Verdict& v, const std::string&
   return fmt::format(
       "the program that carries it to {} took up to {}, longer than the gateway states, for {}", to,
       core::format_value(Attribute::latency, late->longest_ns / 1'000 * 1'000),
-      late->events == 1 ? "1 event" : fmt::format("{} events", late->events));
+      many(late->events, "event"));
 }
 
 const core::GateRule* DeliveryHealth::way_in(const core::GateState& rules) {

@@ -3,16 +3,14 @@
 
 #include <fmt/format.h>
 
-namespace mlcca {
+#include "base/many.hpp"
 
-std::string frames_words(std::uint64_t frames) {
-  return frames == 1 ? "1 frame" : fmt::format("{} frames", frames);
-}
+namespace mlcca {
 
 std::string dropped_line(Fate fate, std::uint64_t frames, const std::string& which) {
   return fate == Fate::let_through
-             ? fmt::format("would be dropped: {} {}", frames_words(frames), which)
-             : fmt::format("{} dropped {}", frames_words(frames), which);
+             ? fmt::format("would be dropped: {} {}", many(frames, "frame"), which)
+             : fmt::format("{} dropped {}", many(frames, "frame"), which);
 }
 
 }  // namespace mlcca

@@ -9,9 +9,6 @@ namespace mlcca {
 /// What has become of frames that a gate refuses: audit mode lets them through.
 enum class Fate : std::uint8_t { dropped, let_through };
 
-/// "1 frame", "3 frames".
-std::string frames_words(std::uint64_t frames);
-
 /// "3 frames dropped of x", or "would be dropped: 3 frames of x".
 std::string dropped_line(Fate fate, std::uint64_t frames, const std::string& which);
 

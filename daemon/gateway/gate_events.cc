@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "base/many.hpp"
 #include "core/model/text.hpp"
 #include "daemon/gates/counters.hpp"
 
@@ -65,9 +66,9 @@ void GateEvents::on_sample(const gate_sample& sample) {
     const UnknownFrames unknown = parts_.gates.unknown_frames(p);
     parts_.log.warning(
         Kind::dropping,
-        fmt::format("a frame that names no known subject {} {} ({}): {}, {} bytes; {} so far",
+        fmt::format("a frame that names no known subject {} {} ({}): {}, {}; {} so far",
                     sample.audit != 0 ? "would be dropped on" : "was dropped on", interface,
-                    network, frame_name(sample), sample.len,
+                    network, frame_name(sample), many(sample.len, "byte"),
                     sample.audit != 0 ? unknown.would_drop : unknown.dropped),
         {.network = network});
     return;

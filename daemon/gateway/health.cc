@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/many.hpp"
 #include "control/watches.hpp"
 #include "core/model/text.hpp"
 #include "daemon/gateway/drops.hpp"
@@ -28,7 +29,7 @@ std::string time(std::uint64_t ns) {
 std::string recent_frames(const RecentDrops& recent, const std::string& network) {
   const auto seconds = std::max<std::int64_t>(recent.seconds, 1);
   return fmt::format(
-      "{} on {} in the last {}", frames_words(recent.frames), network,
+      "{} on {} in the last {}", many(recent.frames, "frame"), network,
       seconds < 120 ? fmt::format("{} s", seconds) : fmt::format("{} min", (seconds + 59) / 60));
 }
 
@@ -55,9 +56,8 @@ void add_silence(const control::Watch& watch, std::vector<std::string>& lines) {
                                 time(watch.since_last_ns)));
   } else if (watch.missing_now && !never) {
     const std::uint64_t missing = watch.since_last_ns / period;
-    lines.push_back(fmt::format("nothing has come for {}: {} {} missing", time(watch.since_last_ns),
-                                missing == 1 ? "1 event" : fmt::format("{} events", missing),
-                                missing == 1 ? "is" : "are"));
+    lines.push_back(fmt::format("nothing has come for {}: {} missing", time(watch.since_last_ns),
+                                many(missing, "event is", "events are")));
   } else if (never && (watch.missing_now || is_late(watch))) {
     lines.push_back(
         fmt::format("no publisher sends: nothing has come since the gate lets it in, {} ago",
@@ -107,7 +107,7 @@ void add_lost(const Observed& seen, std::vector<std::string>& lines) {
     const std::uint64_t came = in->frames.passed - std::min(before, in->frames.passed);
     if (came <= kOnTheirWay * in->event_frames) continue;
     lines.push_back(fmt::format(
-        "{} came in from {} {} left to {}{}", frames_words(came), in->network,
+        "{} came in from {} {} left to {}{}", many(came, "frame"), in->network,
         none ? "and none" : "since the latest", out.network,
         out.misfits.frames + out.would_be_misfits.frames == 0 ? ": nothing forwards them" : ""));
   }

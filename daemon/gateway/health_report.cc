@@ -8,15 +8,12 @@
 #include <utility>
 
 #include "base/drop_watch.hpp"
+#include "base/many.hpp"
 #include "core/gates/relay_gate.hpp"
 #include "daemon/gateway/health.hpp"
 
 namespace mlcca {
 namespace {
-
-std::string deliveries(std::size_t n) {
-  return n == 1 ? "1 delivery is" : fmt::format("{} deliveries are", n);
-}
 
 void add_interface(const control::Interface& i, std::vector<std::string>& to) {
   if (!i.problem.empty())
@@ -25,8 +22,8 @@ void add_interface(const control::Interface& i, std::vector<std::string>& to) {
     to.push_back(fmt::format("no gate is attached to {} ({})", i.name, i.network));
   if (!i.drift.empty()) to.push_back(i.drift);
   if (i.bypassed != 0)
-    to.push_back(
-        fmt::format("{} frames were sent past the gate of {} ({})", i.bypassed, i.name, i.network));
+    to.push_back(fmt::format("{} sent past the gate of {} ({})",
+                             many(i.bypassed, "frame was", "frames were"), i.name, i.network));
 }
 
 /// Of channels, by subject; empty: none of them is described. Names the first, counts the others.
@@ -108,8 +105,8 @@ control::Health HealthReport::health(const std::vector<control::Interface>& inte
       lines.push_back(problem + ": " + core::relay_hint(state.system(), n, parts_.scene.self));
   parts_.deliveries.add_to(lines);
   if (state.refused() != 0)
-    lines.push_back(
-        fmt::format("{} refused: 'mlccactl channels' says why", deliveries(state.refused())));
+    lines.push_back(many(state.refused(), "delivery is", "deliveries are") +
+                    " refused: 'mlccactl channels' says why");
   return health_of(parts_.control.is_open() && !parts_.control.lapsed(), std::move(lines));
 }
 

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "base/many.hpp"
 #include "core/cluster/keys.hpp"
 #include "core/cluster/shared.hpp"
 #include "daemon/gateway/stored_octets.hpp"
@@ -360,7 +361,7 @@ Response Rollout::take(const Asker& asker, const control::RolloutRequest& reques
                                description::kMaxBundle));
   }
   upload_->text += request.part;
-  if (request.more) return control::Done{fmt::format("{} bytes", upload_->text.size())};
+  if (request.more) return control::Done{many(upload_->text.size(), "byte")};
   std::string text = std::move(upload_->text);
   upload_.reset();
   return begin(std::move(text), request.without, member);

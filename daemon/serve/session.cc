@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/clock.hpp"
+#include "base/many.hpp"
 #include "control/codec.hpp"
 #include "control/slices.hpp"
 
@@ -209,8 +210,8 @@ void Session::send_event(const std::string& encoded) {
   if (lost_events_ != 0) {
     control::Event lagged;
     lagged.kind = "lagged";
-    lagged.message = std::to_string(std::exchange(lost_events_, 0)) +
-                     " events were not sent: this client reads too slowly";
+    lagged.message = many(std::exchange(lost_events_, 0), "event was", "events were") +
+                     " not sent: this client reads too slowly";
     out_ += control::encode(control::Reply{0, lagged});
   }
   out_ += encoded;

@@ -12,6 +12,8 @@
 #include <string_view>
 #include <utility>
 
+#include "base/many.hpp"
+
 namespace mlcca::store {
 namespace {
 
@@ -274,8 +276,8 @@ bool History::flush_some(std::uint64_t now_unix_ns) {
   }
   pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(count));
   if (std::exchange(failing_, false))
-    troubles_.push_back("the history is written again, " + std::to_string(lost_) +
-                        " decisions were lost so far");
+    troubles_.push_back("the history is written again, " +
+                        many(lost_, "decision was", "decisions were") + " lost so far");
   return !pending_.empty();
 }
 

@@ -11,6 +11,7 @@
 #include <ranges>
 #include <utility>
 
+#include "base/many.hpp"
 #include "base/system_error.hpp"
 #include "daemon/store/checksum.hpp"
 #include "daemon/store/format.hpp"
@@ -155,8 +156,9 @@ Result<void> Journal::cut_tail(std::string_view bytes) {
   if (tail.size() > format::kAlign && format::holds_batch_head(tail.substr(format::kAlign), salt_))
     return damaged(path_, end_, "batch " + std::to_string(sequence_ + 1));
   if (!tail.empty()) {
-    recovered_ = path_ + ": " + std::to_string(tail.size()) +
-                 " bytes at the end were cut off: they were being written when the daemon or the "
+    recovered_ = path_ + ": " + many(tail.size(), "byte at the end was", "bytes at the end were") +
+                 " cut off: " + (tail.size() == 1 ? "it was" : "they were") +
+                 " being written when the daemon or the "
                  "machine stopped, and no answer had been given";
     if (disk_->truncate(file_.get(), end_) < 0) return system_error(path_);
   }

@@ -18,6 +18,7 @@
 #include <string>
 
 #include "base/clock.hpp"
+#include "base/many.hpp"
 #include "base/number.hpp"
 #include "control/version.hpp"
 #include "daemon/manager.hpp"
@@ -109,11 +110,10 @@ bool Program::on_signal() {
 }
 
 void Program::say_all() const {
-  say(std::to_string(carrier_.transfers()) + " transfers on " +
-      std::to_string(carrier_.interfaces()) + " interfaces");
+  say(many(carrier_.transfers(), "transfer") + " on " + many(carrier_.interfaces(), "interface"));
   carrier_.each([](const control::Transfer& transfer, const Carried& carried) {
     say(transfer.channel + " of " + transfer.publisher + ": " + transfer.from.interface + " to " +
-        transfer.to.interface + ": " + std::to_string(carried.events) + " events, " +
+        transfer.to.interface + ": " + many(carried.events, "event") + ", " +
         std::to_string(carried.dropped) + " dropped, " + std::to_string(carried.late) +
         " late, longest " + microseconds_in(carried.longest_ns));
   });
@@ -139,9 +139,9 @@ void Program::report(std::uint64_t now) {
   });
   const std::uint64_t lost = carrier_.losses().all();
   if (dropped + late + lost > reported_)
-    say(std::to_string(dropped) + " events were not taken by a network, " + std::to_string(late) +
-        " were late (longest " + microseconds_in(longest) + "), " + std::to_string(lost) +
-        " were not received whole; SIGUSR1 lists them");
+    say(many(dropped, "event was", "events were") + " not taken by a network, " +
+        many(late, "was", "were") + " late (longest " + microseconds_in(longest) + "), " +
+        many(lost, "was", "were") + " not received whole; SIGUSR1 lists them");
   reported_ = dropped + late + lost;
 }
 

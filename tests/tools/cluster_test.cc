@@ -32,7 +32,7 @@ TEST(ClusterVerb, StatusSaysHowItStands) {
             "store         answers, for 245 s, https://10.0.0.1:2379, in 2 ms, 24 kB, FULL\n"
             "gateways      2 of 3 are there\n"
             "reservations  5 in the store\n"
-            "unreadable    1 entries of the store\n");
+            "unreadable    1 entry of the store\n");
   auto alone = test::full_cluster();
   alone.shared = "described";
   alone.store_up = false;

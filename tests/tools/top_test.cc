@@ -443,7 +443,7 @@ TEST(TopLayoutTest, EightyColumnsShowAllOfThem) {
   EXPECT_EQ(lines,
             (std::vector<std::string>{
                 "bridge of volksbot: enforce, open, 1 granted, 0 refused",
-                "by subject, sorted by rate, 1 rows",
+                "by subject, sorted by rate, 1 row",
                 "CHANNEL          WAY             VERDICT RATE/s JITTER  LOSS DROP/s  RESV  USED",
                 "emergency-switch second-can > r~ granted     20  1.2ms    0%      3    2% 99.5%",
             }));

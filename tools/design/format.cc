@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "base/many.hpp"
 #include "description/kinds.hpp"
 #include "description/read.hpp"
 #include "tools/design/check/output.hpp"
@@ -92,8 +93,7 @@ class FormatVerb {
     auto text = fmt::format(
         "{}: {}\n", printable(options_.in_place ? options_.file : options_.output),
         result.attributes == 0 ? "nothing to change"
-                               : fmt::format("{} attribute{} in the {}", result.attributes,
-                                             result.attributes == 1 ? "" : "s",
+                               : fmt::format("{} in the {}", many(result.attributes, "attribute"),
                                              options_.brief ? "short form" : "form of the paper"));
     print(text + kept_in_words(result));
   }

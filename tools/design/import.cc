@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/many.hpp"
 #include "core/model/words.hpp"
 #include "tools/design/import/draft.hpp"
 #include "tools/design/import/formats.hpp"
@@ -58,9 +59,10 @@ class Import {
       if (auto done = read(a_.files[i], i); !done) return done;
     for (auto& network : networks_) complete(network);
     if (!a_.interfaces.empty() && a_.interfaces.size() != networks_.size())
-      return refuse(Exit::usage, fmt::format("--interface is given {} times for {} networks: give "
-                                             "it once for each, in their order",
-                                             a_.interfaces.size(), networks_.size()));
+      return refuse(Exit::usage, fmt::format("--interface is given {} for {}: give it once for "
+                                             "each, in their order",
+                                             many(a_.interfaces.size(), "time"),
+                                             many(networks_.size(), "network")));
     const auto draft = draft_of(networks_, {a_.name, a_.gateway, a_.interfaces});
     if (auto refused = mistakes_in(draft, "draft")) return std::unexpected(std::move(*refused));
     if (!a_.output.empty())
@@ -73,10 +75,8 @@ class Import {
     if (!a_.output.empty() && ::access(a_.output.c_str(), F_OK) == 0)
       return fail(a_.output + " exists, and nothing is overwritten: name another file");
     if (!a_.networks.empty() && a_.networks.size() != a_.files.size())
-      return fail(
-          fmt::format("--network is given {} times for {} files: give it once for each, in "
-                      "their order",
-                      a_.networks.size(), a_.files.size()));
+      return fail(fmt::format("--network is given {} for {}: give it once for each, in their order",
+                              many(a_.networks.size(), "time"), many(a_.files.size(), "file")));
     if (!a_.nodes.empty() && a_.nodes.size() != a_.files.size())
       return fail("--node is given once for each file, or not at all");
     if (a_.gateway.empty() != a_.interfaces.empty())
@@ -150,9 +150,8 @@ class Import {
       return say(json(draft).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
     for (const auto& network : networks_) {
       fmt::print(stderr, "{}", to_text(network.lacks, network.file));
-      fmt::print(stderr, "{}: {} message{} of {} node{}\n", printable(network.file),
-                 network.messages.size(), network.messages.size() == 1 ? "" : "s",
-                 network.nodes.size(), network.nodes.size() == 1 ? "" : "s");
+      fmt::print(stderr, "{}: {} of {}\n", printable(network.file),
+                 many(network.messages.size(), "message"), many(network.nodes.size(), "node"));
     }
     return a_.output.empty() ? say(draft) : Exit::fine;
   }

@@ -20,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/many.hpp"
 #include "core/model/words.hpp"
 #include "daemon/net/can_routes.hpp"
 #include "description/kinds.hpp"
@@ -217,12 +218,11 @@ class Learn {
       return wrong(fmt::format("{}: no frame was recognised in it{}{}", path,
                                left->first.empty() ? "" : ": ", left->first));
     if (left->lines != 0)
-      notes_.push_back(fmt::format(
-          "{}: {} passed over, the first: {}", path,
-          left->lines == 1 ? "1 entry" : fmt::format("{} entries", left->lines), left->first));
+      notes_.push_back(fmt::format("{}: {} passed over, the first: {}", path,
+                                   many(left->lines, "entry", "entries"), left->first));
     if (left->interfaces != 0)
-      notes_.push_back(fmt::format("{}: {} frames of further interfaces: {} are the most", path,
-                                   left->interfaces, learn::Interfaces::kMost));
+      notes_.push_back(fmt::format("{}: {} of further interfaces: {} are the most", path,
+                                   many(left->interfaces, "frame"), learn::Interfaces::kMost));
     return std::nullopt;
   }
 
@@ -252,8 +252,8 @@ class Learn {
         });
     if (!listened) return Refusal{Exit::world, listened.error().text, {}};
     if ((*listener)->lost() != 0)
-      notes_.push_back(
-          fmt::format("{} frames came too fast and were not seen", (*listener)->lost()));
+      notes_.push_back(many((*listener)->lost(), "frame came too fast and was not seen",
+                            "frames came too fast and were not seen"));
     return std::nullopt;
   }
 

@@ -8,6 +8,8 @@
 #include <limits>
 #include <utility>
 
+#include "base/many.hpp"
+
 namespace mlcca::doctor {
 namespace {
 
@@ -128,11 +130,12 @@ Line judge_rate(const Device& device, const Passage& passage, bool data) {
   const double bits = passage.length.fast;
   const double rate =
       data ? bits * 1e9 / std::max(took - slow_ns, 1.0) : timing.bitrate * expected / took;
-  std::string text = fmt::format("{:.0f} bit/s by {} frames back to back", rate, passage.echoed);
+  std::string text =
+      fmt::format("{:.0f} bit/s by {} back to back", rate, many(passage.echoed, "frame"));
   if (passage.foreign != 0) text += fmt::format(" and {} of others", passage.foreign);
   text += fmt::format(", which took {:.1f} % {} than their bits do", std::abs(off) * 100,
                       off < 0 ? "less" : "more");
-  if (passage.errors != 0) text += fmt::format("; {} error frames", passage.errors);
+  if (passage.errors != 0) text += "; " + many(passage.errors, "error frame");
   if (off > kTolerance)
     return {name, Outcome::failed,
             text +
@@ -151,23 +154,23 @@ Line judge_depth(const Device& device, std::span<const Filling> fillings,
   for (const Filling& f : fillings) {
     if (f.echoed < f.taken)
       return {"queue depth", Outcome::failed,
-              fmt::format("{} of {} frames that were taken never came back", f.taken - f.echoed,
-                          f.taken)};
+              fmt::format("{} of {} never came back", f.taken - f.echoed,
+                          many(f.taken, "frame that was taken", "frames that were taken"))};
     if (!f.refused)
       return {"queue depth", Outcome::not_tested,
-              fmt::format("{} frames were taken without an end: they leave as fast as they come",
-                          f.taken)};
+              fmt::format("{} taken without an end: they leave as fast as they come",
+                          many(f.taken, "frame was", "frames were"))};
     most = std::max(most, f.taken - std::min(f.left, f.taken));
   }
   if (most < limit)
     return {"queue depth", Outcome::failed,
-            fmt::format("no room for more than {} frames, though the queue alone should hold {}",
-                        most, limit)};
+            fmt::format("no room for more than {}, though the queue alone should hold {}",
+                        many(most, "frame"), limit)};
   const unsigned depth = std::max(most - limit, 1U);
   const std::string text = fmt::format(
-      "{} frames before there was no room, {} in the queue and {} behind it; all came "
+      "{} before there was no room, {} in the queue and {} behind it; all came "
       "back: fifo-depth=\"{}\" queue-length=\"{}\" of its Port",
-      most, limit, most - limit, depth, limit);
+      many(most, "frame"), limit, most - limit, depth, limit);
   if (depth > kDeepest)
     return {"queue depth", Outcome::failed,
             text + fmt::format("; more than the {} that a description can say", kDeepest)};

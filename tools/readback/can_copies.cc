@@ -14,6 +14,7 @@
 #include <map>
 #include <utility>
 
+#include "base/many.hpp"
 #include "daemon/gates/failure.hpp"
 #include "daemon/gates/mapped.hpp"
 #include "daemon/gates/programs.hpp"
@@ -119,8 +120,9 @@ void CanCopies::run_through(std::uint32_t source, const std::vector<Probe>& fram
   }
   static_cast<void>(forward(source, ifindex, false));
   if (renamed != 0 && !closed)
-    trial.untried.push_back(fmt::format(
-        "{} frames by interface {} that enter there with another identifier", renamed, source));
+    trial.untried.push_back(fmt::format("{} by interface {} that {} there with another identifier",
+                                        many(renamed, "frame"), source,
+                                        renamed == 1 ? "enters" : "enter"));
 }
 
 /// Sorted by the way and then by the source: a rule of the forwarder stays for all its frames.
@@ -136,8 +138,8 @@ void CanCopies::run(std::uint32_t ifindex, bool closed, Trial& trial) {
       try_one(probe, *copy, closed, trial);
   for (const auto& [source, frames] : through) run_through(source, frames, *copy, closed, trial);
   if (probes.untried != 0 && !closed)
-    trial.untried.push_back(
-        fmt::format("{} slots for CAN XL or for what the kernel sends", probes.untried));
+    trial.untried.push_back(many(probes.untried, "slot") +
+                            " for CAN XL or for what the kernel sends");
 }
 
 Result<void> CanCopies::forward(std::uint32_t from, std::uint32_t to, bool wanted) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "base/many.hpp"
 #include "bpf/ether.h"
 #include "core/model/station.hpp"
 #include "core/model/text.hpp"
@@ -52,12 +53,13 @@ EtherProbes::EtherProbes(const enforce::GateReading& gate)
   const auto same = std::ranges::unique(probes_);
   probes_.erase(same.begin(), same.end());
   if (forwarded != 0)
-    untried_.push_back(fmt::format(
-        "{} slots for what comes by another interface or only in fragments", forwarded));
+    untried_.push_back(many(forwarded, "slot") +
+                       " for what comes by another interface or only in fragments");
   if (step > 1)
-    untried_.push_back(fmt::format("{} slots of {}: every {}th was",
-                                   within_reach.size() - (within_reach.size() + step - 1) / step,
-                                   within_reach.size(), step));
+    untried_.push_back(
+        fmt::format("{} of {}: every {}th was",
+                    many(within_reach.size() - (within_reach.size() + step - 1) / step, "slot"),
+                    within_reach.size(), step));
 }
 
 void EtherProbes::add(const enforce::SlotSpec& slot) {
@@ -106,7 +108,8 @@ bool EtherProbes::is_admitted(const EtherProbe& probe) const {
 }
 
 std::string to_text(const EtherProbe& probe) {
-  return fmt::format("{} of {} bytes {}", core::format_subject(probe.subject), probe.payload,
+  return fmt::format("{} of {} {}", core::format_subject(probe.subject),
+                     many(probe.payload, "byte"),
                      probe.out ? fmt::format("sent by user {}", probe.uid)
                                : "from " + core::to_text(core::Station{probe.station}));
 }

@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/many.hpp"
 #include "bpf/gate.h"
 #include "daemon/gates/readback.hpp"
 #include "daemon/net/filters.hpp"
@@ -167,8 +168,8 @@ std::string text(const enforce::Reading& reading, const Rest& rest, const Trials
   for (const auto& gate : reading.gates) {
     const std::string name =
         gate.interface.empty() ? fmt::format("ifindex {}", gate.ifindex) : gate.interface;
-    out += fmt::format("{}: {}, {} slots, {} of them pass: {}\n", name, enforce::to_text(gate.hook),
-                       gate.slots.size(), passing(gate),
+    out += fmt::format("{}: {}, {}, {} of them pass: {}\n", name, enforce::to_text(gate.hook),
+                       many(gate.slots.size(), "slot"), passing(gate),
                        gate.problems.empty() ? "as it should be" : "NOT as it should be");
     for (const auto& problem : gate.problems) out += "  " + problem + "\n";
     if (!trials || !trials->contains(gate.ifindex)) continue;

@@ -9,6 +9,8 @@
 #include <set>
 #include <utility>
 
+#include "base/many.hpp"
+
 namespace mlcca::readback {
 namespace {
 
@@ -133,8 +135,8 @@ bool enters_otherwise(const Probe& probe, const GateReading& gate,
 std::string to_text(const Probe& probe) {
   const auto id = (probe.id & CAN_EFF_FLAG) != 0 ? fmt::format("{:08X}", probe.id & CAN_EFF_MASK)
                                                  : fmt::format("{:03X}", probe.id & CAN_SFF_MASK);
-  std::string text = fmt::format("{}{} of {} bytes",
-                                 (probe.id & CAN_RTR_FLAG) != 0 ? "remote " : "", id, probe.len);
+  std::string text = fmt::format("{}{} of {}", (probe.id & CAN_RTR_FLAG) != 0 ? "remote " : "", id,
+                                 many(probe.len, "byte"));
   if (probe.fd) text = "FD " + text;
   if (probe.way == Probe::Way::in) return text + " from the bus";
   if (probe.way == Probe::Way::out) return text + fmt::format(" sent by user {}", probe.uid);

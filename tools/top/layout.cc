@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 
+#include "base/many.hpp"
+
 namespace mlcca::tools::top {
 namespace {
 
@@ -150,8 +152,8 @@ std::string line_of(const Row& row, const std::array<std::size_t, kFields>& widt
 }
 
 std::string about(const View& view, std::size_t shown, const Heading& heading) {
-  auto text = fmt::format("by {}, sorted by {}{}, {} rows", view.by_network ? "network" : "subject",
-                          name_of(view.sort), view.reverse ? " reversed" : "", shown);
+  auto text = fmt::format("by {}, sorted by {}{}, {}", view.by_network ? "network" : "subject",
+                          name_of(view.sort), view.reverse ? " reversed" : "", many(shown, "row"));
   if (!view.filter.empty()) text += fmt::format(", filter '{}'", view.filter);
   if (!heading.interval.empty()) text += ", each " + heading.interval;
   if (view.paused) text += ", PAUSED";

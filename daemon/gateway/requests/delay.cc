@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/many.hpp"
 #include "core/model/text.hpp"
 #include "daemon/gateway/carriers.hpp"
 #include "daemon/gateway/delivery_health.hpp"
@@ -39,8 +40,8 @@ Response delay(Context& context, const Asker& asker, const control::DelayRequest
       "{} ({}) of {}: {} from {} to {} by the program of user {} took up to {}, where the gateway "
       "states a Latency of {}",
       transfer->channel, core::format_subject(transfer->subject), transfer->publisher,
-      request.late == 1 ? "1 event" : fmt::format("{} events", request.late), request.from,
-      request.to, asker.peer.uid, time_text(request.longest_ns), time_text(transfer->latency_ns));
+      many(request.late, "event"), request.from, request.to, asker.peer.uid,
+      time_text(request.longest_ns), time_text(transfer->latency_ns));
   if (!context.carriers.note_late({transfer->subject, transfer->publisher, request.to},
                                   {context.clock.monotonic_ns(), request.late, request.longest_ns}))
     return control::Done{"too soon after the last report"};

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/many.hpp"
 #include "daemon/gateway/event_log.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
 
@@ -19,9 +20,10 @@ Response reinstate(Context& context, const Asker& /*asker*/,
   if (const auto done = set_withdrawn(context, *channel, false); !done)
     return failed(done.error().text);
   const auto& verdicts = context.scene.state->decisions()[*channel].verdicts;
-  const std::string line = fmt::format("reinstated: {} of {} deliveries of {} are granted",
-                                       std::ranges::count_if(verdicts, &core::Verdict::granted),
-                                       verdicts.size(), reinstated.name);
+  const auto granted = std::ranges::count_if(verdicts, &core::Verdict::granted);
+  const std::string line = fmt::format("reinstated: {} of {} of {} {} granted", granted,
+                                       many(verdicts.size(), "delivery", "deliveries"),
+                                       reinstated.name, granted == 1 ? "is" : "are");
   context.log.notice(Kind::reinstated, line,
                      {.subject = reinstated.subject, .channel = reinstated.name});
   return control::Done{line};

@@ -24,6 +24,7 @@
 
 #include "base/big_endian.hpp"
 #include "base/clock.hpp"
+#include "base/many.hpp"
 #include "base/number.hpp"
 #include "control/version.hpp"
 #include "daemon/manager.hpp"
@@ -265,7 +266,7 @@ bool Bus::open() {
   }
   socket_ = std::move(*socket);
   report("");
-  say(interface_ + ": broker of " + std::to_string(broker_.tags()) + " tags");
+  say(interface_ + ": broker of " + many(broker_.tags(), "tag"));
   return true;
 }
 

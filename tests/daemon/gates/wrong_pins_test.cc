@@ -27,7 +27,7 @@ std::vector<Wrong> wrong_objects() {
     };
   };
   return {{"a map of type 1 (foreign, 3 entries of 8 bytes)", pin_map(BPF_MAP_TYPE_HASH, 8, 3)},
-          {"a map of type 2 (foreign, 1 entries of 80 bytes)", pin_map(BPF_MAP_TYPE_ARRAY, 80, 1)},
+          {"a map of type 2 (foreign, 1 entry of 80 bytes)", pin_map(BPF_MAP_TYPE_ARRAY, 80, 1)},
           {"a program",
            [](const std::string& path) {
              const Fd program = test::load_foreign(0);

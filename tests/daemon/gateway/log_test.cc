@@ -103,7 +103,7 @@ TEST(Log, ALineThatWasTakenInPartEndsBeforeTheNextOne) {
   journal.write({.message = "after"});
   drain();
   ASSERT_EQ(::dup2(before.get(), STDERR_FILENO), STDERR_FILENO);
-  EXPECT_TRUE(read.ends_with("x\n(1 lines before this one were lost: they were not read) after\n"))
+  EXPECT_TRUE(read.ends_with("x\n(1 line before this one was lost: it was not read) after\n"))
       << read.substr(read.size() - 100);
 }
 

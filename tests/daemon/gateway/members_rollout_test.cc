@@ -115,7 +115,7 @@ TEST_F(MembersRollout, WhatTheProposerCannotUseIsNotProposed) {
 TEST_F(MembersRollout, ComesInParts) {
   start_both();
   at(0).handed_on[22] = at(1).handed_on[22] = grown_system();
-  EXPECT_EQ(rolled(0, {.part = "2", .more = true}), "1 bytes");
+  EXPECT_EQ(rolled(0, {.part = "2", .more = true}), "1 byte");
   auto other = at(0).ask(control::RolloutRequest{.part = "3"}, member(9)).reply.body;
   EXPECT_NE(std::get<control::Error>(other).message.find("handed over"), std::string::npos);
   EXPECT_EQ(roll_out(0, "2"), "checking");

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <ranges>
 
+#include "base/many.hpp"
 #include "tools/values.hpp"
 
 namespace mlcca::tools::design {
@@ -221,8 +222,6 @@ std::string assumed_text(const AnalysedBus& analysed) {
   return text;
 }
 
-std::string messages(std::size_t n) { return n == 1 ? "1 message" : fmt::format("{} messages", n); }
-
 /// What becomes of the deadlines of what counts.
 std::string deadlines_of(const AnalysedBus& analysed) {
   const auto& all = analysed.bus.messages;
@@ -244,7 +243,7 @@ std::string summary_of(const AnalysedBus& analysed) {
     text += ", and no frame is lost in a queue only while what is not counted is silent";
   if (const auto refused = refused_by_check(analysed); refused != 0)
     text += fmt::format(", {} mlccactl check refuses {}", analysed.late || queue ? "and" : "but",
-                        messages(refused));
+                        many(refused, "message"));
   return text;
 }
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "base/many.hpp"
 #include "control/version.hpp"
 #include "description/kinds.hpp"
 #include "tools/design/check/map.hpp"
@@ -53,14 +54,13 @@ struct Headline {
 Headline headline(const Report& report, const Totals& totals) {
   if (totals.errors != 0)
     return {"bad", "✕",
-            counted(totals.errors, "error") +
+            many(totals.errors, "error") +
                 (report.readable() ? ": not everything can work" : ": not everything can be read")};
-  if (totals.warnings != 0)
-    return {"warn", "!", "No errors, " + counted(totals.warnings, "warning")};
+  if (totals.warnings != 0) return {"warn", "!", "No errors, " + many(totals.warnings, "warning")};
   std::size_t open = 0;
   for (const auto& system : report.systems) open += counts_of(system).run_time;
   if (open != 0)
-    return {"good", "✓", "No errors; " + counted(open, "channel") + " decided at run time"};
+    return {"good", "✓", "No errors; " + many(open, "channel") + " decided at run time"};
   return {"good", "✓", "No errors"};
 }
 
@@ -95,7 +95,7 @@ std::string summary(const SystemReport& system) {
       system.usable ? ""
                     : "<p class=\"trouble\">The description is not usable for the errors below. "
                       "Without them:</p>\n",
-      counted(system.inspection.channels.size(), "channel"),
+      many(system.inspection.channels.size(), "channel"),
       part(counts.fit, system.usable ? "fit" : "would fit", Outcome::fit),
       part(counts.run_time, "decided at run time", Outcome::run_time),
       part(counts.unfit, "do not fit", Outcome::unfit),
@@ -140,10 +140,9 @@ std::string contents(const Report& report, const FileNames& names) {
     out += fmt::format(
         R"(<li><a href="#s{}-title">{}</a> <span class="quiet">{}</span>{}</li>)", i + 1,
         title_of(system, names), path_text(names.of(system.file)),
-        errors == 0
-            ? ""
-            : " " + verdict({"✕", counted(static_cast<std::size_t>(errors), "error").c_str(),
-                             "unfit"}));
+        errors == 0 ? ""
+                    : " " + verdict({"✕", many(static_cast<std::size_t>(errors), "error").c_str(),
+                                     "unfit"}));
   }
   return out + "</ul>\n</nav>\n";
 }
@@ -154,8 +153,8 @@ std::string write_html(const Report& report) {
   const auto totals = report.totals();
   std::error_code gone;
   const FileNames names(report.files(), std::filesystem::current_path(gone).native());
-  auto out = fmt::format(kHead, page_script_hash(), counted(totals.errors, "error"),
-                         counted(totals.warnings, "warning"));
+  auto out = fmt::format(kHead, page_script_hash(), many(totals.errors, "error"),
+                         many(totals.warnings, "warning"));
   out += page_style();
   out += "</style>\n</head>\n<body>\n<main>\n" + top(report) + contents(report, names);
   Json maps = Json::array();

@@ -9,6 +9,7 @@
 #include <string>
 #include <tuple>
 
+#include "base/many.hpp"
 #include "core/design/bus_responses.hpp"
 #include "core/model/text.hpp"
 #include "tools/design/check/rows.hpp"
@@ -83,7 +84,7 @@ class Mapper {
     const auto errors = errors_.find(name);
     place["ill"] = errors != errors_.end();
     if (errors != errors_.end())
-      note = counted(errors->second, "error") + (note.empty() ? "" : ", " + note);
+      note = many(errors->second, "error") + (note.empty() ? "" : ", " + note);
     place["note"] = note;
   }
 

@@ -258,8 +258,4 @@ std::string_view to_text(core::Severity severity) {
   return "note";
 }
 
-std::string counted(std::size_t n, std::string_view one) {
-  return fmt::format("{} {}{}", n, one, n == 1 ? "" : "s");
-}
-
 }  // namespace mlcca::tools::design

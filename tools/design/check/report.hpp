@@ -96,7 +96,4 @@ void for_each_finding(const Report& report,
 /// "error", "warning" or "note".
 std::string_view to_text(core::Severity severity);
 
-/// "1 channel", "2 channels"
-std::string counted(std::size_t n, std::string_view one);
-
 }  // namespace mlcca::tools::design

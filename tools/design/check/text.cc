@@ -3,6 +3,7 @@
 
 #include <iterator>
 
+#include "base/many.hpp"
 #include "description/kinds.hpp"
 #include "tools/design/check/write.hpp"
 
@@ -46,7 +47,7 @@ std::string channels_line(const SystemReport& system) {
   return fmt::format(
       "{}: {}{}: {} {}, {} decided at run time, {} do not fit{}", name,
       system.usable ? "" : "not usable for these errors; its deliveries by themselves: ",
-      counted(system.inspection.channels.size(), "channel"), counts.fit,
+      many(system.inspection.channels.size(), "channel"), counts.fit,
       system.usable ? "fit" : "would fit", counts.run_time, counts.unfit,
       counts.unused == 0 ? "" : fmt::format(", {} without use", counts.unused));
 }
@@ -61,8 +62,8 @@ std::string write_text(const Report& report, Color color) {
   for (const auto& system : report.systems) out += printable(channels_line(system)) + "\n";
   const auto totals = report.totals();
   if (totals.errors + totals.warnings + totals.notes != 0)
-    out += fmt::format("{}, {}, {}\n", counted(totals.errors, "error"),
-                       counted(totals.warnings, "warning"), counted(totals.notes, "note"));
+    out += fmt::format("{}, {}, {}\n", many(totals.errors, "error"),
+                       many(totals.warnings, "warning"), many(totals.notes, "note"));
   else if (report.systems.empty())
     out += "no problems: each part fits the schema\n";
   return out;

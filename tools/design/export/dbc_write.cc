@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/ascii.hpp"
+#include "base/many.hpp"
 #include "mlcca/attribute.hpp"
 #include "tools/design/export/admitted.hpp"
 #include "tools/values.hpp"
@@ -111,7 +112,7 @@ class DbcWriter {
     const bool long_group = network_.profile == core::Profile::j1939 && bytes > kClassicFrame;
     if (bytes > most && !long_group) {
       out_.lacks.add("fragments", "events of several frames: the message is one frame", 0,
-                     fmt::format("{}: {} bytes", channel.name, bytes));
+                     fmt::format("{}: {}", channel.name, many(bytes, "byte")));
       bytes = most;
     }
     // One message an identifier, whoever else is admitted by it.

@@ -12,6 +12,7 @@
 
 #include "base/ascii.hpp"
 #include "base/hash.hpp"
+#include "base/many.hpp"
 #include "core/model/words.hpp"
 #include "tools/design/attribute_list.hpp"
 #include "tools/escape.hpp"
@@ -51,7 +52,8 @@ class Writer {
     name_all();
     out_ = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!--\n";
     for (const auto& network : networks_)
-      put("  Imported from {}: {} messages.\n", in_comment(network.file), network.messages.size());
+      put("  Imported from {}: {}.\n", in_comment(network.file),
+          many(network.messages.size(), "message"));
     out_ += "  What was assumed stands in comments like this one: look at each of them.\n-->\n";
     put("<System name=\"{}\">\n", options_.system);
     for (const auto& network : networks_) channels(network);

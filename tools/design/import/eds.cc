@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/many.hpp"
 #include "tools/design/import/eds_read.hpp"
 #include "tools/design/import/text.hpp"
 #include "tools/values.hpp"
@@ -205,7 +206,7 @@ class EdsMeaning {
       sdos += (line_of(0x1200 + i, 1) != 0 ? 1U : 0U) + (line_of(0x1280 + i, 1) != 0 ? 1U : 0U);
     if (sdos != 0)
       lack("sdo", "do not pass a gate: bind their COB-IDs if they shall", 0,
-           fmt::format("{} SDO channels", sdos));
+           many(sdos, "SDO channel"));
   }
 
   void bit_rate() {
