@@ -255,6 +255,7 @@ class Collector {
     if (is_copy(key)) {
       if (place.crossing && place.crossing->events > seen.crossing.events) return;
       place.crossing = seen.crossing;
+      place.renumbered = seen.renumbered;
       place.node = key.node;
       return;
     }

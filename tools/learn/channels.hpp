@@ -52,6 +52,8 @@ struct Place {
   std::set<std::uint32_t> priorities;
   std::optional<Crossing> crossing;  ///< copies were seen there
   std::uint32_t node = 0;            ///< of who sent the copies
+  /// The copies have another identifier than on the bus that they came from.
+  std::optional<Crossings::Found> renumbered;
 };
 
 struct Channel {

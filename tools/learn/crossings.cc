@@ -13,9 +13,25 @@ constexpr std::size_t kMostPairs = 65'536;
 constexpr std::uint64_t kFewest = 3;  // events, and contents
 constexpr double kCopies = 0.9;       // of the events of a copy, at least
 constexpr double kOriginals = 0.8;    // of the events of an origin; others were lost
+// From one bus to another, where many contents are alike:
+constexpr std::uint64_t kFewestContents = 8;
+constexpr std::uint64_t kManyContents = 32;  // that are evidence
+constexpr double kRenumberedCopies = 0.95;
+constexpr double kRenumberedOriginals = 0.9;
 
 bool is_share(std::uint64_t part, std::uint64_t all, double share) {
   return static_cast<double>(part) >= share * static_cast<double>(all);
+}
+
+bool is_renumbered(const Crossings::Of& from, const Crossings::Of& to) {
+  return !from.ethernet && !to.ethernet;
+}
+
+/// Whether equal contents of them say anything.
+bool is_comparable(const Crossings::Of& from, const Crossings::Of& to) {
+  if (from.interface == to.interface) return false;
+  if (is_renumbered(from, to)) return from.changes && to.changes;
+  return !from.ethernet || !to.ethernet || from.number == to.number;
 }
 
 /// A copy of events of this one is one of that.
@@ -35,6 +51,12 @@ void Crossing::add(std::uint64_t ns) {
   ++events;
   longest_ns = std::max(longest_ns, ns);
   shortest_ns = std::min(shortest_ns, ns);
+}
+
+unsigned Crossings::Found::percent() const {
+  constexpr std::uint64_t most = 99;
+  const std::uint64_t least_of = std::max({of, of_origin, std::uint64_t{1}});
+  return static_cast<unsigned>(std::min(crossing.events * 100 / least_of, most));
 }
 
 // --- what is kept --------------------------------------------------------------------------------
@@ -79,13 +101,12 @@ void Crossings::compare(std::span<const Of> flows) {
 void Crossings::compare(std::span<const Of> flows, std::size_t copy, std::size_t first) {
   const Record& record = records_[copy];
   const Of& to = flows[record.flow];
+  if (to.origin) return;
   for (std::size_t i = copy; i > first && copy - i < kLooked; --i) {
     const Record& before = records_[i - 1];
     if (record.ns - before.ns > kWindow) return;
     const Of& from = flows[before.flow];
-    if (from.interface == to.interface || (!from.ethernet && !to.ethernet) ||
-        (from.ethernet && to.ethernet && from.number != to.number))
-      continue;
+    if (!is_comparable(from, to)) continue;
     if (pairs_.size() >= kMostPairs && !pairs_.contains({record.flow, before.flow})) continue;
     Pair& pair = pairs_[{record.flow, before.flow}];
     // Each event has one copy in a flow, and each copy is of one.
@@ -123,23 +144,35 @@ struct Crossings::Candidate {
   std::uint64_t of_origin = 0;  ///< events of the flow that most are from
 };
 
+/// Between buses contents must be many, and none of a counter: nodes that were switched on together
+/// count alike.
+bool Crossings::is_sure(const Found& found, const Of& copy) {
+  if (copy.local) return true;
+  return found.renumbered ? copy.rich && found.contents >= kManyContents
+                          : found.contents >= kFewest;
+}
+
 std::vector<Crossings::Candidate> Crossings::candidates(std::span<const Of> flows) const {
   struct All {
     Candidate candidate;
     std::uint64_t sum_ns = 0;
-    std::uint64_t contents = 0;
   };
   std::map<std::tuple<std::uint32_t, std::uint32_t, std::uint64_t>, All> all;
   for (const auto& [flows_of, pair] : pairs_) {
     const auto [copy, origin] = flows_of;
     const Of& from = flows[origin];
     const std::uint64_t events = pair.crossing.events;
+    const bool renumbered = is_renumbered(from, flows[copy]);
+    const std::uint64_t of_origin = comparable(origin, flows[copy].interface);
     if (events < kFewest ||
-        !is_share(events, comparable(origin, flows[copy].interface), kOriginals))
+        !is_share(events, of_origin, renumbered ? kRenumberedOriginals : kOriginals))
       continue;
     All& one = all[{copy, from.interface, from.number}];
     Found& found = one.candidate.found;
     found.copy = copy;
+    found.renumbered = renumbered;
+    found.of_origin += of_origin;
+    found.contents += pair.contents;
     if (events > one.candidate.of_origin) {
       one.candidate.of_origin = events;
       found.origin = origin;
@@ -148,14 +181,16 @@ std::vector<Crossings::Candidate> Crossings::candidates(std::span<const Of> flow
     found.crossing.longest_ns = std::max(found.crossing.longest_ns, pair.crossing.longest_ns);
     found.crossing.shortest_ns = std::min(found.crossing.shortest_ns, pair.crossing.shortest_ns);
     one.sum_ns += pair.sum_ns;
-    one.contents += pair.contents;
   }
   std::vector<Candidate> out;
   for (auto& [key, one] : all) {
     Found& found = one.candidate.found;
-    const std::uint64_t events = comparable(found.copy, std::get<1>(key));
-    if (events < kFewest || !is_share(found.crossing.events, events, kCopies)) continue;
-    found.sure = one.contents >= kFewest || flows[found.copy].local;
+    found.of = comparable(found.copy, std::get<1>(key));
+    if (found.of < kFewest ||
+        !is_share(found.crossing.events, found.of, found.renumbered ? kRenumberedCopies : kCopies))
+      continue;
+    if (found.renumbered && found.contents < kFewestContents) continue;
+    found.sure = is_sure(found, flows[found.copy]);
     one.candidate.mean_ns = one.sum_ns / found.crossing.events;
     out.push_back(one.candidate);
   }

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which events go on between a CAN bus and an Ethernet, or from one Ethernet to another. There the
-// identifiers differ, so that only what events contain tells, and when they were there. All of it
-// is decided at the end: recordings of several interfaces may be read one after the other.
+// Which events go on between a CAN bus and an Ethernet, from one Ethernet to another, or from a CAN
+// bus to another one under another identifier. Only what events contain says so, and when they were
+// there. All of it is decided at the end: recordings of several interfaces may be read one after
+// the other.
 #pragma once
+#include <algorithm>
 #include <compare>
 #include <cstddef>
 #include <cstdint>
@@ -41,15 +43,26 @@ class Crossings {
     bool ethernet = false;
     std::uint64_t number = 0;  ///< of its channel
     bool local = false;
+    bool changes = true;                  ///< see Variety; of CAN
+    bool rich = true;                     ///< the same
     std::optional<std::uint32_t> origin;  ///< the flow that it is a copy of
   };
   struct Found {
     std::uint32_t copy = 0;
     std::uint32_t origin = 0;
     Crossing crossing;
-    /// False: the content hardly changes, so that chance may have made them alike. Such copies are
-    /// no origins of others.
+    /// False: the content hardly changes, or as a counter does, so that chance may have made them
+    /// alike. Such copies are no origins of others.
     bool sure = true;
+    bool renumbered = false;      ///< from one bus to another
+    std::uint64_t of = 0;         ///< events of the copy that could be compared
+    std::uint64_t contents = 0;   ///< different ones, about
+    std::uint64_t of_origin = 0;  ///< events of the origin that could have been copied
+    /// Of these, those that are copies. Of a stretch of time at whose end others are not kept, some
+    /// are, that could not be compared from both sides.
+    [[nodiscard]] std::uint64_t agreed() const { return std::min(crossing.events, of); }
+    /// The share of events that agree, of the copy or of the origin, whichever is less.
+    [[nodiscard]] unsigned percent() const;
   };
   /// `flows`: by their numbers.
   [[nodiscard]] std::vector<Found> find(std::vector<Of> flows);
@@ -82,6 +95,7 @@ class Crossings {
   void compare(std::span<const Of> flows, std::size_t copy, std::size_t first);
   void count_comparable(std::span<const Of> flows);
   [[nodiscard]] std::uint64_t comparable(std::uint32_t flow, std::uint32_t interface) const;
+  [[nodiscard]] static bool is_sure(const Found& found, const Of& copy);
   [[nodiscard]] std::vector<Candidate> candidates(std::span<const Of> flows) const;
 
   std::size_t most_;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/hash.hpp"
+#include "base/many.hpp"
 #include "core/gates/control_traffic.hpp"
 #include "core/model/station.hpp"
 #include "relay/layers/datagram.hpp"
@@ -130,16 +131,16 @@ Recognised Datagrams::recognised() const {
   const auto share = static_cast<unsigned>(events_ * 100 / all);
   if (share < 50)
     return {Profile::none, std::min(100 - share, most),
-            fmt::format("{} % of {} datagrams to FAMOUSO's ports are events", share, all)};
+            fmt::format("{} % of {} to FAMOUSO's ports are events", share, many(all, "datagram"))};
   if (grouped_ == 0)
     return {Profile::famouso, std::min(share, without_group),
-            fmt::format("{} % of {} datagrams to ports 9999 and 8888 are events, but none went to "
-                        "the multicast group of its subject",
-                        share, all)};
+            fmt::format("{} % of {} to ports 9999 and 8888 are events, but none went to the "
+                        "multicast group of its subject",
+                        share, many(all, "datagram"))};
   return {Profile::famouso, std::min(share, most),
-          fmt::format("{} % of {} datagrams to ports 9999 and 8888 are events, {} of them to the "
+          fmt::format("{} % of {} to ports 9999 and 8888 are events, {} of them to the "
                       "multicast group of their subject",
-                      share, all, grouped_)};
+                      share, many(all, "datagram"), grouped_)};
 }
 
 }  // namespace mlcca::learn

@@ -34,6 +34,12 @@ struct Event {
   std::span<const std::uint8_t> head;
 };
 
+/// An SDO of CANopen (CiA 301): of a server from 0x581, of a client from 0x601. By these any entry
+/// of a node can be written, so that a gate takes them for no control traffic.
+[[nodiscard]] constexpr bool is_service(std::uint64_t id) {
+  return (id > 0x580 && id < 0x600) || (id > 0x600 && id < 0x680);
+}
+
 class Decoder {
  public:
   explicit Decoder(core::Profile profile) : profile_(profile) {}

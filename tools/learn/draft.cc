@@ -12,6 +12,7 @@
 #include <set>
 #include <utility>
 
+#include "base/many.hpp"
 #include "core/gates/plan.hpp"
 #include "core/model/station.hpp"
 #include "core/model/text.hpp"
@@ -19,6 +20,7 @@
 #include "tools/elements.hpp"
 #include "tools/escape.hpp"
 #include "tools/learn/channels.hpp"
+#include "tools/learn/crossing_remarks.hpp"
 #include "tools/learn/remarks.hpp"
 
 namespace mlcca::learn {
@@ -81,8 +83,8 @@ class Drafter {
 
   void write() {
     for (Channel& channel : channels_) describe(channel);
-    note_control();
-    note_alike();
+    std::ranges::move(remarks_on_crossings(observer_, names_, channels_, out_.channels),
+                      std::back_inserter(out_.left_out));
     std::ranges::move(remarks_on(observer_, names_), std::back_inserter(out_.left_out));
     std::string channels;
     std::string ends;
@@ -170,6 +172,9 @@ class Drafter {
     if (channel.sources.size() > 1)
       comment += fmt::format("; the first of {} publishers", channel.sources.size());
     if (row.periodic) comment += fmt::format("; {} lost in a row at most, + 1", row.omission - 1);
+    if (!is_ethernet(channel.interface) && profile_of(channel.interface) == Profile::canopen &&
+        is_service(channel.number))
+      comment += "; an SDO, by which any entry of a node can be written: no control traffic";
     if (const auto text = tools::spelled(channel.subject.value_or(0)); !text.empty())
       comment += fmt::format("; its subject is the text {}", tools::in_comment(text));
     std::string deadline;
@@ -304,48 +309,6 @@ class Drafter {
                                         options_.gateway);
   }
 
-  /// A gateway lets no control traffic cross: where it does, it is a channel like others.
-  void note_control() {
-    for (const DraftChannel& row : out_.channels)
-      if (row.control)
-        out_.left_out.push_back(fmt::format(
-            "heart-beats {} go from {} to {}: the draft has the channel {} for them, since control "
-            "traffic crosses no gateway",
-            row.identifier, row.interface, fmt::join(row.crosses_to, ", "), row.name));
-    for (std::uint32_t i = 0; i < names_.size(); ++i) {
-      const auto& crossed = observer_.interfaces()[i].crossed_control;
-      if (crossed.empty()) continue;
-      std::vector<std::string> all;
-      all.reserve(crossed.size());
-      for (const auto& [which, count] : crossed)
-        all.push_back(fmt::format("{} from {} ({})", tools::number_text(Profile::raw, which.first),
-                                  names_[which.second], count));
-      out_.left_out.push_back(
-          fmt::format("{}: control traffic came from another interface, and the draft does not "
-                      "have it, since it crosses no gateway: {}",
-                      names_[i], fmt::join(all, ", ")));
-    }
-  }
-
-  void note_alike() {
-    constexpr std::size_t most = 8;
-    const auto& all = observer_.alike();
-    for (std::size_t i = 0; i < std::min(all.size(), most); ++i)
-      out_.left_out.push_back(fmt::format(
-          "{} had the same few contents as {} shortly before: if it is one channel, describe it as "
-          "one",
-          name_of(all[i].first), name_of(all[i].second)));
-    if (all.size() > most)
-      out_.left_out.push_back(fmt::format("{} further pairs were alike", all.size() - most));
-  }
-  [[nodiscard]] std::string name_of(const FlowKey& key) const {
-    return names_[key.interface] + " " +
-           (is_ethernet(key.interface)
-                ? core::format_subject(key.number)
-                : tools::number_text(profile_of(key.interface),
-                                     static_cast<std::uint32_t>(key.number)));
-  }
-
   void write_network(std::uint32_t interface) {
     const auto& of = observer_.interfaces()[interface];
     const std::string& name = names_[interface];
@@ -356,9 +319,9 @@ class Drafter {
     for (std::string& note : of.timeline.notes(name, observer_.recordings()))
       out_.left_out.push_back(std::move(note));
     if (of.unfollowed != 0)
-      out_.left_out.push_back(
-          fmt::format("{}: {} events of further identifiers: {} are followed at most", name,
-                      of.unfollowed, Observer::kMostFlows));
+      out_.left_out.push_back(fmt::format("{}: {} of further identifiers: {} are followed at most",
+                                          name, many(of.unfollowed, "event"),
+                                          Observer::kMostFlows));
     if (is_ethernet(interface))
       write_ethernet(interface);
     else
@@ -385,16 +348,17 @@ class Drafter {
           "{}: {} {} of other traffic, which needs no channel: {}", name, datagrams.others(),
           word_for(datagrams.others(), Medium::ethernet), datagrams.other_ports()));
     if (datagrams.malformed() != 0)
-      out_.left_out.push_back(fmt::format("{}: {} datagrams to FAMOUSO's ports that are no events",
-                                          name, datagrams.malformed()));
-    if (datagrams.incomplete() != 0)
-      out_.left_out.push_back(fmt::format("{}: {} events of which a fragment was not seen", name,
-                                          datagrams.incomplete()));
-    if (datagrams.management() != 0)
       out_.left_out.push_back(fmt::format(
-          "{}: {} events of the subject ManChan!, which a gate drops unless you describe "
-          "a channel for it",
-          name, datagrams.management()));
+          "{}: {} to FAMOUSO's ports that {}", name, many(datagrams.malformed(), "datagram"),
+          datagrams.malformed() == 1 ? "is no event" : "are no events"));
+    if (datagrams.incomplete() != 0)
+      out_.left_out.push_back(fmt::format("{}: {} of which a fragment was not seen", name,
+                                          many(datagrams.incomplete(), "event")));
+    if (datagrams.management() != 0)
+      out_.left_out.push_back(
+          fmt::format("{}: {} of the subject ManChan!, which a gate drops unless you describe "
+                      "a channel for it",
+                      name, many(datagrams.management(), "event")));
   }
 
   void write_bus(std::uint32_t interface) {

@@ -23,8 +23,11 @@ std::string obstacle(const net::CanRuleThere& there) {
     return "changes them: mlccad carries frames as they are, so the draft does not have what "
            "crosses there";
   if (there.rule.translates())
-    return "gives them other identifiers: state these on both networks, the draft does not have "
-           "what crosses there";
+    return (there.flags & CGW_FLAGS_CAN_ECHO) != 0
+               ? "gives them other identifiers: the draft has one channel of both only where their "
+                 "data says so, which a note names"
+               : "gives them other identifiers: state these on both networks, the draft does not "
+                 "have what crosses there";
   return {};
 }
 

@@ -185,8 +185,10 @@ Seen* Observer::record(std::uint32_t interface, const Event& event, Stretch stre
   if (event.remote) ++seen.remote;
   seen.control = event.control;
   // Heart-beats of all nodes are alike: they go from bus to bus only.
-  if (const auto content = content_of(event); content && !event.control)
+  if (const auto content = content_of(event); content && !event.control) {
     crossings_.add(seen.number, interface, event.ns, *content);
+    if (interfaces_[interface].medium == Medium::can) seen.variety.add(event.head);
+  }
   return &seen;
 }
 
@@ -233,6 +235,8 @@ void Observer::find_origins() {
                         .ethernet = ethernet,
                         .number = key.number,
                         .local = key.local,
+                        .changes = seen.variety.changes(),
+                        .rich = seen.variety.is_rich(),
                         .origin = {}};
   }
   for (const auto& [key, seen] : flows_)
@@ -242,11 +246,13 @@ void Observer::find_origins() {
     const FlowKey& copy = order_[found.copy];
     const FlowKey& origin = order_[found.origin];
     if (!found.sure) {
-      alike_.emplace_back(copy, origin);
+      alike_.push_back({copy, origin, found});
       continue;
     }
-    flows_.at(copy).origin = origin;
-    flows_.at(copy).crossing = found.crossing;
+    Seen& seen = flows_.at(copy);
+    seen.origin = origin;
+    seen.crossing = found.crossing;
+    if (found.renumbered) seen.renumbered = found;
   }
 }
 

@@ -20,6 +20,7 @@
 #include "tools/learn/flow.hpp"
 #include "tools/learn/recognise.hpp"
 #include "tools/learn/timeline.hpp"
+#include "tools/learn/variety.hpp"
 
 namespace mlcca::learn {
 
@@ -41,11 +42,14 @@ struct Seen {
   std::array<std::uint8_t, 6> mac{};   ///< of the latest event, on Ethernet
   bool control = false;                ///< control traffic of the profile
   std::uint32_t number = 0;            ///< of the flow, in the order in which they began
+  Variety variety;                     ///< of its contents, on CAN
   /// Events whose frames had come in on that CAN interface before.
   std::map<std::uint32_t, Crossing> from;
   // Once all of it was seen: the flow whose events these are, on another interface.
   std::optional<FlowKey> origin;
   Crossing crossing;
+  /// Where its contents alone say that it is a copy, under another identifier.
+  std::optional<Crossings::Found> renumbered;
 };
 
 /// Recognises copies of CAN frames: the same identifier and data on another interface within
@@ -110,8 +114,13 @@ class Observer {
   [[nodiscard]] const std::vector<Interface>& interfaces() const { return interfaces_; }
   [[nodiscard]] const std::vector<std::string>& recordings() const { return recordings_; }
   [[nodiscard]] const std::map<FlowKey, Seen>& flows() const { return flows_; }
-  /// Flows of the same content at the same times, that may be one by chance: the later one first.
-  [[nodiscard]] const std::vector<std::pair<FlowKey, FlowKey>>& alike() const { return alike_; }
+  /// Flows of the same content at the same times, that may be so by chance.
+  struct Alike {
+    FlowKey copy;  ///< the later one
+    FlowKey origin;
+    Crossings::Found found;
+  };
+  [[nodiscard]] const std::vector<Alike>& alike() const { return alike_; }
 
  private:
   struct Kept {
@@ -135,7 +144,7 @@ class Observer {
   std::vector<FlowKey> order_;  ///< flows by their numbers
   Copies copies_;
   Crossings crossings_;
-  std::vector<std::pair<FlowKey, FlowKey>> alike_;
+  std::vector<Alike> alike_;
 };
 
 }  // namespace mlcca::learn

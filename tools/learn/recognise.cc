@@ -7,6 +7,9 @@
 #include <array>
 #include <string_view>
 
+#include "base/many.hpp"
+#include "tools/learn/decode.hpp"
+
 namespace mlcca::learn {
 namespace {
 
@@ -14,10 +17,6 @@ constexpr std::size_t kMostIdentifiers = 4096;
 
 unsigned percent_of(std::size_t part, std::size_t all) {
   return all == 0 ? 0 : static_cast<unsigned>(part * 100 / all);
-}
-
-std::string counted(std::size_t count, std::string_view one, std::string_view several) {
-  return fmt::format("{} {}", count, count == 1 ? one : several);
 }
 
 /// One fast message is most of the frames of a bus, and many that come once are most of its
@@ -53,9 +52,7 @@ void Recogniser::add_standard(const Frame& frame) {
   constexpr std::array<std::uint8_t, 4> states = {0, 4, 5, 127};
   const bool state = data.size() == 1 && std::ranges::find(states, data[0]) != states.end();
   if (id > 0x700 && id <= 0x77f && state) ++heartbeats_[id & 0x7fU];
-  const bool answer = id > 0x580 && id < 0x600;
-  const bool question = id > 0x600 && id < 0x680;
-  if ((answer || question) && data.size() == 8) ++services_;
+  if (is_service(id) && data.size() == 8) ++services_;
 }
 
 /// Cyphal: whether the last byte is that of the next transfer, or of the same one.
@@ -120,14 +117,14 @@ Recognised Recogniser::of_standard() const {
       return {core::Profile::canopen, std::min(60 + share.percent / 3, 95U),
               fmt::format("{} heart-beats (0x700 and the node), {} % of the {} are theirs, SYNC or "
                           "NMT{}",
-                          counted(heartbeats_.size(), "node sends", "nodes send"), share.percent,
+                          many(heartbeats_.size(), "node sends", "nodes send"), share.percent,
                           share.of, services_ == 0 ? "" : ", and there are SDOs")};
   }
   constexpr std::size_t enough = 100;  // frames
   const std::string_view why = "11-bit identifiers without the traffic of CANopen";
   if (frames_ >= enough) return {core::Profile::raw, 90, std::string(why)};
   return {core::Profile::raw, 50 + static_cast<unsigned>(frames_ * 40 / enough),
-          fmt::format("{}, in {} only", why, counted(frames_, "frame", "frames"))};
+          fmt::format("{}, in {} only", why, many(frames_, "frame"))};
 }
 
 Recognised Recogniser::of_extended() const {
@@ -141,7 +138,7 @@ Recognised Recogniser::of_extended() const {
   if (binding_ != 0)
     return {Profile::famouso, 95,
             fmt::format("{} for tags or deal{} them, with priority 0x7d",
-                        counted(binding_, "frame asks", "frames ask"), binding_ == 1 ? "s" : "")};
+                        many(binding_, "frame asks", "frames ask"), binding_ == 1 ? "s" : "")};
   return of_groups();
 }
 
@@ -157,8 +154,8 @@ Recognised Recogniser::of_groups() const {
   if (share.percent >= 70 && management_ != 0)
     return {Profile::j1939, std::min(70 + share.percent / 4, 98U),
             fmt::format("{} ({})", seen,
-                        counted(management_, "address claim, request or announcement",
-                                "address claims, requests or announcements"))};
+                        many(management_, "address claim, request or announcement",
+                             "address claims, requests or announcements"))};
   if (share.percent >= 80)
     return {Profile::j1939, 70, fmt::format("{}; no address claim was seen", seen)};
   constexpr unsigned close = 40;

@@ -115,17 +115,17 @@ class Remarks {
                       names_[interface], listed(alike)));
   }
 
-  /// A gate passes no SDO that is not described (CiA 301: 0x581 to 0x5ff and 0x601 to 0x67f).
+  /// A gate passes no SDO that is not described.
   void services(std::uint32_t interface) {
     if (is_ethernet(interface) || at(interface).recognised->profile != Profile::canopen) return;
-    const Numbers all = numbers(interface, [](const FlowKey& key, const Seen&) {
-      return (key.number > 0x580 && key.number < 0x600) ||
-             (key.number > 0x600 && key.number < 0x680);
-    });
+    const Numbers all =
+        numbers(interface, [](const FlowKey& key, const Seen&) { return is_service(key.number); });
     if (!all.empty())
       out_.push_back(fmt::format(
-          "{}: SDOs were seen ({}): the draft has channels for them, since a gate takes them for "
-          "no control traffic; remove those that only a tool needed",
+          "{}: SDOs were seen ({}): the draft has channels for them, since any entry of a node can "
+          "be written by them, and a gate takes them for no control traffic; remove those that "
+          "only "
+          "a tool needed",
           names_[interface], listed(all)));
   }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "base/many.hpp"
 #include "core/model/text.hpp"
 #include "tools/learn/frame.hpp"
 
@@ -91,9 +92,8 @@ std::vector<std::string> Timeline::notes(const std::string& interface,
   if (pauses_ != 0)
     out.push_back(
         fmt::format("{}: {} in which nothing at all came, {}of {}: {} no gap of a channel",
-                    interface, pauses_ == 1 ? "1 pause" : fmt::format("{} pauses", pauses_),
-                    pauses_ == 1 ? "" : "the longest ", span_words(longest_pause_),
-                    pauses_ == 1 ? "it is" : "they are"));
+                    interface, many(pauses_, "pause"), pauses_ == 1 ? "" : "the longest ",
+                    span_words(longest_pause_), pauses_ == 1 ? "it is" : "they are"));
   note_order(interface, recordings, out);
   return out;
 }

@@ -136,6 +136,74 @@ TEST(Crossings, OfMuchTrafficStretchesOfTimeAreEnough) {
   EXPECT_GE(found[0].crossing.events, 100U);
 }
 
+// --- from one bus to another, under another identifier
+// --------------------------------------------
+
+std::vector<Crossings::Of> buses(bool rich = true, bool local = false) {
+  return {{.interface = 0, .number = 0x100, .rich = rich, .origin = {}},
+          {.interface = 1, .number = 0x200, .local = local, .rich = rich, .origin = {}}};
+}
+
+/// So many contents in turn, of which one copy in `lost` does not come, and one in `own` is
+/// another.
+Crossings copied(std::uint64_t contents, std::uint64_t lost = 0, std::uint64_t own = 0) {
+  Crossings out;
+  for (std::uint64_t i = 0; i < 1000; ++i) {
+    out.add(0, 0, i * 10 * kMs, i % contents);
+    if (lost != 0 && i % lost == 0) continue;
+    out.add(1, 1, i * 10 * kMs + kMs / 2, own != 0 && i % own == 0 ? i + 10'000 : i % contents);
+  }
+  return out;
+}
+
+TEST(Crossings, FromBusToBusManyContentsAreEvidence) {
+  const auto found = copied(1000, 50).find(buses());
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].copy, 1U);
+  EXPECT_TRUE(found[0].sure);
+  EXPECT_TRUE(found[0].renumbered);
+  EXPECT_EQ(found[0].of, 980U);
+  EXPECT_EQ(found[0].contents, 980U);
+  EXPECT_EQ(found[0].percent(), 98U) << "of the origin one in 50 has no copy";
+  EXPECT_EQ(copied(1000).find(buses())[0].percent(), 99U) << "nothing is certain";
+}
+
+TEST(Crossings, FromBusToBusACounterIsNone) {
+  const auto found = copied(256).find(buses(false));
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_FALSE(found[0].sure) << "nodes that are switched on together count alike";
+  EXPECT_TRUE(copied(256).find(buses(false, true))[0].sure) << "this host sends the copies";
+}
+
+TEST(Crossings, FromBusToBusFewContentsAreNotEvenNamed) {
+  EXPECT_TRUE(copied(7).find(buses()).empty());
+  const auto found = copied(8).find(buses());
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_FALSE(found[0].sure);
+  auto same = buses();
+  same[1].changes = false;
+  EXPECT_TRUE(copied(1000).find(same).empty());
+}
+
+TEST(Crossings, FromBusToBusNoMoreAgreeThanCouldBeCompared) {
+  Crossings crossings(2000);
+  for (std::uint64_t i = 0; i < 200'000; ++i) {
+    crossings.add(0, 0, i * 10 * kMs, i);
+    crossings.add(1, 1, i * 10 * kMs + kMs, i);
+  }
+  const auto found = crossings.find(buses());
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_GT(found[0].of, 100U);
+  EXPECT_LE(found[0].agreed(), found[0].of);
+  EXPECT_EQ(found[0].percent(), 99U);
+}
+
+TEST(Crossings, FromBusToBusNearlyAllMustAgree) {
+  EXPECT_TRUE(copied(1000, 9).find(buses()).empty()) << "of the origin";
+  EXPECT_TRUE(copied(1000, 0, 19).find(buses()).empty()) << "of the copy";
+  EXPECT_EQ(copied(1000, 20, 40).find(buses()).size(), 1U);
+}
+
 TEST(Crossings, OneInstantWithEverythingInItIsBounded) {
   Crossings crossings(10'000);
   for (std::uint64_t i = 0; i < 100'000; ++i)

@@ -162,7 +162,10 @@ TEST(Remarks, ServiceDataOfCanopenIsNamed) {
   for (std::uint64_t i = 0; i < 10; ++i)
     sent.push_back({.ns = (i + 1) * kSecond, .id = 0x705, .data = {5}});
   std::ranges::sort(sent, {}, &Sent::ns);
-  EXPECT_TRUE(says(drafted(sent, {}, {"can0"}), "SDOs were seen (0x585)"));
+  const Draft draft = drafted(sent, {}, {"can0"});
+  EXPECT_TRUE(says(draft, "SDOs were seen (0x585)"));
+  EXPECT_TRUE(draft.xml.contains("an SDO, by which any entry of a node can be written"))
+      << draft.xml;
 }
 
 }  // namespace

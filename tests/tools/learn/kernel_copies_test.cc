@@ -105,10 +105,14 @@ TEST(KernelCopies, RulesThatADraftCannotHaveAreNamed) {
   changed.changes_more = true;
   auto translated = rule(10, 12);
   translated.rule.keep = 0x7f;
-  const Copied copied({changed, translated, rule(10, 19), rule(19, 10), rule(10, 13)});
+  auto seen = translated;
+  seen.flags = CGW_FLAGS_CAN_ECHO;
+  const Copied copied({changed, translated, seen, rule(10, 19), rule(19, 10), rule(10, 13)});
   EXPECT_EQ(copied.of(frame(0, 0x100)), Numbers{});
   const std::vector<std::string> expected = {
-      "of can0 to can1 and changes them", "of can0 to can2 and gives them other identifiers",
+      "of can0 to can1 and changes them",
+      "of can0 to can2 and gives them other identifiers: state these",
+      "of can0 to can2 and gives them other identifiers: the draft has one channel",
       "of can0 to can9 and learn does not listen there", "of can0 to an interface that is gone"};
   const auto& notes = copied.carried.notes();
   ASSERT_EQ(notes.size(), expected.size());
