@@ -23,22 +23,41 @@ export const ask = (...words) => run(words, {});
 /** As an administrator: Cockpit asks for the password where it has to. */
 export const change = (...words) => run(words, { superuser: "require" });
 
+/** Calls `on` with each object that a program prints on a line of its own, and `ended` when it ends. */
+function lines(words, on, ended) {
+  let rest = "";
+  const process = cockpit.spawn(["mlccactl", "--json", ...words], { err: "message" });
+  process.stream((data) => {
+    const all = (rest + data).split("\n");
+    rest = all.pop();
+    for (const line of all) on(JSON.parse(line));
+  }).then(() => {}, () => {}).finally(ended);
+  return process;
+}
+
 /** Calls `on` with each event, `state` with whether they come. */
 export function follow(on, state) {
-  let rest = "";
   state(true);
-  cockpit.spawn(["mlccactl", "--json", "monitor"], { err: "message" })
-    .stream((data) => {
-      const lines = (rest + data).split("\n");
-      rest = lines.pop();
-      for (const line of lines) {
-        const event = JSON.parse(line);
-        if (event.kind) on(event);
-      }
-    })
-    .then(() => {}, () => {})
-    .finally(() => {
-      state(false);
-      setTimeout(() => follow(on, state), kPause);
+  lines(["monitor"], (event) => { if (event.kind) on(event); }, () => {
+    state(false);
+    setTimeout(() => follow(on, state), kPause);
+  });
+}
+
+/** Calls `on` once a second with what has changed of the counters, while the page can be seen, and `lost` when that ends. */
+export function followCounters(on, lost) {
+  let process = null;
+  const run = () => {
+    if (process || cockpit.hidden) return;
+    process = lines(["top"], (line) => { if (line.counters) on(line); }, () => {
+      process = null;
+      lost();
+      setTimeout(run, kPause);
     });
+  };
+  cockpit.addEventListener("visibilitychange", () => {
+    if (cockpit.hidden) process?.close("cancelled");
+    else run();
+  });
+  run();
 }

@@ -26,49 +26,60 @@ function story(c) {
   return table("Attribute by attribute", ["Where", "Attribute", "Required", "Provided", "Margin"], rows);
 }
 
-export function channelDetail(c, actions, taken) {
+export const asOf = (taken) => h("p", { class: "quiet", id: "as-of" }, `as of ${moment(taken)}`);
+
+export function channelFacts(c) {
   const w = c.watch;
+  return h("dl", { class: "facts" },
+    fact("Subject", c.subject), fact("Publisher", c.publisher), fact("Subscribers", c.subscribers.join(", ")),
+    fact("Reaction to silence", c.reaction), fact("Not supervised", c.not_supervised),
+    fact("Attribute set", c.sets > 1 ? `${c.granted ? c.set + 1 : "none"} of ${c.sets}` : ""),
+    c.media.map((m) => fact(`On ${m.network}`, [
+      m.response_ns ? `response ${duration(m.response_ns)}, at most ${duration(m.guaranteed_ns)}` : "",
+      m.nodes.length ? `path ${m.nodes.join(" › ")}` : "", m.available ? `${rate(m.available)} left` : ""].filter(Boolean).join("; "))),
+    fact("Frames", c.crosses_no_gate ? "not counted: they cross no gate of this gateway" :
+      `${count(c.passed)} passed, ${count(c.dropped)} dropped, ${count(c.excess)} in excess`),
+    fact("Audit mode let through", c.would_drop ? count(c.would_drop) : ""),
+    fact("Events", w ? `${count(w.events)} came, ${count(w.missing)} did not; ${silence(c)}` : ""),
+    fact("Jitter", w && w.last_gap_ns && !w.shared ? duration(w.jitter_ns) : ""),
+    fact("Admission", c.admission ? `number ${c.admission}, at run time` : "described"));
+}
+
+export function channelDetail(c, actions, taken) {
   return [
     h("p", { class: "lead" }, verdict(c.state), h("br"), c.reason),
     ...c.troubles.map((t) => h("p", { class: "trouble" }, t)),
-    h("p", { class: "quiet" }, `as of ${moment(taken)}`),
+    asOf(taken),
     c.description ? h("p", {}, c.description) : null,
     h("ol", { class: "hops", "aria-label": "Route" }, c.route.map((place) => h("li", {}, place))),
     story(c),
-    h("dl", { class: "facts" },
-      fact("Subject", c.subject), fact("Publisher", c.publisher), fact("Subscribers", c.subscribers.join(", ")),
-      fact("Reaction to silence", c.reaction), fact("Not supervised", c.not_supervised),
-      fact("Attribute set", c.sets > 1 ? `${c.granted ? c.set + 1 : "none"} of ${c.sets}` : ""),
-      c.media.map((m) => fact(`On ${m.network}`, [
-        m.response_ns ? `response ${duration(m.response_ns)}, at most ${duration(m.guaranteed_ns)}` : "",
-        m.nodes.length ? `path ${m.nodes.join(" › ")}` : "", m.available ? `${rate(m.available)} left` : ""].filter(Boolean).join("; "))),
-      fact("Frames", c.crosses_no_gate ? "not counted: they cross no gate of this gateway" :
-        `${count(c.passed)} passed, ${count(c.dropped)} dropped, ${count(c.excess)} in excess`),
-      fact("Audit mode let through", c.would_drop ? count(c.would_drop) : ""),
-      fact("Events", w ? `${count(w.events)} came, ${count(w.missing)} did not; ${silence(c)}` : ""),
-      fact("Jitter", w && w.last_gap_ns && !w.shared ? duration(w.jitter_ns) : ""),
-      fact("Admission", c.admission ? `number ${c.admission}, at run time` : "described")),
+    channelFacts(c),
     h("div", { class: "buttons" }, actions),
   ];
 }
 
-export function placeDetail(p, resources) {
+export function placeFacts(p, resources) {
   const own = resources.filter((r) => r.name === p.name || r.name.startsWith(`${p.name}: `));
   const held = own.map((r) => fact(r.name, r.capacity ? `${percent(r.reserved / r.capacity)} reserved${
     r.background ? `, ${percent(r.background / r.capacity)} by others` : ""}, by ${many(r.reservations.length, "publisher")}` : "no capacity is stated"));
-  if (p.gateway) return [h("dl", { class: "facts" }, fact("Kind", p.own ? "this gateway" : "gateway"), held)];
+  if (p.gateway) return h("dl", { class: "facts" }, fact("Kind", p.own ? "this gateway" : "gateway"), held);
   const { network } = p;
+  return h("dl", { class: "facts" }, fact("Kind", network.kind), fact("Profile", network.profile),
+    network.provision.map((a) => fact(a.name, `${value(a.value, a.unit)}${a.dynamic ? ", at best" : ""}`)), held,
+    p.interfaces.map((i) => [
+      fact(i.name, [i.ifindex ? (i.up ? "up" : "down") : "absent", i.can_state, i.bitrate ? bits(i.bitrate) : "",
+        i.profile === "none" ? (i.attached ? "CLOSED: no profile" : "no gate by design") : i.attached ? `gate on ${i.hook}, ${many(i.slots, "slot")}` : "NO GATE",
+        i.problem, i.drift].filter(Boolean).join(", ")),
+      ["ingress", "egress"].map((way) => fact(way === "ingress" ? "Came in" : "Went out",
+        `${count(i[way].passed)} passed, ${count(i[way].dropped)} dropped${Object.entries(i[way].reasons)
+          .map(([why, n]) => `; ${why}: ${count(n)}`).join("")}`))]));
+}
+
+export function placeDetail(p, resources) {
+  if (p.gateway) return [placeFacts(p, resources)];
   return [
-    network.problem ? h("p", { class: "trouble" }, network.problem) : null,
-    h("dl", { class: "facts" }, fact("Kind", network.kind), fact("Profile", network.profile),
-      network.provision.map((a) => fact(a.name, `${value(a.value, a.unit)}${a.dynamic ? ", at best" : ""}`)), held,
-      p.interfaces.map((i) => [
-        fact(i.name, [i.ifindex ? (i.up ? "up" : "down") : "absent", i.can_state, i.bitrate ? bits(i.bitrate) : "",
-          i.profile === "none" ? (i.attached ? "CLOSED: no profile" : "no gate by design") : i.attached ? `gate on ${i.hook}, ${many(i.slots, "slot")}` : "NO GATE",
-          i.problem, i.drift].filter(Boolean).join(", ")),
-        ["ingress", "egress"].map((way) => fact(way === "ingress" ? "Came in" : "Went out",
-          `${count(i[way].passed)} passed, ${count(i[way].dropped)} dropped${Object.entries(i[way].reasons)
-            .map(([why, n]) => `; ${why}: ${count(n)}`).join("")}`))])),
+    p.network.problem ? h("p", { class: "trouble" }, p.network.problem) : null,
+    placeFacts(p, resources),
     p.links.length ? table("Links", ["From", "To", "Rate", "Loss", "State"], p.links.map((l) => h("tr", {},
       h("td", {}, l.from), h("td", {}, l.to), h("td", {}, l.believed_rate ? bits(l.believed_rate) : "0"),
       h("td", {}, l.loss === null ? "unknown" : percent(l.loss / 1e9)), h("td", {}, l.state || "carries")))) : null,

@@ -30,6 +30,14 @@ export class List {
     this.body.replaceChildren();
     this.shown.clear();
   }
+  /** What the rows say may be another thing; they are the same ones. */
+  update() {
+    for (const [i, element] of this.shown)
+      this.cells(this.rows[i]).forEach((cell, n) => {
+        const there = element.children[n];
+        if (there.textContent !== (cell.textContent ?? cell)) there.replaceChildren(cell);
+      });
+  }
   later() {
     this.due ??= requestAnimationFrame(() => {
       this.due = undefined;

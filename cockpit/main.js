@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // When what is asked, and where it is shown.
 /* global cockpit */
-import { ask, follow, kLive } from "./ask.js";
+import { ask, follow, followCounters, kLive } from "./ask.js";
 import { admit, changeMode, reinstate, release, reload, withdraw } from "./changes.js";
 import { clusterParts } from "./cluster.js";
-import { channelDetail, placeDetail, silence, verdict } from "./detail.js";
+import { Counters } from "./counters.js";
+import { asOf, channelDetail, channelFacts, placeDetail, placeFacts, silence, verdict } from "./detail.js";
 import { by, h, svg } from "./dom.js";
 import { draw } from "./drawing.js";
 import { count, many, moment, passed, percent } from "./format.js";
@@ -19,7 +20,10 @@ const kLoud = ["withdrawn", "revoked", "network-down", "removed", "refused", "mi
 const now = { status: null, networks: [], channels: [], reservations: [], routes: { links: [] }, history: [], audit: null, cluster: null, members: null, taken_there: null, live: false, taken: 0,
   counted: new Counted() };
 const samples = new Map();
+const kSettles = 5e9; // ns from which on the difference of two counters says how much is used
+const counters = new Counters();
 let chosen = null; // key of the channel whose detail is open
+let chosenPlace = null; // name of the place whose detail is
 let opened = null; // what had the focus before
 
 const put = (id, ...children) => by(id).replaceChildren(...children.flat().filter((c) => c !== null));
@@ -52,14 +56,13 @@ function showHealth(problem) {
   put("reasons", reasons);
   by("reasons").hidden = !reasons.length;
   const silent = now.channels.filter((c) => c.state === "silent").length;
-  const figure = (name, text_, look_ = "") => h("div", { class: look_ }, h("dt", {}, name), h("dd", {}, text_));
+  const figure = (name, text_, look_ = "", id = null) => h("div", { class: look_ }, h("dt", {}, name), h("dd", { id }, text_));
   put("figures", figure("granted", count(status.channels_granted)),
     figure("refused", count(status.channels_refused), status.channels_refused ? "bad" : ""),
     figure("silent", count(silent), silent ? "bad" : ""),
     figure("mode", status.mode, status.mode === "audit" ? "bad" : ""),
     kLive ? figure("events", now.live ? "live" : "not live", now.live ? "" : "bad") : null,
-    // Events come at once; counters, and for how long nothing has come, are those of the latest question.
-    now.taken ? figure("counters as of", moment(now.taken)) : null);
+    now.taken ? figure("counters as of", moment(now.taken), "", "taken") : null);
   if (kLive && (!by("actions").childElementCount || by("actions").dataset.mode !== status.mode)) {
     by("actions").dataset.mode = status.mode;
     const button = (label, run) => h("button", { type: "button", onclick: run }, label);
@@ -93,16 +96,19 @@ function closeDetail() {
   by("detail").hidden = true;
   document.body.classList.remove("with-detail");
   chosen = null;
+  chosenPlace = null;
   showMap();
   opened?.focus();
 }
 function openPlace(name) {
   chosen = null;
+  chosenPlace = name;
   showMap();
   openDetail(name, placeDetail(graphOf(now).places.get(name), now.reservations));
 }
 function openChannel(c, keep = false) {
   chosen = key(c);
+  chosenPlace = null;
   const button = (label, run) => h("button", { type: "button", onclick: run }, label);
   openDetail(`${c.name}: ${c.from} to ${c.to}`, channelDetail(c, !kLive ? [] : [
     c.withdrawn ? button("Reinstate…", () => reinstate(c.name)) : button("Withdraw…", () => withdraw(c.name)),
@@ -258,6 +264,34 @@ function makeTabs() {
 
 // --- asking ---------------------------------------------------------------------------------------
 
+/** How much is used of what is reserved, from what was counted. */
+function settle() {
+  now.counted.take(now.channels, now.taken);
+  now.settled = now.taken;
+  for (const r of now.reservations) if (r.capacity) {
+    const name = `${r.kind} ${r.name}`;
+    const line = samples.get(name) ?? [];
+    samples.set(name, [...line, { at: Date.now(), part: r.reserved / r.capacity, used: used(r, now.counted)?.part ?? null }].slice(-kSamples));
+  }
+}
+/** Only what is in sight is made again, and only where it says something else. */
+function showCounters() {
+  const other = (there, fresh) => { if (there && there.textContent !== fresh.textContent) there.replaceWith(fresh); };
+  list.update();
+  if (by("taken")) by("taken").textContent = moment(now.taken);
+  const open = chosen && now.channels.find((c) => key(c) === chosen);
+  if (open) {
+    other(by("as-of"), asOf(now.taken));
+    other(by("detail").querySelector(".facts"), channelFacts(open));
+  }
+  const place = chosenPlace && graphOf(now).places.get(chosenPlace);
+  if (place) other(by("detail").querySelector(".facts"), placeFacts(place, now.reservations));
+  if (now.taken - now.settled < kSettles) return;
+  settle();
+  showMap();
+  if (tab === "reserved") showTab();
+}
+
 let asking = false, again = false, due;
 /** An mlccad from before there were clusters does not know the question. What is reserved may be long. */
 function askCluster() {
@@ -285,12 +319,8 @@ async function refresh() {
     now.members = parts[7]?.members ?? null;
     now.taken_there = parts[8]?.reservations ?? now.taken_there;
     now.taken = taken;
-    now.counted.take(now.channels, taken);
-    for (const r of now.reservations) if (r.capacity) {
-      const name = `${r.kind} ${r.name}`;
-      const line = samples.get(name) ?? [];
-      samples.set(name, [...line, { at: Date.now(), part: r.reserved / r.capacity, used: used(r, now.counted)?.part ?? null }].slice(-kSamples));
-    }
+    counters.of(now.channels, now.status.interfaces);
+    settle();
     showHealth();
     showMap();
     showTab();
@@ -302,7 +332,7 @@ async function refresh() {
   }
   asking = false;
   document.body.dataset.ready = String(Number(document.body.dataset.ready ?? 0) + 1);
-  // 1,000 channels are 4 MB: counters are asked less often there.
+  // 1,000 channels are 4 MB: what is no counter and makes no event is asked less often there.
   soon(again ? 300 : now.channels.length > 200 ? 30000 : 5000);
   again = false;
 }
@@ -327,6 +357,13 @@ let width = 0;
 new ResizeObserver(() => { if (by("map").clientWidth !== width) { width = by("map").clientWidth; if (now.status) showMap(); } }).observe(by("map"));
 cockpit.addEventListener("visibilitychange", () => { if (!cockpit.hidden) refresh(); });
 refresh();
+followCounters((line) => {
+  const known = counters.take(line);
+  if (!now.taken || !now.status) return;
+  now.taken = Date.now() * 1e6;
+  if (known) showCounters();
+  else soon(300);
+}, () => counters.lost());
 follow((event) => {
   if (kLoud.includes(event.kind)) say(event.message);
   soon(300);

@@ -4,5 +4,5 @@ const cockpit = { hidden: true, addEventListener() {} };
 const kLive = false;
 const kSaid = JSON.parse(document.getElementById("snapshot").textContent);
 const ask = async (verb, part) => kSaid[verb === "cluster" ? `cluster-${part}` : verb];
-const follow = () => {};
+const follow = () => {}, followCounters = follow;
 const admit = () => {}, changeMode = admit, reinstate = admit, release = admit, reload = admit, withdraw = admit;

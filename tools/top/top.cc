@@ -17,9 +17,12 @@
 #include <utility>
 #include <variant>
 
+#include "base/clock.hpp"
 #include "control/client.hpp"
+#include "tools/json.hpp"
 #include "tools/options.hpp"
 #include "tools/render.hpp"
+#include "tools/top/changes.hpp"
 #include "tools/top/layout.hpp"
 #include "tools/top/sample.hpp"
 #include "tools/top/terminal.hpp"
@@ -57,6 +60,16 @@ class Watcher {
     return {};
   }
 
+  /// Of channels and interfaces, and nothing else.
+  Result<Sample> counters() {
+    if (auto connected = connect(); !connected) return std::unexpected(connected.error());
+    Sample sample;
+    auto done = ask_for(sample.channels, control::ChannelsRequest{});
+    if (done) done = ask_for(sample.status, control::StatusRequest{});
+    if (!done) return std::unexpected(done.error());
+    return sample;
+  }
+
   [[nodiscard]] bool has_any() const { return now_.has_value(); }
   [[nodiscard]] const Sample& now() const { return *now_; }
   [[nodiscard]] std::vector<Row> rows(const View& view) const {
@@ -67,9 +80,20 @@ class Watcher {
   }
 
  private:
+  Result<void> connect() {
+    if (client_) return {};
+    auto client = control::Client::connect(socket_, patience_);
+    if (!client) return std::unexpected(client.error());
+    client_.emplace(std::move(*client));
+    return {};
+  }
+
+  /// A reload that comes between two slices ends the answer: the second try begins after it.
   template <class Answer, class Question>
   Result<void> ask_for(Answer& answer, Question question) {
-    auto reply = client_->call({0, std::move(question)});
+    auto reply = client_->call({0, question});
+    if (reply && std::holds_alternative<control::Error>(reply->body))
+      reply = client_->call({0, std::move(question)});
     if (!reply) return std::unexpected(reply.error());
     if (const auto* error = std::get_if<control::Error>(&reply->body)) return fail(error->message);
     auto* body = std::get_if<Answer>(&reply->body);
@@ -79,11 +103,7 @@ class Watcher {
   }
 
   Result<Sample> ask() {
-    if (!client_) {
-      auto client = control::Client::connect(socket_, patience_);
-      if (!client) return std::unexpected(client.error());
-      client_.emplace(std::move(*client));
-    }
+    if (auto connected = connect(); !connected) return std::unexpected(connected.error());
     Sample sample;
     auto done = ask_for(sample.channels, control::ChannelsRequest{});
     sample.at_ns = static_cast<std::uint64_t>(
@@ -104,10 +124,17 @@ class Watcher {
   bool lost_ = true;
 };
 
+bool write(const std::string& text) {
+  return std::fwrite(text.data(), 1, text.size(), stdout) == text.size() &&
+         std::fflush(stdout) == 0;
+}
+
 Exit complain(const Options& options, control::ErrorKind kind, const std::string& message) {
-  fmt::print(
-      stderr, "{}",
-      render(control::Error{.kind = kind, .message = message, .details = {}}, options.error_color));
+  const control::Error error{.kind = kind, .message = message, .details = {}};
+  if (options.json)
+    write(to_json(control::Reply{0, error}));
+  else
+    fmt::print(stderr, "{}", render(error, options.error_color));
   return kind == control::ErrorKind::invalid ? Exit::usage : Exit::world;
 }
 
@@ -122,6 +149,11 @@ Heading heading(const Watcher& watcher, const Result<void>& polled, double delay
   const std::time_t now = std::time(nullptr);
   heading.time = fmt::format("{:%H:%M:%S}", fmt::localtime(now));
   return heading;
+}
+
+Exit cannot_write() {
+  fmt::print(stderr, "mlccactl: write: {}\n", std::strerror(errno));  // NOLINT
+  return Exit::world;
 }
 
 std::size_t columns_of_batch() {
@@ -142,9 +174,22 @@ Exit in_batches(const Options& options, const TopArguments& arguments, Watcher& 
     for (const auto& line : screen(heading(watcher, polled, arguments.delay), watcher.rows(view),
                                    view, size, options.color))
       text += line + '\n';
-    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
-      return complain(options, control::ErrorKind::world,
-                      std::string("write: ") + std::strerror(errno));  // NOLINT
+    if (!write(text)) return cannot_write();
+  }
+  return Exit::fine;
+}
+
+/// Ends when mlccad does not answer: who follows begins again, and knows that something is missing.
+Exit as_json(const Options& options, const TopArguments& arguments, Clock::duration delay) {
+  Watcher watcher(options);
+  Changes changes;
+  auto next = Clock::now();
+  for (std::uint32_t n = 0; arguments.count == 0 || n < arguments.count; ++n) {
+    std::this_thread::sleep_until(next);
+    next = Clock::now() + delay;
+    const auto sample = watcher.counters();
+    if (!sample) return complain(options, control::ErrorKind::world, sample.error().text);
+    if (!write(changes.line(*sample, clock_ns(CLOCK_REALTIME)))) return cannot_write();
   }
   return Exit::fine;
 }
@@ -195,11 +240,9 @@ Exit follow(const Options& options, const TopArguments& arguments) {
     return complain(options, control::ErrorKind::invalid,
                     fmt::format("--sort {}: must be one of {}", arguments.sort, field_names()));
   view.sort = *sort;
-  if (options.json)
-    return complain(options, control::ErrorKind::invalid,
-                    "top has no JSON: take 'mlccactl --json channels' and its differences");
   const auto delay =
       std::chrono::ceil<Clock::duration>(std::chrono::duration<double>(arguments.delay));
+  if (options.json) return as_json(options, arguments, delay);
   Watcher watcher(options);
   if (const auto polled = watcher.poll(); !polled)
     return complain(options, control::ErrorKind::world, polled.error().text);
