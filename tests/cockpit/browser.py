@@ -4,10 +4,14 @@ import os
 
 from selenium import webdriver
 from selenium.common.exceptions import SessionNotCreatedException
+from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
 PATIENCE = 60  # s, on a machine that is busy
+with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "rules.js"), encoding="utf-8") as rules:
+    RULES = rules.read()
 
 
 def chromium(width, height, dark, folder):
@@ -39,31 +43,66 @@ def wait(driver, script, *arguments):
         raise
 
 
-# Names of what can be operated, contrast of texts, and nothing that is wider than the page.
-CHECKS = """
-const wrong = [];
-const luminance = (c) => { const f = c.map((v) => { v /= 255; return v <= .03928 ? v / 12.92 : ((v + .055) / 1.055) ** 2.4; });
-  return .2126 * f[0] + .7152 * f[1] + .0722 * f[2]; };
-const numbers = (c) => (c.match(/[\\d.]+/g) || []).map(Number);
-const ground = (e) => { for (; e; e = e.parentElement) { const c = numbers(getComputedStyle(e).backgroundColor); if (c.length === 3 || c[3] === 1) return c.slice(0, 3); } return [255, 255, 255]; };
-for (const e of document.querySelectorAll("button, input, select, [role=button], [role=tab], [role=grid], [role=tabpanel], svg[role], aside:not([hidden])")) {
-  const name = e.getAttribute("aria-label") || e.textContent.trim() || e.closest("label")?.textContent.trim() || document.getElementById(e.getAttribute("aria-labelledby"))?.textContent;
-  if (!name) wrong.push("no name: " + e.outerHTML.slice(0, 100));
-}
-for (const e of document.querySelectorAll("[aria-controls], [aria-labelledby]"))
-  for (const a of ["aria-controls", "aria-labelledby"]) if (e.hasAttribute(a) && e.checkVisibility() && e.getAttribute(a).split(" ").some((id) => !document.getElementById(id))) wrong.push(a + " of " + e.id + " leads nowhere");
-for (const e of document.querySelectorAll("body *")) {
-  if (e.closest("svg") || !e.checkVisibility() || ![...e.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim())) continue;
-  const [a, b] = [luminance(numbers(getComputedStyle(e).color).slice(0, 3)), luminance(ground(e))].sort((x, y) => y - x);
-  if ((a + .05) / (b + .05) < 4.5) wrong.push("contrast " + ((a + .05) / (b + .05)).toFixed(2) + ": " + e.textContent.slice(0, 40));
-}
-if (document.documentElement.scrollWidth > innerWidth) wrong.push("wider than the page: " + document.documentElement.scrollWidth);
-return [...new Set(wrong)];
+# What has no name says nothing to who does not see it.
+NAMED = {"button", "checkbox", "combobox", "complementary", "dialog", "grid", "image", "img", "link", "meter", "region", "searchbox", "tab", "table", "tablist",
+         "tabpanel", "textbox"}
+NOTHING = {"generic", "none", "presentation", "GenericContainer"}
+
+
+def names(driver):
+    """What the browser hands to a screen reader: names of what is operated, and a role for whatever has the focus."""
+    wrong = []
+    for node in driver.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]:
+        role, name = node.get("role", {}).get("value"), node.get("name", {}).get("value", "").strip()
+        has = {one["name"]: one["value"].get("value") for one in node.get("properties", [])}
+        if node["ignored"]:
+            continue
+        if role in NAMED and not any(c.isalnum() for c in name):
+            wrong.append(f"no name: {role} {node.get('backendDOMNodeId')} '{name}' {has}")
+        if has.get("focusable") and role in NOTHING:
+            wrong.append(f"no role, though it can have the focus: {name or node.get('backendDOMNodeId')}")
+    return wrong
+
+
+# Where Tab can lead: in a dialog that is open nowhere else. An order that differs from that of the document, and a focus that is not seen, are faults.
+TABBED = """
+const shown = (e) => e.checkVisibility({ checkVisibilityCSS: true });
+const within = document.querySelector("dialog[open]") ?? document;
+return [...within.querySelectorAll("a[href], button, input, select, textarea, summary, [tabindex]")].filter((e) => e.tabIndex >= 0 && !e.disabled && shown(e)).length;
+"""
+FOCUSED = """
+const e = document.activeElement, wrong = [];
+if (!e || e === document.body || e === document.documentElement) return null;
+const style = getComputedStyle(e), box = e.getBoundingClientRect(), text = e.outerHTML.slice(0, 110);
+const edge = e.querySelector(":scope > rect"); // in a drawing
+const ringed = style.outlineStyle !== "none" ? parseFloat(style.outlineWidth) : edge ? parseFloat(getComputedStyle(edge).strokeWidth) : 0;
+if (ringed < 2) wrong.push(`the focus is not seen: ${text}`);
+if (box.bottom < 0 || box.top > innerHeight || !box.width) wrong.push(`the focus is out of sight: ${text}`);
+const before = window.tabbed;
+if (before?.isConnected && before.compareDocumentPosition(e) & Node.DOCUMENT_POSITION_PRECEDING) wrong.push(`the focus goes back: ${text}`);
+window.tabbed = e;
+return wrong;
 """
 
 
+def by_tab(driver, state):
+    """From part to part by Tab alone: each of them once, in the order of the page, and seen."""
+    driver.execute_script("const all = document.querySelector('dialog[open]') ?? document.body; window.tabbed = null; all.tabIndex = -1; all.focus(); all.removeAttribute('tabindex');")
+    expected, came, wrong = driver.execute_script(TABBED), 0, []
+    while came <= expected + 2:
+        ActionChains(driver).send_keys(Keys.TAB).perform()
+        said = driver.execute_script(FOCUSED)
+        if said is None:
+            break
+        came += 1
+        wrong += said
+    if came != expected:
+        wrong.append(f"Tab comes to {came} of {expected}")
+    assert not wrong, f"{state}, by Tab: " + "\n".join(wrong)
+
+
 def examine(driver, state):
-    wrong = driver.execute_script(CHECKS)
+    wrong = driver.execute_script(RULES) + names(driver)
     if os.environ.get("AXE"):
         with open(os.environ["AXE"], encoding="utf-8") as file:
             driver.execute_script(file.read())
