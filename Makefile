@@ -158,7 +158,7 @@ test: ensure-deps ## everything: layers, format, unit, kernel and guest tests
 
 test-all:
 	$(Q)$(MAKE) all check-layers check-format cppcheck tidy check-mcu
-	$(Q)$(MAKE) FUZZ_OPT=-O0 check-node check-fuzz check-work check-sanitized check-plain check-docs check-install check-fault check-memory check-torn check-neighbour check-quotas check-client check-exporter check-cockpit
+	$(Q)$(MAKE) FUZZ_OPT=-O0 check-node check-fuzz check-work check-sanitized check-plain check-docs check-install check-reproducible check-fault check-memory check-torn check-neighbour check-quotas check-client check-exporter check-cockpit
 	$(Q)$(MAKE) check-harness check-guest
 
 lint: check-layers check-format cppcheck tidy ## layering, clang-format-19, cppcheck and clang-tidy-19
@@ -246,6 +246,11 @@ uninstall: ## remove what `make install` of the same variables has put there; PA
 check-install: all $(MADE_PAGES) ## uninstall takes away what install has brought, and nothing else
 	$(Q)+tests/support/check-install $O
 
+check-reproducible: ## two builds from different places are the same octets; of all packages: check-reproducible-packages
+	$(Q)tests/support/check-reproducible
+check-reproducible-packages:
+	$(Q)tests/support/check-reproducible --packages
+
 clean: ## remove the build tree
 	$(Q)rm -rf $O $(CLEAN_EXTRA)
 
@@ -253,4 +258,4 @@ help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 	@echo "  variables      O=build V=1 SAN=address,undefined DESTDIR= PREFIX=/usr/local CXX= CXXFLAGS="
 
-.PHONY: all demo test test-all lint check-layers check-format format cppcheck tidy analyse bench install uninstall check-install clean help
+.PHONY: all demo test test-all lint check-layers check-format format cppcheck tidy analyse bench install uninstall check-install check-reproducible check-reproducible-packages clean help
