@@ -5,10 +5,11 @@
 #   test: ensure-deps
 #   	$(Q)$(MAKE) test-all
 
-# One package name a line; of alternatives the first, without version, architecture and profile.
-DEPS_LIST = awk '/^[^ \#]/ { on = sub(/^Build-Depends:/, "") } \
+# One package name a line; of alternatives the first, without version, architecture and profile. What
+# builds packages has build-essential anyway, and dh-sequence-… are parts of debhelper.
+DEPS_LIST = { echo build-essential; awk '/^[^ \#]/ { on = sub(/^Build-Depends:/, "") } \
 	on && !/^\#/ { gsub(/\([^)]*\)|<[^>]*>|\[[^]]*\]|\|[^,]*/, ""); gsub(/,/, "\n"); print }' \
-	debian/control | sed 's/[[:space:]]//g; s/^debhelper-compat$$/debhelper/; /^$$/d'
+	debian/control; } | sed 's/[[:space:]]//g; s/^debhelper-compat$$/debhelper/; /^dh-sequence-/d; /^$$/d'
 
 ensure-deps:
 	@packages=$$($(DEPS_LIST)); \
