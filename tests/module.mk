@@ -13,7 +13,7 @@ check: $(UNIT_TESTS) ## unit tests: no root, seconds
 	$(Q)tests/support/run-tests $(UNIT_TESTS)
 check-kernel: $(KERNEL_TESTS) ## the real BPF objects on this kernel: root
 	$(Q)tests/support/run-tests $(KERNEL_TESTS)
-soak: check-sanitized-all soak-fault soak-kills soak-torn soak-bus soak-cluster ## for hours: KILLS= kills, ROUNDS= rounds of torn surroundings, from SEED= where given
+soak: check-sanitized-all soak-fault soak-kills soak-torn soak-bus soak-cluster soak-gateways ## for hours: KILLS= kills, ROUNDS= rounds of torn surroundings, from SEED= where given
 
 $O/bundle/tests/%.o: CXXFLAGS := $(patsubst -O2,-O1,$(CXXFLAGS))
 $O/bundle/tests/%.o: CPPFLAGS += $(XML_CFLAGS) $(NL_CFLAGS) $(TOOLS_CPPFLAGS)

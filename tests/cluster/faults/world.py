@@ -1,0 +1,244 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Real gateways and a real store of three members, each in a network namespace, and what can go wrong with them."""
+import ctypes
+import os
+import signal
+import subprocess
+import threading
+
+BUILD = os.path.abspath(os.environ.get("BUILD", "build"))
+WORK = "/run/work"
+MEMBERS = ("m0", "m1", "m2")
+LEASE = 2  # s
+LAN_BYTES = 1000  # per s, of the medium that all share
+DESCRIBED_BYTES = 200  # of them the description promises to c0
+PERIOD_MS = 40
+CHANNELS = ((1, 8), (2, 16), (3, 24))  # number, payload: 200, 400 and 600 bytes per s
+LOCK = threading.Lock()  # processes are started one at a time, so that none inherits what is another's
+
+
+def sh(command, check=True):
+    """A shell command; gives what it says, None if it failed."""
+    done = subprocess.run(command, shell=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
+                          cwd=WORK)
+    if done.returncode == 0:
+        return done.stdout
+    if check:
+        raise RuntimeError(f"{command}: {done.stdout}")
+    return None
+
+
+def channel_name(gateway, number):
+    return f"g{gateway}c{number}"
+
+
+def subject_of(gateway, number):
+    return (gateway << 8) | number
+
+
+def address_of(place):
+    """In the network of the store: 10.9.0.10 to .12 of members, .21 and up of gateways."""
+    return f"10.9.0.{10 + int(place[1:]) if place[0] == 'm' else 20 + int(place[2:])}"
+
+
+def inside(namespace, make):
+    """Calls `make` in a namespace: sockets stay where they were made."""
+    libc = ctypes.CDLL(None, use_errno=True)
+    with open("/proc/thread-self/ns/net", encoding="ascii") as home, \
+            open(f"/run/netns/{namespace}", encoding="ascii") as there:
+        if libc.setns(there.fileno(), 0) != 0:
+            raise OSError(ctypes.get_errno(), "setns")
+        try:
+            return make()
+        finally:
+            libc.setns(home.fileno(), 0)
+
+
+class Process:
+    """Of a namespace. What it says goes to a log."""
+
+    def __init__(self, namespace, command, log, env=None):
+        self.command = ["ip", "netns", "exec", namespace, *command]
+        self.log, self.env, self.process = f"{WORK}/{log}", env, None
+
+    def start(self):
+        with LOCK, open(self.log, "ab") as log:
+            self.process = subprocess.Popen(self.command, stdout=log, stderr=log, stdin=subprocess.DEVNULL, cwd=WORK,
+                                            env=dict(os.environ, **(self.env or {})))
+
+    def alive(self):
+        return self.process is not None and self.process.poll() is None
+
+    def signal(self, number):
+        if self.alive():
+            self.process.send_signal(number)
+
+    def kill(self):
+        self.signal(signal.SIGKILL)
+        self.process.wait()
+
+
+def certificates(users):
+    """As docs/how-to/cluster-etcd.md has them. The user tick has a password: its way of JSON refuses common names."""
+    names = ",".join(["IP:127.0.0.1"] + [f"IP:{address_of(member)}" for member in MEMBERS])
+    sh(f"""set -e
+openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -nodes -days 2 -subj /CN=authority -keyout ca.key -out ca.pem
+certificate() {{ # NAME USES SUBJECT
+	openssl req -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -nodes -subj $3 -keyout $1.key -out $1.csr
+	printf 'subjectAltName={names}\\nextendedKeyUsage=%s\\n' $2 >$1.ext
+	openssl x509 -req -in $1.csr -CA ca.pem -CAkey ca.key -CAcreateserial -days 2 -extfile $1.ext -out $1.pem
+}}
+certificate server serverAuth,clientAuth /CN=server
+certificate tick clientAuth /O=tick
+for user in {" ".join(users)}; do certificate $user clientAuth /CN=$user; done""")
+
+
+def description(gateways):
+    """All have a port on lan, which carries LAN_BYTES. The channels are for who comes later, but c0."""
+    def attribute(name, value, unit):
+        return (f"<Attribute><Name>{name}</Name><Dimension><SIUnit>{unit}</SIUnit></Dimension>"
+                f"<Value>{value}</Value></Attribute>")
+
+    second, octets = "<Seconds>1</Seconds>", "<Bytes>1</Bytes>"
+    lines = ["<System name='t'>",
+             "<EventChannel name='c0'><SubjectUID>0x1</SubjectUID><Attributes>",
+             attribute("Period", PERIOD_MS, second).replace("</SIUnit>", "</SIUnit><Magnitude>-3</Magnitude>"),
+             attribute("MaxPayload", DESCRIBED_BYTES * PERIOD_MS // 1000, octets), "</Attributes></EventChannel>"]
+    for gateway in range(1, gateways + 1):
+        for number, _ in CHANNELS:
+            lines.append(f"<EventChannel name='{channel_name(gateway, number)}'>"
+                         f"<SubjectUID>{subject_of(gateway, number):#x}</SubjectUID></EventChannel>")
+    lines += ["<Network name='lan'><Kind>udp-multicast</Kind><Profile>famouso</Profile><Provision>",
+              attribute("Latency", 1, second).replace("</SIUnit>", "</SIUnit><Magnitude>-3</Magnitude>"),
+              attribute("Period", 1, second).replace("</SIUnit>", "</SIUnit><Magnitude>-3</Magnitude>"),
+              attribute("MaxPayload", 64, octets),
+              attribute("Bandwidth", LAN_BYTES, octets + "<Seconds>-1</Seconds>"), "</Provision></Network>"]
+    for gateway in range(1, gateways + 1):
+        lines.append(f"<Gateway name='gw{gateway}'><Port network='lan'><Interface name='lan0'/></Port></Gateway>")
+    lines += ["<Publisher channel='c0' gateway='gw1' user='root'/><Subscriber channel='c0' network='lan'/>", "</System>"]
+    return "\n".join(lines)
+
+
+class World:
+    def __init__(self, gateways):
+        self.gateways = [f"gw{n}" for n in range(1, gateways + 1)]
+        self.cuts = set()
+        self.links()
+        certificates(["root", *self.gateways])
+        with open(f"{WORK}/system.xml", "w", encoding="utf-8") as file:
+            file.write(description(gateways))
+        cluster = ",".join(f"{member}=http://{address_of(member)}:2380" for member in MEMBERS)
+        self.members = {member: self.member(member, cluster) for member in MEMBERS}
+        for member in self.members.values():
+            member.start()
+        self.roles()
+        self.bridges = {name: self.bridge(name) for name in self.gateways}
+        self.daemons = {name: self.daemon(name) for name in self.gateways}
+
+    def links(self):
+        """The store has a network of its own. Of the shared medium each gateway has the end lan0, and the observer
+        the other one."""
+        sh("ip link add store type bridge && ip link set store up")
+        for place in (*MEMBERS, *self.gateways):
+            sh(f"""set -e
+ip netns add {place}
+ip -n {place} link set lo up
+ip link add st0 netns {place} type veth peer name s-{place}
+ip link set s-{place} master store up
+ip -n {place} addr add {address_of(place)}/24 dev st0
+ip -n {place} link set st0 up
+ip netns exec {place} nft -f - <<'END'
+table inet faults {{
+	set from {{ type ipv4_addr; }}
+	chain in {{ type filter hook input priority 0; ip saddr @from drop; }}
+}}
+END""")
+        for name in self.gateways:
+            sh(f"""set -e
+ip link add lan0 netns {name} type veth peer name l-{name}
+ip link set l-{name} up
+ip -n {name} addr add 10.8.0.{name[2:]}/24 dev lan0
+ip -n {name} link set lan0 up
+ip -n {name} route add 239.0.0.0/8 dev lan0
+mkdir -p {name}.bpf {name}.state
+mount -t bpf bpf {name}.bpf""")
+
+    def member(self, name, cluster):
+        peer, client = f"http://{address_of(name)}:2380", f"https://{address_of(name)}:2379"
+        return Process(name, [
+            "etcd", "--name", name, "--data-dir", f"{WORK}/{name}.data", "--listen-client-urls",
+            f"{client},https://127.0.0.1:2379", "--advertise-client-urls", client, "--listen-peer-urls", peer,
+            "--initial-advertise-peer-urls", peer, "--initial-cluster", cluster, "--cert-file", "server.pem", "--key-file",
+            "server.key", "--client-cert-auth", "--trusted-ca-file", "ca.pem", "--bcrypt-cost", "4", "--logger", "zap",
+            "--log-level", "error"], f"{name}.log")
+
+    def control(self, command, member=MEMBERS[0], check=True):
+        """etcdctl of root, at one member."""
+        return sh(f"ETCDCTL_API=3 ip netns exec {member} etcdctl --cacert=ca.pem --cert=root.pem --key=root.key "
+                  f"--dial-timeout=20s --command-timeout=20s --endpoints=https://127.0.0.1:2379 {command}", check)
+
+    def roles(self):
+        """As docs/how-to/cluster-etcd.md has them: gw1 and gw2 may roll out."""
+        steps = ["user add root --no-password", "user grant-role root root", "role add tick",
+                 "role grant-permission tick --prefix=true readwrite /tick/", "user add tick:tick", "user grant-role tick tick"]
+        for name in self.gateways:
+            grant = f"role grant-permission {name}"
+            steps += [f"role add {name}", f"{grant} --prefix=true read /mlcca/t/", f"{grant} readwrite /mlcca/t/m/{name}",
+                      f"{grant} readwrite /mlcca/t/d/vote/{name}"]
+            prefixes = [f"x/{name}/", f"a/{name}/", f"r/lan/{name}/", "f/", "v/"]
+            steps += [f"{grant} --prefix=true readwrite /mlcca/t/{prefix}"
+                      for prefix in prefixes + (["d/"] if name in ("gw1", "gw2") else [])]
+            steps += [f"user add {name} --no-password", f"user grant-role {name} {name}"]
+        steps.append("auth enable")
+        ready = "until etcdctl endpoint health; do sleep 0.1; done"
+        script = "set -e\n" + "\n".join(["etcdctl() { command etcdctl --cacert=ca.pem --cert=root.pem --key=root.key "
+                                         "--dial-timeout=20s --command-timeout=20s --endpoints=https://127.0.0.1:2379 \"$@\"; }",
+                                         ready] + [f"etcdctl {step}" for step in steps])
+        with open(f"{WORK}/roles", "w", encoding="utf-8") as file:
+            file.write(script)
+        sh("ETCDCTL_API=3 ip netns exec m0 sh roles")
+
+    def bridge(self, name):
+        with open(f"{WORK}/{name}.conf", "w", encoding="utf-8") as file:
+            for member in MEMBERS:
+                file.write(f"endpoint = https://{address_of(member)}:2379\n")
+            file.write(f"ca = {WORK}/ca.pem\ncertificate = {WORK}/{name}.pem\nkey = {WORK}/{name}.key\n")
+        return Process(name, [f"{BUILD}/mlcca-cluster", "--settings", f"{WORK}/{name}.conf", "--socket",
+                              f"{WORK}/{name}.cluster"], f"{name}.bridge.log")
+
+    def daemon(self, name):
+        return Process(name, [
+            f"{BUILD}/mlccad", "--description", f"{WORK}/system.xml", "--gateway", name, "--socket", f"{WORK}/{name}.sock",
+            "--bpf-root", f"{WORK}/{name}.bpf", "--state-directory", f"{WORK}/{name}.state", "--cluster-settings",
+            f"{WORK}/{name}.conf", "--cluster-socket", f"{WORK}/{name}.cluster", "--lease", f"{LEASE}s"], f"{name}.log")
+
+    def start(self):
+        for name in self.gateways:
+            self.bridges[name].start()
+            self.daemons[name].start()
+
+    def ask(self, name, *words):
+        """mlccactl: its exit status, and what it says."""
+        with LOCK:
+            process = subprocess.Popen([f"{BUILD}/mlccactl", "--socket", f"{WORK}/{name}.sock", "--timeout", "8", *words],
+                                       stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        said, _ = process.communicate()
+        return process.returncode, said
+
+    # What can be between two sides.
+
+    def cut(self, here, there):
+        """Nothing from `there` arrives `here` any more."""
+        sh(f"ip netns exec {here} nft add element inet faults from '{{ {address_of(there)} }}'")
+        self.cuts.add((here, there))
+
+    def mend_cuts(self):
+        for here, there in self.cuts:
+            sh(f"ip netns exec {here} nft delete element inet faults from '{{ {address_of(there)} }}'")
+        self.cuts.clear()
+
+    def delay(self, place, milliseconds):
+        return sh(f"ip netns exec {place} tc qdisc add dev st0 root netem delay {milliseconds}ms", check=False) is not None
+
+    def mend_delay(self, place):
+        sh(f"ip netns exec {place} tc qdisc del dev st0 root")
