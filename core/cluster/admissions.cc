@@ -51,7 +51,8 @@ void Admissions::refuse(Own& own, Vote why, std::optional<std::size_t> by,
   own.answered = true;
 }
 
-void Admissions::withdraw(Own& own, Vote why, std::size_t by, std::vector<Event>& events) {
+void Admissions::withdraw(Own& own, Vote why, std::optional<std::size_t> by,
+                          std::vector<Event>& events) {
   if (!own.withdrawn)
     events.emplace_back(Withdrawn{.id = own.wanted.id, .why = std::move(why), .by = by});
   own.withdrawn = true;
@@ -114,6 +115,18 @@ void Admissions::release(std::uint64_t id, Value now) {
 
 void Admissions::release_all(const std::string& why, Value now, std::vector<Event>& events) {
   for (Own& own : std::views::values(own_)) {
+    refuse(own, no(why), kNobody, events);
+    if (!nowhere_but_here(own)) give_up(own, now);
+  }
+  std::erase_if(own_, [](const auto& entry) { return nowhere_but_here(entry.second); });
+}
+
+void Admissions::withdraw_all(const std::string& why, Value now, std::vector<Event>& events) {
+  for (Own& own : std::views::values(own_)) {
+    if (own.state == State::granted) {
+      withdraw(own, no(why), kNobody, events);
+      continue;
+    }
     refuse(own, no(why), kNobody, events);
     if (!nowhere_but_here(own)) give_up(own, now);
   }

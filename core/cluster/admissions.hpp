@@ -40,6 +40,8 @@ class Admissions {
   void release(std::uint64_t id, Value now);
   /// Whoever waits for an answer is refused.
   void release_all(const std::string& why, Value now, std::vector<Event>& events);
+  /// The caller closes what is granted, and releases it; whoever waits is refused.
+  void withdraw_all(const std::string& why, Value now, std::vector<Event>& events);
   /// After a start or a new beginning, from a view that has all that was committed. `goes_on`: what
   /// was granted still is.
   void find(const View& view, bool goes_on, Value now, std::vector<Event>& events);
@@ -91,7 +93,8 @@ class Admissions {
   };
 
   static void refuse(Own& own, Vote why, std::optional<std::size_t> by, std::vector<Event>& events);
-  static void withdraw(Own& own, Vote why, std::size_t by, std::vector<Event>& events);
+  static void withdraw(Own& own, Vote why, std::optional<std::size_t> by,
+                       std::vector<Event>& events);
   static bool nowhere_but_here(const Own& own);
   static void give_up(Own& own, Value now);
   static void erase(Own& own, Value now);

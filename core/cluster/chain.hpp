@@ -31,6 +31,7 @@ struct Work {
     judge,
     decide,
     leave,
+    clean,  ///< of what nobody can use any more
   };
   Kind kind = Kind::beat;
   std::uint64_t id = 0;      ///< of an admission

@@ -167,6 +167,32 @@ std::optional<Key> Keys::parse_admission(const Words& words, std::size_t count) 
   return Key{.kind = Key::Kind::vote, .gateway = *gateway, .from = *last_name, .id = *id};
 }
 
+std::optional<LeftKey> Keys::parse_left(std::string_view key) const {
+  if (!key.starts_with(prefix_)) return std::nullopt;
+  Words words;
+  const std::size_t count = split(key.substr(prefix_.size()), words);
+  LeftKey left;
+  if (count == 2 && (words[0] == "m" || words[0] == "f")) {
+    left.kind = words[0] == "m" ? Key::Kind::member : Key::Kind::fence;
+    left.gateway = words[1];
+  } else if (count == 4 && words[0] == "r") {
+    left = {.kind = Key::Kind::reservation,
+            .gateway = words[2],
+            .network = index_in(network_of_, words[1])};
+  }
+  return left.gateway.empty() || gateway_of_.contains(left.gateway) ? std::nullopt
+                                                                    : std::optional(left);
+}
+
+bool Keys::is_of_removed_network(std::string_view key, std::size_t gateway) const {
+  if (!key.starts_with(prefix_)) return false;
+  Words words;
+  const std::size_t count = split(key.substr(prefix_.size()), words);
+  const bool own = (count == 2 && words[0] == "v") ||
+                   (count == 4 && words[0] == "r" && words[2] == gateways_[gateway]);
+  return own && !words[1].empty() && !network_of_.contains(words[1]);
+}
+
 std::optional<std::size_t> Keys::network_of(std::string_view key) const {
   if (!key.starts_with(prefix_)) return std::nullopt;
   key.remove_prefix(prefix_.size());

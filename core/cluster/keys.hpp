@@ -39,6 +39,13 @@ struct Key {
   bool operator==(const Key&) const = default;
 };
 
+/// A key of a gateway that the description does not have: a former one has had it.
+struct LeftKey {
+  Key::Kind kind = Key::Kind::member;  ///< or fence, or reservation
+  std::string_view gateway;            ///< encoded
+  std::optional<std::size_t> network = std::nullopt;
+};
+
 /// Names are percent-encoded outside [A-Za-z0-9._-], so that a key has one reading.
 class Keys {
  public:
@@ -61,6 +68,9 @@ class Keys {
 
   /// nullopt: not a key of this cluster, or of something that the description does not have.
   [[nodiscard]] std::optional<Key> parse(std::string_view key) const;
+  [[nodiscard]] std::optional<LeftKey> parse_left(std::string_view key) const;
+  /// What `gateway` has written about a network that the description does not have.
+  [[nodiscard]] bool is_of_removed_network(std::string_view key, std::size_t gateway) const;
   /// Of a key that parse() does not understand: the network of which it would take something.
   [[nodiscard]] std::optional<std::size_t> network_of(std::string_view key) const;
 

@@ -2,6 +2,7 @@
 #include "core/cluster/member.hpp"
 
 #include <algorithm>
+#include <ranges>
 #include <utility>
 
 #include "core/cluster/lease.hpp"
@@ -12,6 +13,10 @@ namespace {
 
 /// Gateways do not fence at the same time: each has a place in this part of a lease.
 constexpr Value kFenceSpread = 8;
+
+/// Of networks that the description does not have, in one transaction; and when it is tried again.
+constexpr std::size_t kMostCleaned = 64;
+constexpr Value kCleanAgain = 60'000'000'000;
 
 /// When the view shows what a conflict has brought to light.
 std::int64_t newest_of(const std::vector<Entry>& entries) {
@@ -77,6 +82,7 @@ void Member::settle(const std::vector<Done>& all, Value now) {
     else
       admissions_.on_done(done, view_, now, events_);
     rollouts_.on_done(done, now, events_);
+    on_cleaned(done, now);
     if (done.fate == Done::Fate::done && done.work.kind == Work::Kind::reserve)
       journal_.seen_revision = done.revision;
     if (done.fate == Done::Fate::done && done.work.kind == Work::Kind::leave) {
@@ -99,6 +105,12 @@ void Member::settle(const std::vector<Done>& all, Value now) {
       go_back(now);
       break;
   }
+}
+
+/// The role in the store may have lost what it would need.
+void Member::on_cleaned(const Done& done, Value now) {
+  if (done.work.kind == Work::Kind::clean && done.fate != Done::Fate::done)
+    clean_from_ = add_saturating(now, kCleanAgain);
 }
 
 void Member::on_joined(std::int64_t revision) {
@@ -204,6 +216,10 @@ void Member::step(Value now) {
   adoptions_.step(view_, joined && found_, events_);
   for (const std::size_t network : view_.take_changed())
     events_.emplace_back(ForeignChanged{.network = network});
+  // Others use what is in force, and what this gateway has left of the former description is
+  // closed.
+  if (joined && found_ && other_is_open())
+    admissions_.withdraw_all("another description is in force", now, events_);
   admissions_.step(view_, now, events_);
   election_.step(view_, now, joined, events_);
   rollouts_.step(view_, now, events_);
@@ -218,6 +234,11 @@ void Member::step(Value now) {
 bool Member::digest_in_force() const {
   const auto& current = view_.records().current.value;
   return current && current->open && current->digest == identity_.digest;
+}
+
+bool Member::other_is_open() const {
+  const auto& current = view_.records().current.value;
+  return current && current->open && current->digest != identity_.digest;
 }
 
 Member::Standing Member::standing(Value now) const {
@@ -344,6 +365,18 @@ std::optional<Work> Member::fence(Value now) const {
   return std::nullopt;
 }
 
+/// All have left the former description, so nobody uses what was taken by it.
+std::optional<Work> Member::clean_up(Value now) const {
+  if (!digest_in_force() || now < clean_from_) return std::nullopt;
+  Work clean{.kind = Work::Kind::clean,
+             .compares = {{.key = keys_->current(), .revision = view_.records().current.mod}}};
+  for (const auto& key : std::views::keys(view_.records().strange)) {
+    if (clean.deletes.size() >= kMostCleaned) break;
+    if (keys_->is_of_removed_network(key, identity_.gateway)) clean.deletes.push_back(key);
+  }
+  return clean.deletes.empty() ? std::nullopt : std::optional(std::move(clean));
+}
+
 std::optional<Work> Member::next_work(Value now) {
   const bool may_take = now >= take_from_ && !draining_ && digest_in_force();
   if (!found_ || view_.revision() < wait_for_) return std::nullopt;
@@ -351,6 +384,7 @@ std::optional<Work> Member::next_work(Value now) {
   if (auto work = adoptions_.next_work(view_, *codec_)) return work;
   if (!caught_up()) return std::nullopt;
   if (auto work = adoptions_.clean_up(view_)) return work;
+  if (auto work = clean_up(now)) return work;
   if (auto work = fence(now)) return work;
   if (draining_ && said_draining_ && admissions_.empty())
     return Work{.kind = Work::Kind::leave, .deletes = {keys_->member(identity_.gateway)}};

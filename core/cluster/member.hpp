@@ -109,15 +109,18 @@ class Member {
   void check_standing(Value now);
   void settle(const std::vector<Done>& all, Value now);
   void on_joined(std::int64_t revision);
+  void on_cleaned(const Done& done, Value now);
   [[nodiscard]] bool has_gone_back() const;
   [[nodiscard]] bool same_epoch() const;
   [[nodiscard]] bool digest_in_force() const;
+  [[nodiscard]] bool other_is_open() const;
   [[nodiscard]] std::string why_no_description() const;
   [[nodiscard]] bool caught_up() const { return view_.revision() >= chain_.base(); }
   [[nodiscard]] Beat beat(Value now) const;
   [[nodiscard]] bool beat_wanted(Value now) const;
   [[nodiscard]] std::optional<Work> next_work(Value now);
   [[nodiscard]] std::optional<Work> fence(Value now) const;
+  [[nodiscard]] std::optional<Work> clean_up(Value now) const;
   [[nodiscard]] Value fence_time(std::size_t gateway, Value from) const;
 
   std::shared_ptr<const Keys> keys_;
@@ -135,6 +138,7 @@ class Member {
   std::string problem_;
   std::int64_t wait_for_ = 0;  ///< the view must have this revision before anything but a beat
   Value take_from_ = 0;        ///< nothing is taken before
+  Value clean_from_ = 0;       ///< the store has refused to clean up
   std::int64_t applied_ = 0, said_applied_ = 0;
   std::int64_t ask_applied_ = 0;  ///< others wait to hear that this revision is applied
   Role said_role_ = Role::standby;

@@ -9,6 +9,9 @@ namespace {
 /// Entries that are not understood, by name. More of them are not kept apart.
 constexpr std::size_t kMostStrange = 4096;
 
+/// Gateways that a former description had. Of more of them nothing is ever taken for over.
+constexpr std::size_t kMostLeft = 1024;
+
 /// `read` is not asked about what is gone or too long.
 template <class Read>
 auto value_of(const Entry& entry, Read read) -> decltype(read(entry.value)) {
@@ -19,6 +22,13 @@ auto value_of(const Entry& entry, Read read) -> decltype(read(entry.value)) {
 template <class T, class Read>
 void keep(Record<T>& record, const Entry& entry, Read read) {
   record = {.value = value_of(entry, read), .mod = entry.gone ? 0 : entry.mod};
+}
+
+void keep_member(MemberRecord& member, const Codec& codec, const Entry& entry) {
+  member.beat = value_of(entry, [&](const auto& v) { return codec.beat(v); });
+  if (member.beat && (member.beat->lease < kLeastLease || member.beat->lease > kMostLease))
+    member.beat.reset();
+  member.mod = entry.gone ? 0 : entry.mod;
 }
 
 }  // namespace
@@ -60,11 +70,9 @@ void Records::put_asked(const Codec& codec, const Key& key, const Entry& entry) 
 }
 
 void Records::put_member(const Codec& codec, const Key& key, const Entry& entry) {
-  auto beat = value_of(entry, [&](const auto& v) { return codec.beat(v); });
-  if (beat && (beat->lease < kLeastLease || beat->lease > kMostLease)) beat.reset();
-  note(entry, beat.has_value(), std::nullopt);
-  members[key.gateway].mod = entry.gone ? 0 : entry.mod;
-  members[key.gateway].beat = beat;
+  MemberRecord& member = members[key.gateway];
+  keep_member(member, codec, entry);
+  note(entry, member.beat.has_value(), std::nullopt);
 }
 
 void Records::put_blob(const Key& key, const Entry& entry) {
@@ -90,10 +98,28 @@ void Records::put_description(const Codec& codec, const Key& key, const Entry& e
   }
 }
 
+void Records::put_left(const Codec& codec, const LeftKey& key, const Entry& entry) {
+  auto it = left.find(key.gateway);
+  if (it == left.end()) {
+    if (entry.gone || left.size() >= kMostLeft) return;
+    it = left.emplace(std::string(key.gateway), LeftRecord{}).first;
+  }
+  LeftRecord& record = it->second;
+  if (key.kind == Key::Kind::member)
+    keep_member(record.member, codec, entry);
+  else if (key.kind == Key::Kind::fence)
+    record.member.fence = entry.gone ? 0 : entry.mod;
+  else if (entry.gone)
+    record.taken.erase(entry.key);
+  else if (key.network && strange.contains(entry.key))
+    record.taken[entry.key] = {.network = *key.network, .mod = entry.mod};
+}
+
 std::optional<Key> Records::put(const Keys& keys, const Codec& codec, const Entry& entry) {
   auto key = keys.parse(entry.key);
   if (!key) {
     note(entry, false, keys.network_of(entry.key));
+    if (const auto of = keys.parse_left(entry.key)) put_left(codec, *of, entry);
     return key;
   }
   switch (key->kind) {

@@ -41,6 +41,17 @@ struct Record {
   std::int64_t mod = 0;  ///< 0: it is not there; else without a value it is unreadable
 };
 
+/// What the store has of a gateway that the description does not have.
+struct LeftRecord {
+  struct Taken {
+    std::size_t network = 0;
+    std::int64_t mod = 0;
+  };
+  MemberRecord member;
+  /// By key: what it has taken of networks that the description has.
+  std::map<std::string, Taken, std::less<>> taken;
+};
+
 class Records {
  public:
   struct ReservationKey {
@@ -73,6 +84,8 @@ class Records {
   std::map<std::pair<std::string, std::uint64_t>, std::string> blobs;
   /// Keys whose entries are not understood, with the network of which they take something.
   std::map<std::string, std::optional<std::size_t>, std::less<>> strange;
+  /// By encoded name.
+  std::map<std::string, LeftRecord, std::less<>> left;
   bool too_many = false;  ///< stays until the next snapshot
 
  private:
@@ -80,6 +93,7 @@ class Records {
   void put_asked(const Codec& codec, const Key& key, const Entry& entry);
   void put_member(const Codec& codec, const Key& key, const Entry& entry);
   void put_blob(const Key& key, const Entry& entry);
+  void put_left(const Codec& codec, const LeftKey& key, const Entry& entry);
   void put_description(const Codec& codec, const Key& key, const Entry& entry);
   void note(const Entry& entry, bool understood, std::optional<std::size_t> network);
 };

@@ -2,6 +2,7 @@
 #include "core/cluster/view.hpp"
 
 #include <algorithm>
+#include <ranges>
 #include <utility>
 
 #include "core/cluster/footprint.hpp"
@@ -26,8 +27,11 @@ void View::begin_snapshot(std::int64_t revision) {
   if (revision < revision_) {
     went_back_ = true;
     // What is the same number is not the same entry.
-    for (Timer& timer : timers_)
+    const auto forget = [](Timer& timer) {
       if (timer.mod != 0) timer.mod = timer.fence = -1;
+    };
+    std::ranges::for_each(timers_, forget);
+    std::ranges::for_each(std::views::values(left_timers_), forget);
   }
   coming_ = Records(keys_->gateways(), keys_->networks());
   coming_revision_ = revision;
@@ -65,6 +69,8 @@ void View::end_snapshot(Value now) {
     time_member(g, now);
     if (records_.members[g].fence != 0) dying_.insert(g);
   }
+  std::erase_if(left_timers_, [&](const auto& one) { return !records_.left.contains(one.first); });
+  for (const auto& name : std::views::keys(records_.left)) time_left(name, now);
   touch_all();
   expire(now);
 }
@@ -90,6 +96,7 @@ void View::take_in(const Entry& entry, Value now) {
   const auto key = records_.put(*keys_, *codec_, entry);
   if (!key) {
     if (const auto network = keys_->network_of(entry.key)) changed_.insert(*network);
+    if (const auto left = keys_->parse_left(entry.key)) time_left(left->gateway, now);
     return;
   }
   switch (key->kind) {
@@ -110,10 +117,8 @@ void View::take_in(const Entry& entry, Value now) {
 }
 
 /// The record of a gateway may have changed: from now on it counts for its lease, and what it had
-/// before a fence for what was left of that.
-void View::time_member(std::size_t gateway, Value now) {
-  const MemberRecord& record = records_.members[gateway];
-  Timer& timer = timers_[gateway];
+/// before a fence for what was left of that. True: the fence is another one.
+bool View::time_record(const MemberRecord& record, Timer& timer, Value now) {
   if (record.mod != timer.mod) {
     if (record.mod != 0) {
       timer.lease = record.beat ? record.beat->lease : kMostLease;
@@ -124,11 +129,37 @@ void View::time_member(std::size_t gateway, Value now) {
     timer.seen = now;
     timer.mod = record.mod;
   }
-  if (record.fence != timer.fence) {
-    timer.dead_at = std::max(timer.dead_at, timer.counts_until);
-    timer.fence = record.fence;
-    dying_.insert(gateway);
-    touch_those_of(gateway);
+  if (record.fence == timer.fence) return false;
+  timer.dead_at = std::max(timer.dead_at, timer.counts_until);
+  timer.fence = record.fence;
+  return true;
+}
+
+void View::time_member(std::size_t gateway, Value now) {
+  if (!time_record(records_.members[gateway], timers_[gateway], now)) return;
+  dying_.insert(gateway);
+  touch_those_of(gateway);
+}
+
+void View::time_left(std::string_view gateway, Value now) {
+  const auto record = records_.left.find(gateway);
+  if (record != records_.left.end())
+    time_record(record->second.member, left_timers_[record->first], now);
+}
+
+/// Whoever was on the way of it is in the description that is open now, or is dead as well.
+void View::expire_left(Value now) {
+  for (auto& [gateway, left] : records_.left) {
+    if (now < left_timers_[gateway].dead_at) continue;
+    for (auto it = left.taken.begin(); it != left.taken.end();) {
+      if (it->second.mod >= left.member.fence) {
+        ++it;
+        continue;
+      }
+      changed_.insert(it->second.network);
+      records_.strange.erase(it->first);
+      it = left.taken.erase(it);
+    }
   }
 }
 
@@ -180,6 +211,7 @@ bool View::is_over(const Records::ReservationKey& key, ReservationRecord& record
 }
 
 void View::expire(Value now) {
+  expire_left(now);
   // What is of this gateway itself it must know, to take it out of the store.
   dying_.erase(self_);
   for (auto it = dying_.begin(); it != dying_.end();) {
@@ -242,6 +274,7 @@ std::optional<Value> View::next_event(Value now) const {
     at(timers_[g].counts_until);
     at(timers_[g].dead_at);
   }
+  for (const auto& timer : std::views::values(left_timers_)) at(timer.dead_at);
   if (!dying_.empty()) at(queues_empty_at(now));
   return next;
 }

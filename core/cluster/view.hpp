@@ -4,9 +4,12 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/cluster/records.hpp"
@@ -89,7 +92,10 @@ class View {
   };
 
   void take_in(const Entry& entry, Value now);
+  static bool time_record(const MemberRecord& record, Timer& timer, Value now);
   void time_member(std::size_t gateway, Value now);
+  void time_left(std::string_view gateway, Value now);
+  void expire_left(Value now);
   void touch_all();
   void touch_those_of(std::size_t gateway);
   void expire(Value now);
@@ -102,6 +108,7 @@ class View {
   Records records_, coming_;
   std::vector<Entry> parts_;  ///< of a revision that is not complete
   std::vector<Timer> timers_;
+  std::map<std::string, Timer, std::less<>> left_timers_;  ///< of gateways in Records::left
   std::set<std::size_t> dying_;  ///< that may have something from before their fence
   std::set<Records::AskedKey> adopted_;
   std::int64_t revision_ = 0, coming_revision_ = 0;

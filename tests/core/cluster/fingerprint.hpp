@@ -118,7 +118,7 @@ class Fingerprint {
   }
   void add(const Records& v) {
     (*this)(v.members, v.versions, v.reservations, v.asked, v.votes, v.epoch, v.current, v.next,
-            v.rollout_votes, v.blobs.size(), v.strange.size(), v.too_many);
+            v.rollout_votes, v.blobs.size(), v.strange.size(), v.left.size(), v.too_many);
   }
 
   std::uint64_t low_ = 0x243f6a8885a308d3U, high_ = 0x13198a2e03707344U;

@@ -97,6 +97,42 @@ TEST_F(ClusterMember, WhoHasAnotherDescriptionRollsOutNothing) {
   EXPECT_EQ(at(1).standing(now), Member::Standing::joined);
 }
 
+/// It was called off, came back, and has its own file.
+TEST_F(ClusterMember, WhoStaysInTheFormerDescriptionGivesBackWhatItHasReserved) {
+  in_force(1);
+  start(0);
+  at(0).reserve(unit(1), now);
+  run();
+  ASSERT_EQ(nodes[0].take<Reserved>().size(), 1U);
+  in_force(2);
+  run();
+  const auto withdrawn = nodes[0].take<Withdrawn>();
+  ASSERT_EQ(withdrawn.size(), 1U);
+  EXPECT_EQ(withdrawn[0].why.reason, "another description is in force");
+  EXPECT_TRUE(store.entries.contains(keys->reservation(0, 0, 1))) << "before it is closed";
+  at(0).release(1, now);
+  pass(3 * kSecond);
+  EXPECT_FALSE(store.entries.contains(keys->reservation(0, 0, 1)));
+  EXPECT_FALSE(store.entries.contains(keys->asked(0, 1)));
+  EXPECT_TRUE(nodes[0].take<Withdrawn>().empty()) << "once";
+}
+
+TEST_F(ClusterMember, WhatWasTakenOfANetworkThatIsNotThereAnyMoreIsDeletedWhenAllHaveLeftIt) {
+  const std::vector<std::string> own = {"r/gone/A/1", "r/gone/A/2", "v/gone"};
+  for (const std::string& key : own) store.write({{.key = key, .value = "5"}});
+  store.write({{.key = "r/gone/B/1", .value = "5"}});
+  start(0);
+  for (const std::string& key : own)
+    EXPECT_TRUE(store.entries.contains(key)) << "before it is open";
+  in_force(1);
+  run();
+  for (const std::string& key : own) EXPECT_FALSE(store.entries.contains(key)) << key;
+  EXPECT_TRUE(store.entries.contains("r/gone/B/1")) << "B alone may";
+  start(1);
+  run();
+  EXPECT_FALSE(store.entries.contains("r/gone/B/1"));
+}
+
 TEST_F(ClusterMember, WhatWasRefutedIsNotAskedAgainBeforeItIsSeenWhy) {
   in_force(1);
   start(0);

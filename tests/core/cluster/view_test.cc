@@ -99,6 +99,33 @@ TEST_F(ClusterView, WhatWasSeenBeforeIsNotAppliedAgain) {
   EXPECT_EQ(held(), 0U);
 }
 
+/// A rollout called it off, so the description does not have it any more.
+TEST_F(ClusterView, WhatAGatewayOfAFormerDescriptionHasLeftIsOverWhenItIsDead) {
+  const std::string left = "r/bus/gone/1";
+  put("m/gone", codec.write(Beat{.lease = 10 * kSecond}), 20 * kSecond);
+  put(left, "5", 20 * kSecond);
+  const Value end = may_fence_at(20 * kSecond, 10 * kSecond);
+  view.on_time(2 * end);
+  EXPECT_TRUE(view.foreign(0).unreadable) << "nobody has fenced it";
+  put("f/gone", "A", 21 * kSecond);
+  EXPECT_EQ(view.next_event(end - 1), end);
+  view.on_time(end - 1);
+  EXPECT_TRUE(view.foreign(0).unreadable) << "somebody hostile may have fenced it";
+  static_cast<void>(view.take_changed());
+  view.on_time(end);
+  EXPECT_FALSE(view.foreign(0).unreadable);
+  EXPECT_EQ(view.take_changed(), std::vector<std::size_t>{0});
+  // Whoever reads all of it again waits again only where it cannot know better.
+  read_all(end);
+  view.on_time(end);
+  EXPECT_FALSE(view.foreign(0).unreadable);
+  put(left, "5", end);
+  view.on_time(2 * end);
+  EXPECT_TRUE(view.foreign(0).unreadable) << "it is younger than the fence";
+  drop(left, end);
+  EXPECT_FALSE(view.foreign(0).unreadable);
+}
+
 TEST_F(ClusterView, ADeadGatewayCountsUntilItIsFencedAndItsLeaseHasEnded) {
   beat(1, 0);
   hold(1, 1, 5, 0);
