@@ -19,6 +19,7 @@ install-systemd:
 	$(Q)$(MAKE_UNIT) systemd/mlcca-famouso.service.in > $(DESTDIR)$(UNITDIR)/mlcca-famouso.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-exporter.service.in > $(DESTDIR)$(UNITDIR)/mlcca-exporter.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-cluster.service.in > $(DESTDIR)$(UNITDIR)/mlcca-cluster.service
+	$(Q)$(MAKE_UNIT) systemd/mlcca-drain.service.in > $(DESTDIR)$(UNITDIR)/mlcca-drain.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-gate.service.in > $(DESTDIR)$(UNITDIR)/mlcca-gate.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-awds@.service.in > $(DESTDIR)$(UNITDIR)/mlcca-awds@.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-sources@.service.in > $(DESTDIR)$(UNITDIR)/mlcca-sources@.service

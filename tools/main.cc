@@ -414,14 +414,14 @@ Exit ask_drain(const Options& options, const Arguments& arguments) {
     if (cluster == nullptr) return print_reply<control::ClusterRequest>(options, *now);
     const bool other = !arguments.gateway.empty() && arguments.gateway != cluster->gateway;
     if (!cluster->system.empty() && !other) {
-      const auto what = what_closes(*cluster, options.error_color);
+      const auto what = what_closes(*cluster, arguments.until_restart, options.error_color);
       if (arguments.yes)
         fmt::print(stderr, "{}", what);
       else if (const auto ended = ask_back(options, what, "Drain it?"))
         return *ended;
     }
   }
-  return ask(options, control::DrainRequest{arguments.gateway});
+  return ask(options, control::DrainRequest{arguments.gateway, arguments.until_restart});
 }
 
 Exit ask_cluster(const Options& options, const Arguments& arguments) {

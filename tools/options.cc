@@ -239,6 +239,8 @@ void add_cluster(CLI::App& app, Arguments& to) {
                "status: one line for a monitoring system; exit status 0 healthy, 1 degraded, 2 "
                "shared networks are closed, 3 unknown");
   app.add_flag("-y,--yes", to.yes, "drain: do not ask back: for scripts");
+  app.add_flag("--until-restart", to.until_restart,
+               "drain: until mlccad is started again, for a machine that is switched off");
 }
 
 void add_arguments(CLI::App& app, Takes takes, Arguments& to) {

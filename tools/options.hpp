@@ -52,6 +52,7 @@ struct Arguments {
   std::string network;             ///< of what is reserved
   std::string gateway;             ///< the same, or the one that is meant
   bool yes = false;                ///< do it without asking back
+  bool until_restart = false;      ///< drain: no longer than mlccad runs
   bool html = false;               ///< a page
   bool check = false;              ///< only the health, for a monitoring system
   bool verify = false;             ///< never seen: see is_read_back()

@@ -58,7 +58,7 @@ std::string render(const control::Cluster& cluster, Color color);
 std::string render(const control::ClusterMembers& members, Color color);
 std::string render(const control::ClusterReservations& reservations, Color color);
 /// What closes where the gateway is drained.
-std::string what_closes(const control::Cluster& cluster, Color color);
+std::string what_closes(const control::Cluster& cluster, bool until_restart, Color color);
 
 /// What the holder of a lease must know.
 std::string lease_note(const control::Admit& request, const std::set<std::uint64_t>& admissions);

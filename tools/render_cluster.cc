@@ -189,12 +189,13 @@ std::string render(const control::ClusterReservations& reservations, Color color
   return table.empty() ? "nothing is reserved\n" : table.text(color);
 }
 
-std::string what_closes(const control::Cluster& cluster, Color color) {
-  return fmt::format("{}: {}; what it has reserved is given back, until 'mlccactl cluster join'\n",
+std::string what_closes(const control::Cluster& cluster, bool until_restart, Color color) {
+  return fmt::format("{}: {}; what it has reserved is given back, until {}\n",
                      printable(cluster.gateway),
                      styled(fmt::format("{} {}", fmt::join(cluster.networks, ", "),
                                         cluster.networks.size() == 1 ? "closes" : "close"),
-                            Style::bad, color));
+                            Style::bad, color),
+                     until_restart ? "mlccad is started again" : "'mlccactl cluster join'");
 }
 
 }  // namespace mlcca::tools

@@ -193,6 +193,8 @@ Result<control::ClusterRequest> cluster(const Arguments& from) {
   const bool reads = from.part == "status" || from.part == "members";
   if (from.check && from.part != "status") return fail("--check goes with status alone");
   if (from.yes && from.part != "drain") return fail("--yes goes with drain alone");
+  if (from.until_restart && from.part != "drain")
+    return fail("--until-restart goes with drain alone");
   if (!from.network.empty() && from.part != "reservations")
     return fail("--network goes with reservations alone");
   if (!from.gateway.empty() && reads)

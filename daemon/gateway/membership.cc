@@ -95,7 +95,7 @@ void Membership::begin() {
   ++generation_;
   // What the store may still have of a gateway that takes no part is taken out of it.
   draining_ = left_ = false;
-  drained_ = parts_.recorder.contents().membership.drained;
+  drained_ = until_restart_ || parts_.recorder.contents().membership.drained;
   leaving_ = leaving_ || drained_;
   parts_.link.introduce(system_, system.gateways[self_].name);
   parts_.link.follow({keys_->prefix()});
@@ -143,7 +143,7 @@ store::Membership Membership::record() const {
   parts_.rollout.put_into(record);
   record.cluster = system_;
   record.gateway = member_->view().keys().gateway_name(self_);
-  record.drained = drained_;
+  record.drained = drained_ && !until_restart_;
   return record;
 }
 

@@ -92,10 +92,12 @@ class Membership {
   // An operator takes the gateway out, and in again. On disk first; after an error nothing has
   // changed.
 
-  /// As leave(), until join(): also a daemon that starts later takes no part.
-  [[nodiscard]] Result<void> drain();
+  /// As leave(), until join(): also a daemon that starts later takes no part, unless it is
+  /// `until_restart`.
+  [[nodiscard]] Result<void> drain(bool until_restart);
   [[nodiscard]] Result<void> join();
   [[nodiscard]] bool is_drained() const { return drained_; }
+  [[nodiscard]] bool is_drained_until_restart() const { return drained_ && until_restart_; }
 
   // Who wants something.
 
@@ -200,7 +202,8 @@ class Membership {
   bool leaving_ = false, draining_ = false, left_ = false;
   bool lost_ = false;  ///< and the gates may not have closed yet
   Value enforce_at_ = 0;
-  bool drained_ = false;  ///< as an operator wants it
+  bool drained_ = false;        ///< as an operator wants it
+  bool until_restart_ = false;  ///< and no longer than that
   bool looks_for_wishes_ = true;
   Value leave_until_ = 0;
   std::optional<std::uint64_t> until_;  ///< as it was set last

@@ -45,11 +45,15 @@ Result<void> Membership::write_drained(bool drained) {
   after.drained = drained;
   if (auto done = parts_.recorder.write_at_once({store::Entry(after)}); !done) return done;
   drained_ = drained;
+  until_restart_ = false;
   return {};
 }
 
-Result<void> Membership::drain() {
-  if (auto written = write_drained(true); !written) return written;
+Result<void> Membership::drain(bool until_restart) {
+  if (until_restart)
+    drained_ = until_restart_ = true;
+  else if (auto written = write_drained(true); !written)
+    return written;
   if (!leaving_) begin_leaving();
   return {};
 }
@@ -67,7 +71,9 @@ Result<void> Membership::join() {
 }
 
 std::string Membership::leaving_words() const {
-  if (drained_ && left_) return "this gateway is drained: 'mlccactl cluster join' ends that";
+  if (drained_ && left_ && !until_restart_)
+    return "this gateway is drained: 'mlccactl cluster join' ends that";
+  if (drained_ && left_) return "this gateway is drained until mlccad is started again";
   return store_.reachable ? "this gateway is being drained"
                           : "this gateway is being drained, and the store does not answer";
 }

@@ -121,7 +121,7 @@ std::vector<NamedRequest> all_requests() {
       {"Cluster", {31, ClusterRequest{}}},
       {"ClusterReservations",
        {32, ClusterRequest{.part = "reservations", .network = "lan", .gateway = "gw2"}}},
-      {"Drain", {33, DrainRequest{"gw1"}}},
+      {"Drain", {33, DrainRequest{"gw1", true}}},
       {"Join", {34, JoinRequest{"gw1"}}},
       {"Reload", {~std::uint64_t{0}, ReloadRequest{}}},
       {"AdmitWithLease", {10, full_admit()}},

@@ -152,7 +152,7 @@ control::SubscribeRequest some_subscription(Octets& from) {
 decltype(control::Request::body) some_of_a_cluster(Octets& from) {
   constexpr const char* parts[] = {"", "members", "reservations", "leaders"};
   const unsigned which = from.next() % 4;
-  if (which == 0) return control::DrainRequest{from.one_of(kPlaces)};
+  if (which == 0) return control::DrainRequest{from.one_of(kPlaces), from.next() % 2 == 0};
   if (which == 1) return control::JoinRequest{from.one_of(kPlaces)};
   return control::ClusterRequest{
       .part = from.one_of(parts), .network = from.one_of(kPlaces), .gateway = from.one_of(kPlaces)};

@@ -108,6 +108,7 @@ TEST(ClusterVerb, AsksForWhatIsWanted) {
                                              {"cluster", "status", "gw2"},
                                              {"cluster", "join", "--check"},
                                              {"cluster", "members", "--yes"},
+                                             {"cluster", "join", "--until-restart"},
                                              {"cluster", "leave"},
                                              {"cluster"}})
     EXPECT_EQ(run_mlccactl(wrong).status, 2) << wrong.back();
@@ -125,6 +126,17 @@ TEST(ClusterVerb, DrainSaysWhatClosesAndAsksBack) {
             "gw1: can-arm, mesh close; what it has reserved is given back, until 'mlccactl "
             "cluster join'\n");
   EXPECT_EQ(std::get<control::DrainRequest>(server.requests().back().body).gateway, "gw1");
+}
+
+TEST(ClusterVerb, ADrainForAMachineThatIsSwitchedOffSaysSo) {
+  Server server(answered);
+  const auto done =
+      run_mlccactl({"cluster", "drain", "--until-restart", "--yes", "--socket", server.path()});
+  EXPECT_EQ(done.status, 0);
+  EXPECT_EQ(done.error,
+            "gw1: can-arm, mesh close; what it has reserved is given back, until mlccad is started "
+            "again\n");
+  EXPECT_TRUE(std::get<control::DrainRequest>(server.requests().back().body).until_restart);
 }
 
 TEST(ClusterVerb, OfAnotherGatewayTheDaemonAnswers) {

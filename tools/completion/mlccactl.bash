@@ -183,7 +183,7 @@ _mlccactl() {
 		[[ $cur == -* ]] || words="enforce audit"
 		;;
 	cluster)
-		words+=" --gateway --network --check --yes"
+		words+=" --gateway --network --check --yes --until-restart"
 		[[ $cur == -* ]] || words="status members reservations drain join"
 		;;
 	audit)

@@ -176,6 +176,7 @@ __mlccactl_option 'renew release' -l id -x -d 'one admission, as admit and expla
 __mlccactl_option 'renew release' -l admission -x -d 'one admission, as admit and explain name it'
 __mlccactl_option 'renew release' -l key -x -d 'the same by the name that admit gave it'
 __mlccactl_option 'withdraw cluster' -s y -l yes -d 'do not ask back'
+__mlccactl_option cluster -l until-restart -d 'of drain: until mlccad is started again'
 __mlccactl_option 'announce' -l name -x -d 'name of that publisher or subscriber'
 __mlccactl_option 'announce' -l state -x -a '$__mlccactl_attributes=' -d 'what the program was made with'
 __mlccactl_option 'announce' -l follow -d 'stay and print the events of the channel'

@@ -11,12 +11,16 @@ Response drain(Context& context, const Asker& /*asker*/, const control::DrainReq
   if (auto bar = bars_part(context, request.gateway, "drain")) return std::move(*bar);
   const auto& system = context.scene.state->system();
   const std::string& self = system.gateways[context.scene.self].name;
-  if (context.membership->is_drained()) return control::Done{self + " is drained already"};
-  if (const auto done = context.membership->drain(); !done) return failed(done.error().text);
+  Membership& membership = *context.membership;
+  // Until it joins is longer than until a restart.
+  if (membership.is_drained() && (request.until_restart || !membership.is_drained_until_restart()))
+    return control::Done{self + " is drained already"};
+  if (const auto done = membership.drain(request.until_restart); !done)
+    return failed(done.error().text);
   const std::string line = fmt::format(
       "drained: networks that {} shares with others are closed, and what it has reserved is given "
-      "back, until 'mlccactl cluster join'",
-      self);
+      "back, until {}",
+      self, request.until_restart ? "mlccad is started again" : "'mlccactl cluster join'");
   context.log.warning(Kind::gateway, line);
   return control::Done{line};
 }

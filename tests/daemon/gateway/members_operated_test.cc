@@ -260,6 +260,37 @@ TEST_F(MembersOperated, ADrainLastsOverRestartsAndReloadsUntilItJoins) {
   EXPECT_FALSE(is_reason(0, "cluster"));
 }
 
+/// As the machine is switched off: what has a network no more cannot give anything back.
+TEST_F(MembersOperated, ADrainUntilARestartIsOverAfterIt) {
+  start_both();
+  ASSERT_EQ(asked(0, wanted("c2", "own0", "shared")), "granted");
+  EXPECT_TRUE(done(0, control::DrainRequest{{}, true}).ends_with("until mlccad is started again"));
+  pass(3 * kSecondNs);
+  EXPECT_EQ(cluster(0).phase, "drained");
+  EXPECT_EQ(entries("r/"), 0U);
+  EXPECT_FALSE(store.entries.contains("/mlcca/pair/m/g0"));
+  EXPECT_TRUE(is_reason(0, "this gateway is drained until mlccad is started again"));
+  EXPECT_EQ(done(0, control::DrainRequest{{}, true}), "g0 is drained already");
+  at(0).daemon().reload();
+  at(0).reading().finish();
+  pass(3 * kSecondNs);
+  EXPECT_EQ(cluster(0).phase, "drained") << "over a reload it stays";
+  at(0).end();
+  start(0);
+  pass(5 * kSecondNs);
+  EXPECT_EQ(cluster(0).phase, "in");
+  EXPECT_TRUE(passes(0, 2)) << "it has asked again";
+  // An operator who drains it means more.
+  done(0, control::DrainRequest{{}, true});
+  EXPECT_TRUE(done(0, control::DrainRequest{}).ends_with("until 'mlccactl cluster join'"));
+  pass(3 * kSecondNs);
+  at(0).end();
+  start(0);
+  pass(5 * kSecondNs);
+  EXPECT_EQ(cluster(0).phase, "drained");
+  EXPECT_EQ(done(0, control::DrainRequest{{}, true}), "g0 is drained already");
+}
+
 TEST_F(MembersOperated, ADrainThatIsTakenBackAtOnceLosesNothing) {
   start_both();
   ASSERT_EQ(asked(0, wanted("c2", "own0", "shared")), "granted");
