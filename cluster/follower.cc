@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/text.hpp"
 #include "cluster/grpc.hpp"
 
 namespace mlcca::cluster {
@@ -154,9 +155,9 @@ void Follower::take_changes(const std::string& answer) {
   } else if (changes->canceled) {
     const bool refused = changes->reason.find("ermission") != std::string::npos;
     fail(refused ? Trouble::refused : Trouble::again,
-         "the watch was canceled: " + (changes->compacted > 0
-                                           ? "compacted up to " + std::to_string(changes->compacted)
-                                           : changes->reason.substr(0, wire::kMaxWords / 2)));
+         "the watch was canceled: " +
+             (changes->compacted > 0 ? "compacted up to " + std::to_string(changes->compacted)
+                                     : std::string(cut(changes->reason, wire::kMaxWords / 2))));
   } else if (changes->header.revision < revision_) {
     // A watch that waits for revisions to come would say nothing.
     fail(Trouble::again,

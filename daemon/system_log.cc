@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "base/many.hpp"
+#include "base/text.hpp"
 #include "core/model/text.hpp"
 #include "daemon/manager.hpp"
 
@@ -84,7 +85,7 @@ const char* verdict_of(Kind kind) {
 /// may have any octets.
 void add_field(std::string& fields, std::string_view name, std::string_view value) {
   constexpr std::size_t most = 32UL * 1024;  // of a value: a datagram takes all of them
-  value = value.substr(0, most);
+  value = cut(value, most);
   fields.append(name).push_back('\n');
   for (std::uint64_t size = value.size(), i = 0; i < 8; ++i, size >>= 8)
     fields.push_back(static_cast<char>(size & 0xff));

@@ -5,6 +5,7 @@
 #include <ranges>
 #include <utility>
 
+#include "base/text.hpp"
 #include "core/cluster/lease.hpp"
 #include "mlcca/arithmetic.hpp"
 
@@ -30,7 +31,7 @@ bool is_there(const View& view, std::size_t gateway, Value now) {
 }
 
 /// "gateway id" of the entry of a network that says who took something last.
-std::string taker_of(const Entry& entry) { return entry.value.substr(0, 256); }
+std::string taker_of(const Entry& entry) { return printable(entry.value, 256); }
 
 }  // namespace
 

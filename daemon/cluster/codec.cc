@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "base/text.hpp"
 #include "control/protobuf.hpp"
 #include "daemon/cluster/fields.hpp"
 
@@ -44,13 +45,7 @@ std::uint64_t number_of(std::int64_t revision) {
 }
 std::int64_t revision_of(std::uint64_t number) { return static_cast<std::int64_t>(number); }
 
-/// For a line of a log.
-std::string printable(const std::string& text) {
-  std::string out = text.substr(0, kMostReason);
-  std::ranges::replace_if(
-      out, [](unsigned char c) { return c < ' ' || c == 127; }, '?');  // NOLINT(*-magic-numbers)
-  return out;
-}
+std::string bounded(const std::string& reason) { return printable(reason, kMostReason); }
 
 SourceEntry entry_of(const cc::Source& source) {
   return {.publisher = source.publisher, .admission = source.admission, .origin = source.from};
@@ -270,14 +265,14 @@ std::string Codec::write(const cc::VoteOf& vote) const {
   return control::bytes_of(VoteEntry{.asked = number_of(vote.asked),
                                      .agrees = vote.vote.ok,
                                      .hop = named ? names[hop.index] : std::string(),
-                                     .reason = printable(vote.vote.reason)});
+                                     .reason = bounded(vote.vote.reason)});
 }
 
 std::optional<cc::VoteOf> Codec::vote(Text value) const {
   const auto entry = control::message_in<VoteEntry>(value);
   if (!entry || !is_revision(entry->asked)) return std::nullopt;
   cc::VoteOf vote{.asked = revision_of(entry->asked),
-                  .vote = {.ok = entry->agrees, .hop = {}, .reason = printable(entry->reason)}};
+                  .vote = {.ok = entry->agrees, .hop = {}, .reason = bounded(entry->reason)}};
   const auto place = [&](const std::vector<std::string>& names, core::Place::Kind kind) {
     const auto it = std::ranges::find(names, entry->hop);
     if (it != names.end()) vote.vote.hop = {kind, static_cast<std::size_t>(it - names.begin())};
@@ -333,15 +328,15 @@ std::optional<cc::Next> Codec::next(Text value) const {
 }
 
 std::string Codec::write(const cc::RolloutVote& vote) const {
-  return control::bytes_of(JudgedEntry{
-      .next = number_of(vote.next), .agrees = vote.ok, .reason = printable(vote.reason)});
+  return control::bytes_of(
+      JudgedEntry{.next = number_of(vote.next), .agrees = vote.ok, .reason = bounded(vote.reason)});
 }
 
 std::optional<cc::RolloutVote> Codec::rollout_vote(Text value) const {
   const auto entry = control::message_in<JudgedEntry>(value);
   if (!entry || !is_revision(entry->next)) return std::nullopt;
   return cc::RolloutVote{
-      .next = revision_of(entry->next), .ok = entry->agrees, .reason = printable(entry->reason)};
+      .next = revision_of(entry->next), .ok = entry->agrees, .reason = bounded(entry->reason)};
 }
 
 /// As an operator puts it: the octets alone.

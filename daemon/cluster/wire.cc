@@ -10,6 +10,7 @@
 #include "base/hash.hpp"
 #include "base/number.hpp"
 #include "base/octets.hpp"
+#include "base/text.hpp"
 
 namespace mlcca::cluster::wire {
 namespace {
@@ -55,9 +56,7 @@ std::int64_t take_revision(OctetReader& from) {
   if (revision < 0) from.refuse();
   return from.right() ? revision : 0;
 }
-void put_words(OctetWriter& to, const std::string& words) {
-  to.text(std::string_view(words).substr(0, kMaxWords));
-}
+void put_words(OctetWriter& to, const std::string& words) { to.text(cut(words, kMaxWords)); }
 std::string take_key(OctetReader& from) {
   std::string key = from.text(kMaxKey);
   if (key.empty()) from.refuse();

@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "base/number.hpp"
+#include "base/text.hpp"
 #include "relay/famouso/node_numbers.hpp"
 #include "relay/famouso/tag_broker.hpp"
 #include "relay/layers/sockets.hpp"
@@ -72,7 +73,7 @@ Result<void> DealtFile::read(std::string_view text) {
     if (!line)
       return fail(fmt::format(
           "{}:{}: '{}' must be such as 'tag 0x3ffe 0x44697374616e6365' or 'node 0x7d 0x{:016x}'",
-          path_, number, text.substr(0, std::min<std::size_t>(end, 60)), 1));
+          path_, number, cut(text.substr(0, end), 60), 1));
     // Whoever wrote that was no broker of ours, and what a bus was answered is not known.
     if (const std::uint64_t kind = line->is_tag ? 0 : kHighestTag + 1U;
         !known.insert(kind + line->number).second)

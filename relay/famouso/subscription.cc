@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "base/big_endian.hpp"
+#include "base/text.hpp"
 #include "mlcca/der_decode.hpp"
 #include "mlcca/der_encode.hpp"
 
@@ -98,8 +99,7 @@ std::vector<std::uint8_t> encode(const Subscription& subscription, std::size_t l
   put(subscription.subject, kSubjectSize);
   if (subscription.kind == Kind::refused) {
     const std::size_t room = longest > out.size() ? longest - out.size() : 0;
-    const std::string_view reason =
-        std::string_view(subscription.reason).substr(0, std::min(room, kLongestReason));
+    const std::string_view reason = cut(subscription.reason, std::min(room, kLongestReason));
     out.insert(out.end(), reason.begin(), reason.end());
   }
   return out;

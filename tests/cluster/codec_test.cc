@@ -168,6 +168,19 @@ TEST_F(CodecTest, TheOthersAreReadAsTheyWereWritten) {
   EXPECT_FALSE(codec.epoch("short"));
 }
 
+/// Bytes of a reason are bounded, and a character of it is there or is not.
+TEST_F(CodecTest, NoCharacterOfAReasonIsCut) {
+  const std::string reason = std::string(511, 'a') + "\u00e9 and more";
+  const auto judged =
+      codec.rollout_vote(codec.write(cc::RolloutVote{.next = 4, .ok = false, .reason = reason}));
+  ASSERT_TRUE(judged);
+  EXPECT_EQ(judged->reason, std::string(511, 'a'));
+  const auto vote = codec.vote(
+      codec.write(cc::VoteOf{.asked = 1, .vote = {.ok = false, .hop = {}, .reason = reason}}));
+  ASSERT_TRUE(vote);
+  EXPECT_EQ(vote->vote.reason, std::string(511, 'a'));
+}
+
 TEST_F(CodecTest, WhatIsAskedForIsAdmissionsAlone) {
   control::Admit admit;
   admit.channel = "c";

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "base/text.hpp"
 #include "core/model/text.hpp"
 #include "daemon/gateway/event_log.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
@@ -15,12 +16,7 @@ namespace {
 
 constexpr std::size_t kLongestReason = 512;
 
-/// For a line of a log.
-std::string printable_part(const std::string& text) {
-  std::string out = text.substr(0, kLongestReason);
-  std::ranges::replace_if(out, [](unsigned char c) { return c < ' ' || c == 127; }, '?');
-  return out;
-}
+std::string printable_part(const std::string& text) { return printable(text, kLongestReason); }
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/text.hpp"
 #include "daemon/net/sources/timer.hpp"
 
 namespace mlcca::net {
@@ -76,16 +77,11 @@ bool is_address(std::string_view text) {
          std::ranges::all_of(text, [](char c) { return c > 0x20 && c < 0x7f; });
 }
 
-std::string bounded_text(std::string text) {
-  if (text.size() > kMaxProblem) text.resize(kMaxProblem);
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  return text;
-}
+std::string bounded_text(std::string_view text) { return printable(text, kMaxProblem); }
 
 core::mesh::Snapshot bounded(core::mesh::Snapshot snapshot, const Described& described,
                              std::uint64_t now) {
-  snapshot.problem = bounded_text(std::move(snapshot.problem));
+  snapshot.problem = bounded_text(snapshot.problem);
   const auto wrong = [](const auto& fact) { return !is_right(fact); };
   const auto unnamed =
       std::erase_if(snapshot.links, wrong) + std::erase_if(snapshot.next_hops, wrong);

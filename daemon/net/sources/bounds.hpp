@@ -28,7 +28,7 @@ using Described = std::set<std::string, std::less<>>;
 [[nodiscard]] bool is_address(std::string_view text);
 
 /// At most kMaxProblem bytes, whose control characters become '?'.
-[[nodiscard]] std::string bounded_text(std::string text);
+[[nodiscard]] std::string bounded_text(std::string_view text);
 
 /// The snapshot within the bounds above. A number that is out of range becomes the worst in range:
 /// a rate is unknown then, a loss is all. Of too many links or next hops those between described

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/octets.hpp"
+#include "base/text.hpp"
 #include "daemon/net/sources/bounds.hpp"
 
 namespace mlcca::net::facts {
@@ -24,7 +25,7 @@ constexpr std::size_t kRoom = kMaxMessage - 4 * kMaxText;  // a fact more still 
 
 class Writer : public OctetWriter {
  public:
-  void text(std::string_view value) { OctetWriter::text(value.substr(0, kMaxText)); }
+  void text(std::string_view value) { OctetWriter::text(cut(value, kMaxText)); }
   template <class T>
   void maybe(const std::optional<T>& value, std::size_t octets) {
     number(value.has_value() ? 1 : 0, 1);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/number.hpp"
+#include "base/text.hpp"
 #include "tools/design/import/text.hpp"
 #include "tools/design/import/yaml.hpp"
 #include "tools/values.hpp"
@@ -95,7 +96,7 @@ class CyphalMeaning {
       const auto number = whole_number(key.text);
       if (!number)
         return wrong(key.line, fmt::format("\"{}\": must be a node-ID, as other keys here are",
-                                           key.text.substr(0, 80)));
+                                           cut(key.text, 80)));
       const auto& registers = yaml_.at(entry.value);
       if (registers.kind == YamlValue::Kind::list) return names_only(registers.line);
       if (registers.kind != YamlValue::Kind::map) {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/number.hpp"
+#include "base/text.hpp"
 #include "core/profiles/profile.hpp"
 #include "tools/design/import/text.hpp"
 #include "tools/values.hpp"
@@ -114,7 +115,7 @@ class DbcMeaning {
       if (!*value || (*value)->empty() || time_of(*value)) continue;
       if (const auto number = number_in<double>(**value); number && *number == 0) continue;
       lack("no-time", "is no number of milliseconds up to a day: left out", from.line,
-           fmt::format("{}: {} \"{}\"", from.name, name, (*value)->substr(0, 40)));
+           fmt::format("{}: {} \"{}\"", from.name, name, cut(**value, 40)));
     }
   }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/number.hpp"
+#include "base/text.hpp"
 #include "tools/design/import/dbc.hpp"
 #include "tools/design/import/dbc_attributes.hpp"
 #include "tools/design/import/dbc_scan.hpp"
@@ -83,7 +84,7 @@ class DbcReader {
     if (scan_.unclosed() != 0) return wrong(scan_.unclosed(), "these quotes are never closed");
     wrong(found.line, found.kind == DbcToken::Kind::end
                           ? fmt::format("the file ends where {} must follow", expected)
-                          : fmt::format("\"{}\": must be {}", found.text.substr(0, 40), expected));
+                          : fmt::format("\"{}\": must be {}", cut(found.text, 40), expected));
   }
 
   static void see(std::map<std::string, Seen>& in, std::string name, int line) {
@@ -135,7 +136,7 @@ class DbcReader {
     }
     if (token.is(';')) return;
     if (token.kind == DbcToken::Kind::word && token.first && !is_number(token.text)) {
-      see(other_, std::string(token.text.substr(0, 40)), token.line);
+      see(other_, std::string(cut(token.text, 40)), token.line);
       scan_.skip_statement();
       return;
     }
@@ -145,7 +146,7 @@ class DbcReader {
   void alone(const DbcToken& token) {
     if (!in_names_)
       lack("alone", "stand alone on a line: left out", token.line,
-           std::string(token.text.substr(0, 40)));
+           std::string(cut(token.text, 40)));
   }
 
   void message(int line) {
@@ -201,7 +202,7 @@ class DbcReader {
     const auto line = scan_.peek().line;
     const auto name = word("the name of a signal");
     if (is_none_)
-      lack("no-message", "signals of no message: left out", line, std::string(name.substr(0, 60)));
+      lack("no-message", "signals of no message: left out", line, std::string(cut(name, 60)));
     bool multiplexed = false;
     while (error_.empty() && !scan_.peek().is(':')) {
       if (scan_.peek().first || scan_.peek().kind != DbcToken::Kind::word)
@@ -287,7 +288,7 @@ class DbcReader {
       if (found != node_numbers_.end())
         out.node = &out_.nodes[found->second];
       else
-        out.unknown = fmt::format("BU_ {}", name.substr(0, 60));
+        out.unknown = fmt::format("BU_ {}", cut(name, 60));
     } else if (token.text == "BO_" || token.text == "SG_") {
       scan_.take();
       out.object = token.text == "BO_" ? DbcObject::message : DbcObject::signal;
@@ -323,13 +324,13 @@ class DbcReader {
     if (to.object == DbcObject::message && to.message != nullptr) to.message->comment = text.text;
     if (to.object != DbcObject::node && to.object != DbcObject::message && to.unknown.empty())
       lack("comments", "have no place, or are not understood", text.line,
-           std::string(text.text.substr(0, 60)));
+           std::string(cut(text.text, 60)));
     scan_.skip_statement();
   }
 
   void unknown(int line, std::string_view what, std::string_view of) {
     lack("unknown", "are of messages and nodes that do not exist: left out", line,
-         fmt::format("{}: {}", what.substr(0, 60), of));
+         fmt::format("{}: {}", cut(what, 60), of));
   }
 
   DbcObject object() {
@@ -380,7 +381,7 @@ class DbcReader {
   void keep(const About& to, const DbcToken& name, std::string value) {
     const auto role = role_of(to.object, name.text);
     DbcValue* place = nullptr;
-    if (role == DbcRole::none) return see(unused_, std::string(name.text.substr(0, 60)), name.line);
+    if (role == DbcRole::none) return see(unused_, std::string(cut(name.text, 60)), name.line);
     if (!to.unknown.empty()) unknown(name.line, name.text, to.unknown);
     if (to.message != nullptr) place = place_of(*to.message, role);
     if (to.node != nullptr) place = place_of(*to.node, role);

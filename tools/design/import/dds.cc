@@ -8,6 +8,7 @@
 #include <map>
 #include <utility>
 
+#include "base/text.hpp"
 #include "tools/values.hpp"
 
 namespace mlcca::tools::design {
@@ -161,7 +162,7 @@ std::string DdsEnds::add(DdsEnd end) {
   if (ends_.size() >= kMostMessages)
     return fmt::format("there are more than {} writers and readers", kMostMessages);
   for (auto* const text : {&end.node, &end.topic, &end.type})
-    if (text->size() > kMostText) text->resize(kMostText);
+    text->resize(cut(*text, kMostText).size());
   nodes_.insert(end.node);
   if (nodes_.size() > kMostNodes) return fmt::format("there are more than {} nodes", kMostNodes);
   ends_.push_back(std::move(end));

@@ -14,6 +14,7 @@
 
 #include "base/handle.hpp"
 #include "base/number.hpp"
+#include "base/text.hpp"
 #include "description/guard.hpp"
 #include "description/source.hpp"
 #include "tools/design/import/dds.hpp"
@@ -248,7 +249,7 @@ class ProfileReader {
     if (!number || *number > 0xffffffffU || (which != "/sec" && which != "/nanosec"))
       return wrong(line(), fmt::format("\"{}\": must be sec or nanosec with a number, or "
                                        "DURATION_INFINITY",
-                                       value.substr(0, 80)));
+                                       cut(value, 80)));
     (which == "/sec" ? of_duration.seconds : of_duration.nanoseconds) = number;
   }
 

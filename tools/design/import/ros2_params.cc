@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "base/text.hpp"
 #include "tools/design/import/dds.hpp"
 #include "tools/design/import/text.hpp"
 #include "tools/design/import/yaml.hpp"
@@ -52,16 +53,13 @@ class ParamsReader {
         return;
       } else {
         const bool joins = !path.empty() && !path.ends_with('/') && !key.text.starts_with('/');
-        above(below, cut(path + (joins ? "/" : "") + key.text));
+        above(below, bounded(path + (joins ? "/" : "") + key.text));
       }
       if (!error_.empty()) return;
     }
   }
 
-  static std::string cut(std::string path) {
-    if (path.size() > kMostPath) path.resize(kMostPath);
-    return path;
-  }
+  static std::string bounded(std::string_view path) { return std::string(cut(path, kMostPath)); }
 
   std::string node_called(const std::string& path, int line) {
     if (path.contains('*')) {
@@ -81,12 +79,12 @@ class ParamsReader {
       for (const auto& entry : value.entries) {
         const auto& key = yaml_.at(entry.key);
         parameters(yaml_.at(entry.value), node,
-                   cut(path.empty() ? key.text : path + "." + key.text));
+                   bounded(path.empty() ? key.text : path + "." + key.text));
       }
       return;
     }
     if (!path.starts_with(kOverrides)) {
-      ends_.lacks.add("parameters", "have no counterpart", value.line, path.substr(0, 80));
+      ends_.lacks.add("parameters", "have no counterpart", value.line, std::string(cut(path, 80)));
       return;
     }
     policy(value, node, std::string_view(path).substr(kOverrides.size()));
@@ -103,7 +101,7 @@ class ParamsReader {
         (!writes && !entity.starts_with("subscription")))
       return wrong(value.line, fmt::format("\"{}{}\": must be {}./TOPIC.publisher.POLICY, or "
                                            "subscription",
-                                           kOverrides, path.substr(0, 80), kOverrides));
+                                           kOverrides, cut(path, 80), kOverrides));
     auto& end = found_[{node, std::string(before)}];
     if (end.line == 0) {
       end.line = value.line;

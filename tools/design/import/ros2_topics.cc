@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/number.hpp"
+#include "base/text.hpp"
 #include "tools/design/import/dds.hpp"
 #include "tools/design/import/text.hpp"
 
@@ -58,7 +59,7 @@ class TopicsReader {
     if (key == "Node name") return begin_endpoint(value);
     if (std::ranges::find(kSilentKeys, key) != kSilentKeys.end()) return;
     if (!open_ || !of_endpoint(key, value))
-      ends_.lacks.add("lines", "are not understood", line_, std::string(line.substr(0, 80)));
+      ends_.lacks.add("lines", "are not understood", line_, std::string(cut(line, 80)));
   }
 
   /// "/chatter", "Topic: /chatter" or "$ ros2 topic info -v /chatter"

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/number.hpp"
+#include "base/text.hpp"
 
 namespace mlcca::tools::design {
 namespace {
@@ -247,7 +248,7 @@ class YamlReader {
     for (const auto& entry : map.entries) {
       const auto& key = out_.values_[entry.key];
       if (!known.insert(key.text).second)
-        return wrong(key.line, fmt::format("\"{}\" is there twice", key.text.substr(0, 80)));
+        return wrong(key.line, fmt::format("\"{}\" is there twice", cut(key.text, 80)));
     }
   }
 
