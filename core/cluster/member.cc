@@ -222,7 +222,7 @@ void Member::step(Value now) {
     admissions_.withdraw_all("another description is in force", now, events_);
   admissions_.step(view_, now, events_);
   election_.step(view_, now, joined, events_);
-  rollouts_.step(view_, now, events_);
+  rollouts_.step(view_, now, joined && found_ && caught_up(), events_);
   const auto others_wait = [](const Event& event) {
     return !std::holds_alternative<ForeignChanged>(event);
   };
@@ -262,6 +262,7 @@ Member::Standing Member::standing(Value now) const {
 std::string Member::why_no_description() const {
   const auto& current = view_.records().current;
   if (current.mod == 0) return "no description is in force yet";
+  if (!current.value) return "the description in force cannot be read in the store (d/current)";
   if (current.value && current.value->digest == identity_.digest)
     return "the description is not in force before all gateways are in it";
   return "the description in force is another one: 'mlccactl rollout' puts that of this gateway in "

@@ -68,6 +68,8 @@ class Member {
   /// What is leased, and what others could carry, is closed.
   void drain(Value now);
   void stage(Rollout rollout) { rollouts_.stage(std::move(rollout)); }
+  /// A member before this one has staged it.
+  void resume_rollout(const Digest& digest) { rollouts_.resume(digest); }
   void vote_rollout(const Digest& digest, bool ok, std::string reason);
   /// The description that comes into force cannot be put in force here, and is to be undone.
   void cannot_switch(std::string reason) { rollouts_.cannot_switch(view_, std::move(reason)); }

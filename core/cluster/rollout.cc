@@ -15,6 +15,11 @@ constexpr std::size_t kMostOldChunks = 64;
 constexpr const char* kOther = "another description is being rolled out";
 constexpr const char* kElsewhere =
     "only a gateway that has the description in force can roll out another one";
+constexpr const char* kUnreadable = "what is proposed in the store cannot be read";
+constexpr const char* kGone = "what was proposed is not in the store any more";
+constexpr const char* kChanged =
+    "its text cannot be put into the store: what is proposed there was ended or changed meanwhile";
+constexpr const char* kIncomplete = "its text is not complete in the store";
 /// Of a work that only makes room.
 constexpr std::uint64_t kNoChunk = ~std::uint64_t{0};
 
@@ -30,6 +35,18 @@ std::optional<std::string> content_of(const Records& records, const Next& next) 
   return all;
 }
 
+/// Every chunk is there.
+bool is_complete(const Records& records, const Next& next) {
+  const std::string digest = hex_of(next.digest);
+  for (std::uint32_t n = 0; n < next.chunks; ++n)
+    if (!records.blobs.contains({digest, n})) return false;
+  return true;
+}
+
+bool is_in_force(const Records& records, const std::optional<Digest>& digest) {
+  return records.current.value && digest && records.current.value->digest == *digest;
+}
+
 /// It is not there, or others have ended what it had.
 bool is_gone(const View& view, std::size_t gateway, Value now) {
   const Alive alive = view.alive(gateway, now);
@@ -41,6 +58,22 @@ bool is_among(const std::vector<std::string>& names, const std::string& name) {
 }
 
 }  // namespace
+
+void Rollouts::stage(Rollout rollout) {
+  pending_ = rollout.digest;
+  staged_ = std::move(rollout);
+  chunk_ = 0;
+  claimed_ = 0;
+  trouble_.clear();
+}
+
+/// Of what was staged here.
+void Rollouts::give_up(std::string why, std::vector<Event>& events) {
+  staged_.reset();
+  pending_.reset();
+  claimed_ = 0;
+  events.emplace_back(NotRolledOut{.why = std::move(why)});
+}
 
 void Rollouts::vote(const Digest& digest, bool ok, std::string reason) {
   if (proposed_ == digest && judged_ == next_seen_ && judged_ != 0)
@@ -55,7 +88,7 @@ void Rollouts::cannot_switch(const View& view, std::string reason) {
 
 void Rollouts::judge(const View& view, std::vector<Event>& events) {
   const auto& next = view.records().next;
-  if (!next.value || judged_ == next.mod) return;
+  if (!next.value || judged_ == next.mod || !is_complete(view.records(), *next.value)) return;
   auto content = content_of(view.records(), *next.value);
   if (!content) return;
   judged_ = next.mod;
@@ -65,14 +98,19 @@ void Rollouts::judge(const View& view, std::vector<Event>& events) {
 void Rollouts::step_next(const View& view, Value now, std::vector<Event>& events) {
   const Records& records = view.records();
   if (records.next.mod == next_seen_) return;
-  const bool over = next_seen_ != 0 && records.next.mod == 0;
-  const bool in_force =
-      records.current.value && proposed_ && records.current.value->digest == *proposed_;
-  if (over && !in_force) events.emplace_back(NotRolledOut{.why = std::exchange(why_, {})});
-  if (claimed_ != 0 && records.next.mod != claimed_ && next_seen_ == claimed_) staged_.reset();
+  const bool ours = pending_ && proposed_ == pending_;
+  std::string why = std::exchange(why_, {});
+  if (why.empty() && records.next.mod != 0) why = kOther;
+  if (next_seen_ != 0 && !is_in_force(records, proposed_)) {
+    if (ours)
+      give_up(std::move(why), events);
+    else
+      events.emplace_back(NotRolledOut{.why = std::move(why)});
+  }
+  if (ours) staged_.reset();
+  if (ballot_ && ballot_->next == next_seen_) ballot_.reset();
   next_seen_ = records.next.mod;
   next_since_ = now;
-  ballot_.reset();
   proposed_ = records.next.value ? std::optional(records.next.value->digest) : std::nullopt;
 }
 
@@ -86,24 +124,37 @@ void Rollouts::step_staged(const View& view, std::vector<Event>& events) {
   const auto& next = view.records().next;
   if (!staged_ || claimed_ != 0) return;
   if (!knows_all(view)) {
-    staged_.reset();
-    events.emplace_back(NotRolledOut{.why = kElsewhere});
+    give_up(kElsewhere, events);
     return;
   }
   if (next.mod == 0) return;
   const bool same = next.value && next.value->digest == staged_->digest;
-  if (same && next.value->by == view.keys().gateway_name(self_)) {
+  if (same && is_ours(view, *next.value)) {
     claimed_ = next.mod;
     return;
   }
-  staged_.reset();
-  if (!same) events.emplace_back(NotRolledOut{.why = kOther});
+  if (same)
+    staged_.reset();
+  else
+    give_up(next.value ? kOther : kUnreadable, events);
 }
 
-void Rollouts::step(const View& view, Value now, std::vector<Event>& events) {
+/// It may have ended while this gateway saw nothing, or with the member that has staged it.
+void Rollouts::step_pending(const View& view, std::vector<Event>& events) {
+  const auto& next = view.records().next;
+  const bool waits = staged_ && claimed_ == 0;
+  if (!pending_ || waits || (next.value && next.value->digest == *pending_)) return;
+  if (is_in_force(view.records(), pending_))
+    pending_.reset();
+  else
+    give_up(kGone, events);
+}
+
+void Rollouts::step(const View& view, Value now, bool caught_up, std::vector<Event>& events) {
   const Records& records = view.records();
   step_next(view, now, events);
   step_staged(view, events);
+  if (caught_up) step_pending(view, events);
   if (records.current.mod != current_seen_) {
     current_seen_ = records.current.mod;
     current_since_ = records.current.value && !records.current.value->open ? now : 0;
@@ -191,6 +242,17 @@ Rollouts::Tally Rollouts::tally(const View& view, const Next& next, Work& work, 
   return tally;
 }
 
+bool Rollouts::is_ours(const View& view, const Next& next) const {
+  return next.by == view.keys().gateway_name(self_);
+}
+
+/// What is stated there is not believed where it is longer.
+Value Rollouts::over_at(const View& view) const {
+  const auto& next = view.records().next.value;
+  const bool ours = next && is_ours(view, *next);
+  return add_saturating(next_since_, ours ? std::min(next->patience, kPatience) : 2 * kPatience);
+}
+
 std::optional<Work> Rollouts::decide(const View& view, const Codec& codec, Value now) {
   const Keys& keys = view.keys();
   const Records& records = view.records();
@@ -199,14 +261,23 @@ std::optional<Work> Rollouts::decide(const View& view, const Codec& codec, Value
             .compares = {{.key = keys.next(), .revision = records.next.mod},
                          {.key = keys.current(), .revision = records.current.mod}},
             .deletes = {keys.next()}};
-  if (!records.next.value) return std::nullopt;
+  if (!records.next.value) {
+    if (now < over_at(view)) return std::nullopt;
+    why_ = kUnreadable;
+    work.compares.resize(1);
+    return work;
+  }
   const Next& next = *records.next.value;
-  const bool ours = next.by == keys.gateway_name(self_);
+  const bool ours = is_ours(view, next);
   Tally votes = tally(view, next, work, now);
   if (!knows_all(view)) votes = {.all = false, .objection = kElsewhere, .refused = true};
-  const Value end = add_saturating(next_since_, ours ? next.patience : 2 * kPatience);
+  // Nobody puts the rest of it into the store.
+  if (ours && !staged_ && !is_complete(records, next))
+    votes = {.all = false, .objection = kIncomplete, .refused = true};
+  if (ours && staged_ && !votes.refused && !trouble_.empty())
+    votes.objection = "the store does not take its text: " + trouble_;
   if (!votes.all || !ours) {
-    if (now < end && !(ours && votes.refused)) return std::nullopt;
+    if (now < over_at(view) && !(ours && votes.refused)) return std::nullopt;
     why_ = votes.objection.empty() ? "the gateway that proposed it has gone" : votes.objection;
     work.compares.resize(1);
     return work;
@@ -295,19 +366,15 @@ std::optional<Work> Rollouts::next_work(const View& view, const Codec& codec, Va
 /// Of what is proposed here.
 void Rollouts::on_staged(const Done& done, std::vector<Event>& events) {
   const bool is_done = done.fate == Done::Fate::done;
-  if (done.work.kind == Work::Kind::propose) {
-    if (is_done) claimed_ = done.revision;
-  } else if (is_done && done.work.number != kNoChunk) {
-    chunk_ = done.work.number + 1;
-  }
+  const bool refused = done.fate == Done::Fate::refused;
+  const bool proposes = done.work.kind == Work::Kind::propose;
+  if (is_done && proposes) claimed_ = done.revision;
+  if (is_done && !proposes && done.work.number != kNoChunk) chunk_ = done.work.number + 1;
   if (!staged_) return;
-  const bool over = done.fate == Done::Fate::conflict ||
-                    (done.fate == Done::Fate::refused && done.work.kind == Work::Kind::propose);
-  if (over || (is_done && claimed_ != 0 && chunk_ >= staged_->chunks.size())) staged_.reset();
-  if (over && done.work.kind == Work::Kind::propose)
-    events.emplace_back(NotRolledOut{.why = done.fate == Done::Fate::conflict
-                                                ? std::string(kOther)
-                                                : "the store does not take it: " + done.why});
+  if (is_done && claimed_ != 0 && chunk_ >= staged_->chunks.size()) staged_.reset();
+  if (refused && !proposes) trouble_ = done.why;
+  if (refused && proposes) give_up("the store does not take it: " + done.why, events);
+  if (done.fate == Done::Fate::conflict) give_up(proposes ? kOther : kChanged, events);
 }
 
 void Rollouts::on_done(const Done& done, Value now, std::vector<Event>& events) {
@@ -335,14 +402,15 @@ void Rollouts::on_done(const Done& done, Value now, std::vector<Event>& events) 
 
 std::optional<Value> Rollouts::next_time(const View& view, Value now) const {
   if (quiet_until_ > now) return quiet_until_;
-  if (left_at_ && queues_empty_at(*left_at_) > now) return queues_empty_at(*left_at_);
+  std::optional<Value> next;
+  const auto at = [&](Value time) {
+    if (time > now && (!next || time < *next)) next = time;
+  };
+  if (left_at_) at(queues_empty_at(*left_at_));
   const auto& current = view.records().current.value;
-  if (current && !current->open && !current->undone)
-    return add_saturating(current_since_, kPatience);
-  const auto& next = view.records().next;
-  if (next.mod == 0 || !next.value) return std::nullopt;
-  const bool ours = next.value->by == view.keys().gateway_name(self_);
-  return add_saturating(next_since_, ours ? next.value->patience : 2 * kPatience);
+  if (current && !current->open && !current->undone) at(add_saturating(current_since_, kPatience));
+  if (view.records().next.mod != 0) at(over_at(view));
+  return next;
 }
 
 }  // namespace mlcca::core::cluster
