@@ -28,7 +28,7 @@ std::string description_name(const Sha256::Digest& digest) {
   return std::string(kDescriptionPrefix) + core::cluster::hex_of(digest);
 }
 
-Result<void> failed_with(const std::string& path) {
+std::unexpected<Error> failed_with(const std::string& path) {
   return fail(fmt::format("{}: {}", path, std::strerror(errno)));  // NOLINT(concurrency-mt-unsafe)
 }
 
@@ -42,16 +42,58 @@ bool write_all(int fd, std::string_view text) {
   return true;
 }
 
-}  // namespace
-
-std::string DescriptionFiles::path_of(const Digest& digest) const {
-  return directory_ + '/' + description_name(digest);
+std::string path_of(const std::string& directory, const Sha256::Digest& digest) {
+  return directory + '/' + description_name(digest);
 }
+
+Fd open_kept(const std::string& path) {
+  return Fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+}
+
+Result<std::string> content_of(const Fd& file, const std::string& path) {
+  struct stat status{};
+  if (!file || ::fstat(file.get(), &status) != 0) return failed_with(path);
+  if (!S_ISREG(status.st_mode)) return fail(path + ": it is no file");
+  if (static_cast<std::uint64_t>(status.st_size) > description::kMaxBundle)
+    return fail(path + ": it is too long");
+  std::string all(static_cast<std::size_t>(status.st_size), '\0');
+  std::size_t read = 0;
+  while (read < all.size()) {
+    const auto some = ::read(file.get(), all.data() + read, all.size() - read);
+    if (some < 0 && errno == EINTR) continue;
+    if (some < 0) return failed_with(path);
+    if (some == 0) return fail(path + ": it became shorter");
+    read += static_cast<std::size_t>(some);
+  }
+  return all;
+}
+
+KeptText kept_in(const std::string& directory, const Sha256::Digest& digest) {
+  const std::string path = path_of(directory, digest);
+  const Fd file = open_kept(path);
+  if (!file && errno == ENOENT) return {};
+  auto text = content_of(file, path);
+  if (text && description::digest_of(*text) != digest)
+    text = fail(path + ": it is damaged: its digest is not that of its name");
+  if (!text) return {.text = {}, .damage = std::move(text.error().text)};
+  return {.text = std::move(*text), .damage = {}};
+}
+
+}  // namespace
 
 /// Under another name first, so that one of this name is complete.
 Result<void> DescriptionFiles::keep(const Digest& digest, const std::string& text) {
-  const std::string path = path_of(digest);
-  if (this->text(digest) == text) return {};
+  if (description::digest_of(text) != digest)
+    return fail("a description of another digest is not kept");
+  const std::string path = path_of(directory_, digest);
+  const Fd directory(::open(directory_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!directory) return failed_with(directory_);
+  // What is there may have got there without having been on the disk.
+  if (kept_in(directory_, digest).text == text) {
+    const Fd file = open_kept(path);
+    if (file && ::fsync(file.get()) == 0 && ::fsync(directory.get()) == 0) return {};
+    return failed_with(path);
+  }
   const std::string fresh = path + ".new";
   {
     constexpr mode_t own = S_IRUSR | S_IWUSR;
@@ -61,27 +103,13 @@ Result<void> DescriptionFiles::keep(const Digest& digest, const std::string& tex
         ::fsync(file.get()) != 0)
       return failed_with(fresh);
   }
-  const Fd directory(::open(directory_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (::rename(fresh.c_str(), path.c_str()) != 0 || !directory || ::fsync(directory.get()) != 0)
+  if (::rename(fresh.c_str(), path.c_str()) != 0 || ::fsync(directory.get()) != 0)
     return failed_with(path);
   return {};
 }
 
-std::optional<std::string> DescriptionFiles::text(const Digest& digest) const {
-  const Fd file(::open(path_of(digest).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
-  struct stat status{};
-  if (!file || ::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode) ||
-      static_cast<std::uint64_t>(status.st_size) > description::kMaxBundle)
-    return std::nullopt;
-  std::string all(static_cast<std::size_t>(status.st_size), '\0');
-  std::size_t read = 0;
-  while (read < all.size()) {
-    const auto some = ::read(file.get(), all.data() + read, all.size() - read);
-    if (some < 0 && errno == EINTR) continue;
-    if (some <= 0) return std::nullopt;
-    read += static_cast<std::size_t>(some);
-  }
-  return all;
+DescriptionTexts::Reader DescriptionFiles::reader() const {
+  return [directory = directory_](const Digest& digest) { return kept_in(directory, digest); };
 }
 
 void DescriptionFiles::keep_only(const std::set<Digest>& digests) {

@@ -2,7 +2,6 @@
 // Descriptions of a cluster as files in the state directory, each named by its digest, for its user
 // only.
 #pragma once
-#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -16,12 +15,10 @@ class DescriptionFiles final : public DescriptionTexts {
   explicit DescriptionFiles(std::string directory) : directory_(std::move(directory)) {}
 
   Result<void> keep(const Digest& digest, const std::string& text) override;
-  [[nodiscard]] std::optional<std::string> text(const Digest& digest) const override;
+  [[nodiscard]] Reader reader() const override;
   void keep_only(const std::set<Digest>& digests) override;
 
  private:
-  [[nodiscard]] std::string path_of(const Digest& digest) const;
-
   std::string directory_;
 };
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/number.hpp"
+#include "base/text.hpp"
 #include "description/xml.hpp"
 
 namespace mlcca::description {
@@ -16,13 +17,6 @@ namespace {
 
 constexpr std::string_view kBundleHead = "MLCCA description 1\n";
 constexpr std::size_t kMaxName = 4096;
-
-std::string plain_name(const std::string& name) {
-  std::string out = name.substr(0, kMaxName);
-  std::ranges::replace_if(
-      out, [](unsigned char c) { return c < ' ' || c == 127; }, '?');  // NOLINT(*-magic-numbers)
-  return out;
-}
 
 bool is_plain(std::string_view name) {
   return name.size() <= kMaxName && std::ranges::none_of(name, [](unsigned char c) {
@@ -54,7 +48,7 @@ std::optional<FileInBundle> next_file(std::string_view& text) {
 std::string bundle_of(const std::vector<BundledFile>& files) {
   std::string out(kBundleHead);
   for (const BundledFile& file : files) {
-    out += fmt::format("{} {}\n", file.content.size(), plain_name(file.name));
+    out += fmt::format("{} {}\n", file.content.size(), printable(file.name, kMaxName));
     out += file.content;
     if (out.size() > kMaxBundle) return {};
   }
@@ -74,6 +68,28 @@ std::expected<std::vector<FileInBundle>, std::string> files_in(std::string_view 
   }
   if (files.empty()) return std::unexpected("there is no file in it");
   return files;
+}
+
+Sha256::Digest digest_of(std::span<const Sha256::Digest> files) {
+  Sha256 all;
+  for (const Sha256::Digest& one : files)
+    for (const std::uint8_t octet : one) {
+      const auto c = static_cast<char>(octet);
+      all.add({&c, 1});
+    }
+  return all.digest();
+}
+
+std::optional<Sha256::Digest> digest_of(std::string_view bundle) {
+  const auto files = files_in(bundle);
+  if (!files) return std::nullopt;
+  std::vector<Sha256::Digest> digests;
+  for (const FileInBundle& file : *files) {
+    Sha256 hash;
+    hash.add(file.content);
+    digests.push_back(hash.digest());
+  }
+  return digest_of(digests);
 }
 
 }  // namespace mlcca::description

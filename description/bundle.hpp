@@ -4,9 +4,13 @@
 #pragma once
 #include <cstddef>
 #include <expected>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "base/sha256.hpp"
 
 namespace mlcca::description {
 
@@ -26,5 +30,11 @@ struct FileInBundle {
 };
 [[nodiscard]] std::expected<std::vector<FileInBundle>, std::string> files_in(
     std::string_view bundle);
+
+/// Of a description, by those of its files in the order in which they are opened. Names of files do
+/// not count: they differ between machines.
+[[nodiscard]] Sha256::Digest digest_of(std::span<const Sha256::Digest> files);
+/// As whoever reads the text finds it; nothing: it is no such text.
+[[nodiscard]] std::optional<Sha256::Digest> digest_of(std::string_view bundle);
 
 }  // namespace mlcca::description

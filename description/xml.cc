@@ -37,7 +37,7 @@ class Document {
   bool read_files(std::span<const std::string> paths);
   bool read_text(std::string_view xml, const std::string& base);
   bool read_supplied(std::string_view bundle);
-  [[nodiscard]] Sha256::Digest digest() const;
+  [[nodiscard]] Sha256::Digest digest() const { return digest_of(digests_); }
   [[nodiscard]] std::string bundle() const { return copies_ ? bundle_of(files_) : std::string(); }
 
  private:
@@ -132,17 +132,6 @@ void Document::parse(Source& source, OpenFile file) {
   if (hashes_) digests_[at] = hash.digest();
   builder_.end_file();
   open_.pop_back();
-}
-
-/// Names of files do not count: they differ between machines.
-Sha256::Digest Document::digest() const {
-  Sha256 all;
-  for (const Sha256::Digest& one : digests_)
-    for (const std::uint8_t octet : one) {
-      const auto c = static_cast<char>(octet);
-      all.add({&c, 1});
-    }
-  return all.digest();
 }
 
 void Document::read_file(const std::string& path) {

@@ -110,6 +110,7 @@ std::optional<StartError> Controller::read_what_was() {
   heartbeat_.pulse();
   DescribedResult& described = *read;
   if (!described) return described.error();
+  for (const std::string& note : described->notes) outside_.log.warning(Kind::trouble, note);
   auto left_out = reloads_.complete(*described);
   heartbeat_.pulse();
   if (!left_out) return left_out.error();

@@ -30,7 +30,8 @@ void Controller::note_presence() {
 }
 
 ReadDescription Controller::reader() const {
-  return rollout_ ? rollout_->reader(outside_.read) : outside_.read;
+  if (!rollout_) return outside_.read;
+  return rollout_->reader(outside_.read, membership_ ? membership_->begun_member() : nullptr);
 }
 
 std::unique_ptr<Rollout> Controller::make_rollout() {

@@ -25,10 +25,11 @@ struct StartError {
 /// What a description says, with nothing decided yet.
 struct Described {
   std::unique_ptr<core::State> state;
-  std::size_t self = 0;             ///< the gateway of this machine
-  Sha256::Digest digest = {};       ///< of what was read, in a cluster
-  Sha256::Digest file_digest = {};  ///< of the file, where that is another one
-  std::string text = {};            ///< of what was read, in a cluster, if it can be handed on
+  std::size_t self = 0;                 ///< the gateway of this machine
+  Sha256::Digest digest = {};           ///< of what was read, in a cluster
+  Sha256::Digest file_digest = {};      ///< of the file, where that is another one
+  std::string text = {};                ///< of what was read, in a cluster, if it can be handed on
+  std::vector<std::string> notes = {};  ///< what could not be used meanwhile, for the log
 };
 
 using DescribedResult = std::expected<Described, StartError>;

@@ -88,6 +88,7 @@ void Membership::begin() {
                                                               .session = session,
                                                               .lease = parts_.lease,
                                                               .was = journalled_before()});
+  if (const auto proposed = parts_.rollout.pending()) member_->resume_rollout(*proposed);
   failed_.assign(system.gateways.size(), true);
   joined_ = false;
   early_.clear();

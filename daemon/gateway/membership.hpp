@@ -135,6 +135,8 @@ class Membership {
   /// The same in short; empty: nothing.
   [[nodiscard]] std::string standing() const;
   [[nodiscard]] const core::cluster::Member& member() const { return *member_; }
+  /// Null before begin().
+  [[nodiscard]] const core::cluster::Member* begun_member() const { return member_.get(); }
   [[nodiscard]] const core::Permits& permits() const { return networks_->permits(); }
   [[nodiscard]] const core::cluster::Digest& digest() const { return digest_; }
   [[nodiscard]] Value lease() const { return parts_.lease; }

@@ -7,7 +7,6 @@
 #include <set>
 #include <utility>
 
-#include "base/many.hpp"
 #include "core/cluster/keys.hpp"
 #include "core/cluster/shared.hpp"
 #include "daemon/gateway/stored_octets.hpp"
@@ -20,6 +19,7 @@ namespace cc = core::cluster;
 
 constexpr std::size_t kShownDigits = 12;
 constexpr std::size_t kDigestOctets = Sha256::Digest{}.size();
+constexpr std::uint64_t kLongestWait = 60'000'000'000;  // ns, until a text begins to be read
 
 std::string shown(const Sha256::Digest& digest) {
   return hex_of_digest(digest).substr(0, kShownDigits);
@@ -53,14 +53,54 @@ void Rollout::put_into(store::Membership& record) const {
 
 namespace {
 
+/// Of one digest: what is kept here, or in its place what is in the store. On any thread.
+struct TextSource {
+  Sha256::Digest digest{};
+  DescriptionTexts::Reader kept;
+  std::shared_ptr<const std::string> stored;
+
+  [[nodiscard]] std::shared_ptr<const std::string> text(std::string& damage) const {
+    if (digest == Sha256::Digest{}) return nullptr;
+    KeptText known = kept(digest);
+    damage = std::move(known.damage);
+    return known.text ? std::make_shared<const std::string>(std::move(*known.text)) : stored;
+  }
+};
+
+void note_damage(Described& described, const std::string& damage) {
+  if (!damage.empty()) described.notes.push_back("what is kept of the cluster: " + damage);
+}
+
+/// What a rollout has put in force in place of the file.
+std::optional<Described> rolled_out(Described& file, const TextSource& rolled,
+                                    const ReadText& read_text) {
+  std::string damage;
+  const auto text = rolled.text(damage);
+  note_damage(file, damage);
+  if (!text) return std::nullopt;
+  auto other = read_text(*text);
+  if (!other || other->digest != rolled.digest) return std::nullopt;
+  other->file_digest = file.file_digest;
+  other->notes = std::move(file.notes);
+  return std::move(*other);
+}
+
 /// A file that is not the description in force may not take others off a network.
-DescribedResult held_against(DescribedResult file, const std::optional<std::string>& in_force,
-                             const Sha256::Digest& digest, const ReadText& read_text) {
-  if (!in_force || file->digest == digest) return file;
-  const auto known = read_text(*in_force);
-  if (!known || known->digest != digest) return file;
+DescribedResult held_against(Described file, const TextSource& in_force,
+                             const ReadText& read_text) {
+  if (file.digest == in_force.digest || in_force.digest == Sha256::Digest{}) return file;
+  std::string damage;
+  const auto text = in_force.text(damage);
+  note_damage(file, damage);
+  const auto known = text ? read_text(*text) : DescribedResult(std::unexpected(StartError{}));
+  if (!known || known->digest != in_force.digest) {
+    file.notes.emplace_back(
+        "whether it takes others off a network is not known: the description in force in the "
+        "cluster is not kept here");
+    return file;
+  }
   std::string why =
-      cc::no_longer_shared(known->state->system(), known->self, file->state->system(), file->self);
+      cc::no_longer_shared(known->state->system(), known->self, file.state->system(), file.self);
   if (why.empty()) return file;
   return std::unexpected(StartError{.lines = {std::move(why)}, .bad_input = true});
 }
@@ -70,33 +110,27 @@ DescribedResult held_against(DescribedResult file, const std::optional<std::stri
 // --- what is loaded ------------------------------------------------------------------------------
 
 /// A file that was changed since is what the operator wants: it is not passed over.
-ReadDescription Rollout::reader(ReadDescription read) const {
-  auto rolled = rolled_ == Digest{} ? std::nullopt : parts_.texts.text(rolled_);
-  auto in_force = in_force_ == Digest{} ? std::nullopt : parts_.texts.text(in_force_);
-  return [read = std::move(read), rolled = std::move(rolled), digest = rolled_,
-          replaced = replaced_, in_force = std::move(in_force), current = in_force_,
-          read_text = parts_.read]() -> DescribedResult {
+ReadDescription Rollout::reader(ReadDescription read, const cc::Member* member) const {
+  const auto source = [&](const Digest& digest) {
+    return TextSource{.digest = digest,
+                      .kept = parts_.texts.reader(),
+                      .stored = member == nullptr ? nullptr : in_store(digest, *member)};
+  };
+  return [read = std::move(read), rolled = source(rolled_), in_force = source(in_force_),
+          replaced = replaced_, read_text = parts_.read]() -> DescribedResult {
     auto file = read();
     if (!file) return file;
     file->file_digest = file->digest;
-    if (rolled && file->digest == replaced && file->digest != digest) {
-      auto other = read_text(*rolled);
-      if (other && other->digest == digest) {
-        other->file_digest = file->file_digest;
-        return other;
-      }
-    }
-    return held_against(std::move(file), in_force, current, read_text);
+    if (file->digest == replaced && file->digest != rolled.digest)
+      if (auto other = rolled_out(*file, rolled, read_text)) return std::move(*other);
+    return held_against(std::move(*file), in_force, read_text);
   };
 }
 
 void Rollout::loaded() {
+  // It was found usable with what was in force then.
+  checked_.reset();
   Scene& scene = parts_.scene;
-  if (wanted_ == scene.digest) {
-    rolled_ = scene.digest;
-    replaced_ = scene.file_digest;
-    wanted_.reset();
-  }
   const std::string text = std::exchange(scene.text, {});
   if (text.empty()) return;
   const auto kept = parts_.patience.wait_for([&] { return parts_.texts.keep(scene.digest, text); });
@@ -105,17 +139,53 @@ void Rollout::loaded() {
                        "the description cannot be kept for other gateways: " + kept.error().text);
 }
 
-cc::Rollout Rollout::own() const {
+/// Whoever has loaded it: the kernel has taken it.
+void Rollout::note_followed() {
+  if (wanted_ != parts_.scene.digest) return;
+  rolled_ = parts_.scene.digest;
+  replaced_ = parts_.scene.file_digest;
+  wanted_.reset();
+}
+
+std::optional<Rollout::Digest> Rollout::pending() const {
+  const bool is_open = own_.state == "staging" || own_.state == "judged";
+  return is_open && !staged_ ? std::optional(own_.digest) : std::nullopt;
+}
+
+cc::Rollout Rollout::own() {
   const Digest& digest = parts_.scene.digest;
-  return {
-      .digest = digest, .chunks = chunks_of(parts_.texts.text(digest).value_or("")), .without = {}};
+  return {.digest = digest, .chunks = chunks_of(kept(digest).value_or("")), .without = {}};
+}
+
+void Rollout::report_damage(const std::string& damage) {
+  if (!damage.empty())
+    parts_.log.warning(Kind::trouble, "what is kept of the cluster cannot be used: " + damage);
+}
+
+std::optional<std::string> Rollout::kept(const Digest& digest) {
+  KeptText known = parts_.patience.wait_for([&] { return parts_.texts.reader()(digest); });
+  report_damage(known.damage);
+  return std::move(known.text);
+}
+
+Rollout::Text Rollout::in_store(const Digest& digest, const cc::Member& member) {
+  const auto& blobs = member.view().records().blobs;
+  const std::string name = hex_of_digest(digest);
+  std::string all;
+  std::uint64_t next = 0;
+  for (auto it = blobs.lower_bound({name, 0}); it != blobs.end() && it->first.first == name; ++it) {
+    if (it->first.second != next++) return nullptr;
+    all += it->second;
+  }
+  return all.empty() ? nullptr : std::make_shared<const std::string>(std::move(all));
 }
 
 // --- what the store says -------------------------------------------------------------------------
 
 void Rollout::on(const cc::Judge& event) {
-  if (event.digest == parts_.scene.digest || checked_ == event.digest) {
-    vote_.emplace(event.digest, "");
+  const bool known = checked_ && checked_->digest == event.digest;
+  if (known || event.digest == parts_.scene.digest) {
+    vote_.emplace(event.digest, why_not_kept(event));
     return;
   }
   if (event.content.empty()) {
@@ -124,10 +194,23 @@ void Rollout::on(const cc::Judge& event) {
   }
   if (next_check_ && next_check_->why == Why::propose)
     finish("another description is being rolled out");
-  next_check_ = Check{.why = Why::judge,
-                      .digest = event.digest,
-                      .text = std::make_shared<const std::string>(event.content),
-                      .read = {}};
+  next_check_ =
+      std::make_shared<Check>(Check{.why = Why::judge,
+                                    .digest = event.digest,
+                                    .text = std::make_shared<const std::string>(event.content)});
+}
+
+/// Whoever votes for it must be able to load it after a crash. Empty: its text is on the disk; or
+/// it is that of the file that is loaded here, and too long to be handed on.
+std::string Rollout::why_not_kept(const cc::Judge& event) {
+  const bool known = checked_ && checked_->digest == event.digest;
+  const std::string& text = known ? *checked_->text : event.content;
+  const auto done = parts_.patience.wait_for([&]() -> Result<void> {
+    if (const auto there = parts_.texts.reader()(event.digest).text)
+      return parts_.texts.keep(event.digest, *there);
+    return text.empty() ? Result<void>() : parts_.texts.keep(event.digest, text);
+  });
+  return done ? std::string() : "it cannot be kept: " + done.error().text;
 }
 
 void Rollout::on(const cc::NotRolledOut& event) {
@@ -139,10 +222,16 @@ void Rollout::on(const cc::NotRolledOut& event) {
 void Rollout::keep_needed() {
   std::set<Digest> needed{parts_.scene.digest, rolled_, in_force_, former_, voted_};
   if (wanted_) needed.insert(*wanted_);
-  parts_.texts.keep_only(needed);
+  if (checked_) needed.insert(checked_->digest);
+  if (vote_) needed.insert(vote_->first);
+  static_cast<void>(parts_.patience.wait_for([&] {
+    parts_.texts.keep_only(needed);
+    return true;
+  }));
 }
 
 void Rollout::on(const cc::Switch& event) {
+  note_followed();
   const bool here = event.digest == parts_.scene.digest;
   if (event.open && here) {
     in_force_ = event.digest;
@@ -151,8 +240,10 @@ void Rollout::on(const cc::Switch& event) {
   }
   const bool ours = own_.digest == event.digest && !own_.state.empty() && own_.state != "refused";
   if (ours) own_.state = event.open ? "in-force" : "switching";
-  if (event.undone && event.former == own_.digest && own_.state == "switching")
-    finish("not all gateways could put it in force: the former one comes back");
+  if (!ours && own_.state == "switching")
+    finish(event.undone && event.former == own_.digest
+               ? "not all gateways could put it in force: the former one comes back"
+               : "another description has come into force since");
   parts_.log.notice(Kind::rollout, fmt::format("description {} ({}) of the cluster {}{}",
                                                event.generation, shown(event.digest),
                                                event.open ? "is in force" : "comes into force",
@@ -160,15 +251,16 @@ void Rollout::on(const cc::Switch& event) {
   follow(event);
 }
 
-/// What came by a rollout goes by one. What the operator has loaded gives way to what comes into
-/// force after it, and not to what has been in force before.
+/// What came by a rollout goes by one, and so does the file where that text is lost. What the
+/// operator has loaded gives way to what comes into force after it, and not to what has been in
+/// force before.
 void Rollout::follow(const cc::Switch& event) {
   const Digest& now = parts_.scene.digest;
   if (event.digest == now) {
     wanted_.reset();
     return;
   }
-  const bool by_rollout = now == rolled_;
+  const bool by_rollout = now == rolled_ || now == replaced_;
   const bool is_new = event.digest != in_force_;
   if (by_rollout || (is_new && (event.digest == voted_ || now == in_force_)))
     wanted_ = event.digest;
@@ -177,7 +269,7 @@ void Rollout::follow(const cc::Switch& event) {
 // --- a text is read beside the loop --------------------------------------------------------------
 
 std::string Rollout::why_not(Check& check) const {
-  DescribedResult& read = **check.read;
+  DescribedResult& read = *check.read;
   if (!read) return read.error().lines.front();
   if (check.why != Why::propose && read->digest != check.digest)
     return "its text is not the one of which the digest is stated";
@@ -191,40 +283,71 @@ std::string Rollout::why_not(Check& check) const {
   return parts_.misfit(*read);
 }
 
-bool Rollout::begin_check() {
-  if (check_ && check_->begun && !parts_.reading.waits()) {
-    Check given_up = std::move(*check_);
-    check_.reset();
-    end(given_up, "it could not be read in time");
-    return true;
-  }
-  if (!check_ && next_check_) check_ = std::exchange(next_check_, std::nullopt);
-  if (!check_ || check_->begun || busy_) return false;
-  check_->read = std::make_shared<std::optional<DescribedResult>>();
-  check_->begun = parts_.reading.begin(
-      [read = check_->read, text = check_->text, from = parts_.read] { *read = from(*text); },
-      [this] { checked(); });
-  busy_ = !check_->begun;
-  return check_->begun;
+/// The thread that reads may hang, also for somebody before it.
+bool Rollout::give_up_check() {
+  if (!check_) return false;
+  const bool waits = check_begun_ ? parts_.reading.waits()
+                                  : parts_.clock.monotonic_ns() - check_since_ <= kLongestWait;
+  if (waits) return false;
+  const auto given_up = std::exchange(check_, nullptr);
+  end(*given_up, "it could not be read in time");
+  return true;
 }
 
-void Rollout::checked() {
-  Check check = std::move(*check_);
-  check_.reset();
+bool Rollout::begin_check() {
+  if (give_up_check()) return true;
+  if (!check_ && next_check_) {
+    check_ = std::exchange(next_check_, nullptr);
+    check_begun_ = false;
+    check_since_ = parts_.clock.monotonic_ns();
+  }
+  if (!check_ || check_begun_ || busy_) return false;
+  // Of one that is given up the thread has its own.
+  const auto check = std::make_shared<Check>(
+      Check{.why = check_->why, .digest = check_->digest, .text = check_->text});
+  check_begun_ = parts_.reading.begin(
+      [check, kept = parts_.texts.reader(), from = parts_.read] {
+        if (check->why == Why::follow)
+          check->text = TextSource{check->digest, kept, check->text}.text(check->damage);
+        if (check->text) check->read = from(*check->text);
+      },
+      [this, check] {
+        check_.reset();
+        checked(*check);
+      });
+  busy_ = !check_begun_;
+  return check_begun_;
+}
+
+void Rollout::checked(Check& check) {
+  report_damage(check.damage);
+  if (!check.read) {
+    lack(check.digest);
+    return;
+  }
   std::string why = why_not(check);
   if (why.empty()) {
-    check.digest = (*check.read)->value().digest;
+    check.digest = (*check.read)->digest;
     const auto kept =
         parts_.patience.wait_for([&] { return parts_.texts.keep(check.digest, *check.text); });
     if (!kept) why = "it cannot be kept: " + kept.error().text;
   }
-  check.read.reset();
   end(check, why);
   parts_.wake();
 }
 
-void Rollout::end(Check& check, const std::string& why) {
-  if (why.empty()) checked_ = check.digest;
+/// It is asked for again once a second.
+void Rollout::lack(const Digest& digest) {
+  busy_ = true;
+  if (std::exchange(lacking_, digest) != digest)
+    parts_.log.warning(Kind::rollout,
+                       fmt::format("description {} comes into force, and its text is neither kept "
+                                   "here nor in the store",
+                                   shown(digest)));
+}
+
+void Rollout::end(const Check& check, const std::string& why) {
+  if (why.empty()) checked_ = Checked{.digest = check.digest, .text = check.text};
   switch (check.why) {
     case Why::judge:
       vote_.emplace(check.digest, why);
@@ -238,7 +361,7 @@ void Rollout::end(Check& check, const std::string& why) {
             .digest = check.digest, .chunks = chunks_of(*check.text), .without = own_.without};
       break;
     case Why::follow:
-      if (!why.empty()) cannot_ = why;
+      if (!why.empty()) cannot_ = Cannot{.digest = check.digest, .why = why};
       break;
   }
 }
@@ -246,20 +369,33 @@ void Rollout::end(Check& check, const std::string& why) {
 // --- what is due ---------------------------------------------------------------------------------
 
 bool Rollout::step(cc::Member& member) {
+  note_followed();
   bool any = begin_check();
+  any = report_cannot(member) || any;
   any = cast_vote(member) || any;
   any = stage(member) || any;
   return follow(member) || any;
 }
 
+void Rollout::poll() {
+  busy_ = false;
+  uploads_.poll();
+}
+
+/// To the member that knows what is in force: a load that fails leaves a new one behind.
+bool Rollout::report_cannot(cc::Member& member) {
+  if (!cannot_ || !member.view().complete()) return false;
+  const Cannot cannot = *std::exchange(cannot_, std::nullopt);
+  parts_.log.error(Kind::rollout,
+                   fmt::format("description {} of the cluster cannot be put in force here: {}",
+                               shown(cannot.digest), cannot.why));
+  const auto& current = member.view().records().current.value;
+  if (current && current->digest == cannot.digest) member.cannot_switch(cannot.why);
+  if (wanted_ == cannot.digest) wanted_.reset();
+  return true;
+}
+
 bool Rollout::cast_vote(cc::Member& member) {
-  if (cannot_) {
-    parts_.log.error(Kind::rollout,
-                     "the description of the cluster cannot be put in force here: " + *cannot_);
-    member.cannot_switch(*std::exchange(cannot_, std::nullopt));
-    wanted_.reset();
-    return true;
-  }
   if (!vote_) return false;
   const auto [digest, why] = *std::exchange(vote_, std::nullopt);
   if (why.empty()) voted_ = digest;
@@ -291,46 +427,32 @@ bool Rollout::stage(cc::Member& member) {
   return true;
 }
 
-bool Rollout::follow(cc::Member& member) {
-  if (!wanted_ || loading_ || busy_ || *wanted_ == parts_.scene.digest) return false;
-  if (check_ && check_->why == Why::follow) return false;
-  const Digest digest = *wanted_;
-  const auto text = parts_.texts.text(digest);
-  if (!text || checked_ != digest) {
-    const auto there = text_of(digest, member);
-    if (!there || check_) return false;
-    next_check_ = Check{.why = Why::follow,
-                        .digest = digest,
-                        .text = std::make_shared<const std::string>(*there),
-                        .read = {}};
-    return begin_check();
-  }
-  const ReadDescription read = [text = *text, from = parts_.read,
+bool Rollout::follow(const cc::Member& member) {
+  if (!wanted_ || loading_ || busy_ || cannot_ || *wanted_ == parts_.scene.digest) return false;
+  if (checked_ && checked_->digest == *wanted_) return load();
+  if (check_ || next_check_) return false;
+  next_check_ = std::make_shared<Check>(
+      Check{.why = Why::follow, .digest = *wanted_, .text = in_store(*wanted_, member)});
+  return begin_check();
+}
+
+bool Rollout::load() {
+  const ReadDescription read = [text = checked_->text, from = parts_.read,
                                 file = parts_.scene.file_digest]() -> DescribedResult {
-    auto described = from(text);
+    auto described = from(*text);
     if (described) described->file_digest = file;
     return described;
   };
-  loading_ = parts_.load(read, [this](const std::string& why) {
+  loading_ = parts_.load(read, [this, digest = *wanted_](const std::string& why) {
     loading_ = false;
-    if (!why.empty()) cannot_ = why;
+    if (why.empty())
+      note_followed();
+    else
+      cannot_ = Cannot{.digest = digest, .why = why};
     parts_.wake();
   });
   busy_ = !loading_;
   return loading_;
-}
-
-std::optional<std::string> Rollout::text_of(const Digest& digest, const cc::Member& member) const {
-  if (auto text = parts_.texts.text(digest)) return text;
-  const auto& blobs = member.view().records().blobs;
-  const std::string name = hex_of_digest(digest);
-  std::string all;
-  std::uint64_t next = 0;
-  for (auto it = blobs.lower_bound({name, 0}); it != blobs.end() && it->first.first == name; ++it) {
-    if (it->first.second != next++) return std::nullopt;
-    all += it->second;
-  }
-  return all.empty() ? std::nullopt : std::optional(std::move(all));
 }
 
 void Rollout::finish(const std::string& why) {
@@ -339,113 +461,6 @@ void Rollout::finish(const std::string& why) {
   const EventLog::Acting acting(parts_.log, own_.actor);
   parts_.log.warning(Kind::rollout, fmt::format("description {} does not come into force: {}",
                                                 shown(own_.digest), why));
-}
-
-// --- who wants something -------------------------------------------------------------------------
-
-void Rollout::session_closed(std::uint64_t session) {
-  if (upload_ && upload_->session == session) upload_.reset();
-}
-
-Response Rollout::take(const Asker& asker, const control::RolloutRequest& request,
-                       const cc::Member& member) {
-  if (request.back) return back(request, member);
-  if (request.accept) return accept(member);
-  const std::uint64_t session = asker.peer.session;
-  if (upload_ && upload_->session != session)
-    return failed("nothing was changed: another description is being handed over");
-  if (!upload_) upload_ = Upload{.session = session, .text = {}};
-  if (upload_->text.size() + request.part.size() > description::kMaxBundle) {
-    upload_.reset();
-    return invalid(fmt::format("a description of more than {} bytes cannot be rolled out",
-                               description::kMaxBundle));
-  }
-  upload_->text += request.part;
-  if (request.more) return control::Done{many(upload_->text.size(), "byte")};
-  std::string text = std::move(upload_->text);
-  upload_.reset();
-  return begin(std::move(text), request.without, member);
-}
-
-Response Rollout::begin(std::string text, const std::vector<std::string>& without,
-                        const cc::Member& member) {
-  const auto& keys = member.view().keys();
-  if (text.empty()) return invalid("there is no description");
-  for (const std::string& name : without) {
-    const auto gateway = keys.gateway(name);
-    if (!gateway) return invalid(fmt::format("there is no gateway '{}' in this cluster", name));
-    if (*gateway == member.self()) return invalid(name + " is this gateway, which is not off");
-  }
-  const bool open = check_ || next_check_ || staged_ || own_.state == "staging" ||
-                    own_.state == "judged" || member.view().records().next.mod != 0;
-  if (open) return failed("nothing was changed: another description is being rolled out");
-  own_ = Own{.number = own_.number + 1,
-             .digest = {},
-             .state = "checking",
-             .why = {},
-             .without = without,
-             .actor = parts_.log.actor()};
-  next_check_ = Check{.why = Why::propose,
-                      .digest = {},
-                      .text = std::make_shared<const std::string>(std::move(text)),
-                      .read = {}};
-  return state(member);
-}
-
-Response Rollout::back(const control::RolloutRequest& request, const cc::Member& member) {
-  const auto& current = member.view().records().current.value;
-  if (!current || current->former == Digest{})
-    return failed("nothing was changed: there was no description before");
-  auto text = text_of(current->former, member);
-  if (!text)
-    return failed(fmt::format("nothing was changed: description {} is not kept any more",
-                              shown(current->former)));
-  return begin(std::move(*text), request.without, member);
-}
-
-Response Rollout::accept(const cc::Member& member) {
-  const auto& current = member.view().records().current.value;
-  if (!current) return failed("nothing was changed: no description is in force in the cluster");
-  if (current->digest == parts_.scene.digest)
-    return control::Done{"this gateway has the description that is in force: nothing was changed"};
-  if (!text_of(current->digest, member))
-    return failed(fmt::format("nothing was changed: the store does not have the text of {}",
-                              shown(current->digest)));
-  wanted_ = current->digest;
-  return control::Done{
-      fmt::format("description {} is taken up from the cluster", shown(current->digest))};
-}
-
-control::Rollout Rollout::state(const cc::Member& member) const {
-  const auto& view = member.view();
-  const auto& records = view.records();
-  control::Rollout out{.number = own_.number,
-                       .state = own_.state,
-                       .why = own_.why,
-                       .waiting = {},
-                       .description = hex_of_digest(parts_.scene.digest)};
-  if (const auto& current = records.current.value) {
-    out.current = hex_of_digest(current->digest);
-    out.former = hex_of_digest(current->former);
-    out.open = current->open;
-    out.generation = current->generation;
-  }
-  const auto& next = records.next.value;
-  if (next) {
-    out.next = hex_of_digest(next->digest);
-    out.by = next->by;
-  }
-  for (std::size_t g = 0; g < view.keys().gateways(); ++g) {
-    const std::string& name = view.keys().gateway_name(g);
-    const auto& vote = records.rollout_votes[g].value;
-    const bool voted = vote && vote->next == records.next.mod;
-    const bool is_off = next && std::ranges::find(next->without, name) != next->without.end();
-    const bool missing = next ? !voted && !is_off
-                              : records.current.value && !records.current.value->open &&
-                                    !core::cluster::Rollouts::is_in(view, g);
-    if (missing) out.waiting.push_back(name);
-  }
-  return out;
 }
 
 }  // namespace mlcca

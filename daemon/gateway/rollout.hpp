@@ -18,9 +18,11 @@
 #include "daemon/gateway/patience.hpp"
 #include "daemon/gateway/requests/response.hpp"
 #include "daemon/gateway/scene.hpp"
+#include "daemon/gateway/uploads.hpp"
 #include "daemon/outside/background.hpp"
 #include "daemon/outside/description_texts.hpp"
 #include "daemon/store/messages.hpp"
+#include "description/bundle.hpp"
 
 namespace mlcca {
 
@@ -55,10 +57,14 @@ class Rollout {
   void put_into(store::Membership& record) const;
 
   /// Reads the file by `read`, or in its place what a rollout has put in force since that was
-  /// written.
-  [[nodiscard]] ReadDescription reader(ReadDescription read) const;
-  /// The scene has another description.
+  /// written. `member`: what the store has takes the place of what is damaged here; null: nobody
+  /// knows that yet.
+  [[nodiscard]] ReadDescription reader(ReadDescription read,
+                                       const core::cluster::Member* member) const;
+  /// The scene has another description, which may still be refused by the kernel.
   void loaded();
+  /// Was handed to the member of the description before: what becomes of it is not known yet.
+  [[nodiscard]] std::optional<Digest> pending() const;
 
   // What the store says.
 
@@ -66,11 +72,11 @@ class Rollout {
   void on(const core::cluster::NotRolledOut& event);
   void on(const core::cluster::Switch& event);
   /// The first one of a cluster is proposed with its text.
-  [[nodiscard]] core::cluster::Rollout own() const;
+  [[nodiscard]] core::cluster::Rollout own();
   /// Does what is due. True: something was asked for.
   bool step(core::cluster::Member& member);
   /// Once a second.
-  void poll() { busy_ = false; }
+  void poll();
   void session_closed(std::uint64_t session);
 
   // Who wants something.
@@ -82,13 +88,24 @@ class Rollout {
 
  private:
   enum class Why : std::uint8_t { judge, propose, follow };
+  using Text = std::shared_ptr<const std::string>;
   /// A text that is read beside the loop.
   struct Check {
     Why why = Why::judge;
     Digest digest{};  ///< that it must have; of what is proposed: none
-    std::shared_ptr<const std::string> text;
-    std::shared_ptr<std::optional<DescribedResult>> read;
-    bool begun = false;
+    Text text;        ///< null: of what is followed, that is not in the store
+    std::string damage = {};
+    std::optional<DescribedResult> read = {};
+  };
+  /// The latest one that was found usable with what is in force here, 8 MiB at most.
+  struct Checked {
+    Digest digest{};
+    Text text;
+  };
+  /// Why a description cannot be put in force here.
+  struct Cannot {
+    Digest digest{};
+    std::string why;
   };
   /// The latest that was begun here.
   struct Own {
@@ -98,44 +115,50 @@ class Rollout {
     std::vector<std::string> without;
     std::optional<control::Actor> actor;
   };
-  struct Upload {
-    std::uint64_t session = 0;
-    std::string text;
-  };
 
   [[nodiscard]] std::string why_not(Check& check) const;
-  void checked();
-  void end(Check& check, const std::string& why);
+  void checked(Check& check);
+  void lack(const Digest& digest);
+  void end(const Check& check, const std::string& why);
   bool begin_check();
+  bool give_up_check();
   bool cast_vote(core::cluster::Member& member);
+  bool report_cannot(core::cluster::Member& member);
   bool stage(core::cluster::Member& member);
-  bool follow(core::cluster::Member& member);
+  bool follow(const core::cluster::Member& member);
+  bool load();
   void follow(const core::cluster::Switch& event);
+  void note_followed();
   void finish(const std::string& why);
   void keep_needed();
+  [[nodiscard]] std::string why_not_kept(const core::cluster::Judge& event);
+  [[nodiscard]] std::optional<std::string> kept(const Digest& digest);
+  [[nodiscard]] static Text in_store(const Digest& digest, const core::cluster::Member& member);
+  void report_damage(const std::string& damage);
   Response begin(std::string text, const std::vector<std::string>& without,
                  const core::cluster::Member& member);
   Response back(const control::RolloutRequest& request, const core::cluster::Member& member);
   Response accept(const core::cluster::Member& member);
-  [[nodiscard]] std::optional<std::string> text_of(const Digest& digest,
-                                                   const core::cluster::Member& member) const;
 
   Parts parts_;
-  Digest rolled_{}, replaced_{};  ///< that is in force, in place of that file
+  Digest rolled_{}, replaced_{};  ///< that was put in force, in place of that file
   Digest in_force_{};             ///< the latest one that was, here as well
   Digest voted_{};
   Digest former_{};  ///< before the one that the cluster has in force
-  std::optional<Check> check_;
-  std::optional<Check> next_check_;  ///< when that is over
+  std::shared_ptr<Check> check_;
+  bool check_begun_ = false;
+  std::uint64_t check_since_ = 0;
+  std::shared_ptr<Check> next_check_;  ///< when that is over
   std::optional<std::pair<Digest, std::string>> vote_;
   std::optional<core::cluster::Rollout> staged_;
-  std::optional<Digest> wanted_;  ///< that is to be in force here
-  std::optional<std::string> cannot_;
+  std::optional<Digest> wanted_;   ///< that is to be in force here
+  std::optional<Digest> lacking_;  ///< neither here nor in the store
+  std::optional<Cannot> cannot_;
   bool loading_ = false;
   bool busy_ = false;  ///< something could not begin: at the next poll()
-  std::optional<Digest> checked_;
+  std::optional<Checked> checked_;
   Own own_;
-  std::optional<Upload> upload_;
+  Uploads uploads_{parts_.clock, description::kMaxBundle};
 };
 
 /// 64 hexadecimal digits; empty: none.

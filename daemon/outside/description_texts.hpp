@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Descriptions that a cluster has had in force, or is to have, as an interface: files, or a fake.
 #pragma once
+#include <functional>
 #include <optional>
 #include <set>
 #include <string>
@@ -10,9 +11,16 @@
 
 namespace mlcca {
 
+/// A description that was kept.
+struct KeptText {
+  std::optional<std::string> text;  ///< of the digest that was asked for
+  std::string damage;               ///< why it is not that, although it is there
+};
+
 class DescriptionTexts {
  public:
   using Digest = Sha256::Digest;
+  using Reader = std::function<KeptText(const Digest&)>;
 
   DescriptionTexts() = default;
   DescriptionTexts(const DescriptionTexts&) = delete;
@@ -21,10 +29,10 @@ class DescriptionTexts {
   DescriptionTexts& operator=(DescriptionTexts&&) = delete;
   virtual ~DescriptionTexts() = default;
 
-  /// It outlives a loss of power from then on.
+  /// It outlives a loss of power from then on. Refused where the digest is another one.
   virtual Result<void> keep(const Digest& digest, const std::string& text) = 0;
-  /// Nothing: it is not there, or cannot be read. It may be damaged.
-  [[nodiscard]] virtual std::optional<std::string> text(const Digest& digest) const = 0;
+  /// Reads, on any thread, and as long as anybody has it.
+  [[nodiscard]] virtual Reader reader() const = 0;
   /// Others are not needed any more.
   virtual void keep_only(const std::set<Digest>& digests) = 0;
 };

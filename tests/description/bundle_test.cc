@@ -58,6 +58,19 @@ TEST_F(Bundles, HaveTheSystemAndTheDigestOfTheirFiles) {
   EXPECT_EQ(other, digest);
 }
 
+TEST_F(Bundles, HaveTheirDigestWithoutBeingRead) {
+  EXPECT_EQ(digest_of(bundle), digest);
+  const auto files = files_in(bundle);
+  ASSERT_TRUE(files);
+  for (const FileInBundle& file : *files) {
+    std::string damaged = bundle;
+    damaged[static_cast<std::size_t>(file.content.data() - bundle.data()) + 3] = '~';
+    EXPECT_NE(digest_of(damaged), digest) << file.name;
+  }
+  EXPECT_FALSE(digest_of(""));
+  EXPECT_FALSE(digest_of(bundle.substr(0, bundle.size() - 1)));
+}
+
 TEST_F(Bundles, AreRefusedWhereTheyAreDamaged) {
   EXPECT_NE(why_not(""), "");
   EXPECT_NE(why_not("<System name=\"s\"/>"), "");

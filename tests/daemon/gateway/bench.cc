@@ -240,7 +240,7 @@ std::optional<StartError> Bench::start() {
                        .texts = &texts,
                        .can_rules = std::make_unique<FakeCanRules>(kernel),
                        .loop = idle_loop(),
-                       .threads = false,
+                       .threads = threads,
                        .cluster = cluster});
   controller_->on_commit([this](const Result<void>& done) { commits.push_back(done); });
   return controller_->start();

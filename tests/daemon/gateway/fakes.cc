@@ -472,7 +472,9 @@ bool FakeBackground::begin(std::function<void()> work, std::function<void()> don
 void FakeBackground::finish() {
   const auto work = std::exchange(work_, nullptr);
   const auto done = std::exchange(done_, nullptr);
+  works = true;
   if (work) work();
+  works = false;
   if (done) done();
 }
 

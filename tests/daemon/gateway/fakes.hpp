@@ -3,6 +3,7 @@
 // that hold what is written to them or refuse, all as plain values. FakeKernel outlives a daemon;
 // the others are what one daemon sees of it.
 #pragma once
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -12,6 +13,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -290,6 +292,7 @@ class FakeBackground final : public Background {
   explicit FakeBackground(const Clock& clock) : clock_(clock) {}
   /// The work ends; whoever waits for it is notified.
   void finish();
+  inline static thread_local bool works = false;  ///< on this thread, now
 
  private:
   const Clock& clock_;
@@ -298,22 +301,43 @@ class FakeBackground final : public Background {
   std::uint64_t begun_ = 0;
 };
 
+/// A disk that may hang: it is asked for nothing in the loop, which is the thread that makes this,
+/// outside of work in the background.
 class FakeTexts final : public DescriptionTexts {
  public:
   Result<void> keep(const Digest& digest, const std::string& text) override {
+    note();
     if (full) return fail("no space left on device");
     all.insert_or_assign(digest, text);
+    damaged.erase(digest);
     return {};
   }
-  [[nodiscard]] std::optional<std::string> text(const Digest& digest) const override {
-    const auto known = all.find(digest);
-    return known == all.end() ? std::nullopt : std::optional(known->second);
+  [[nodiscard]] Reader reader() const override {
+    return [this](const Digest& digest) -> KeptText {
+      note();
+      if (damaged.contains(digest)) return {.text = {}, .damage = "it is damaged"};
+      const auto known = all.find(digest);
+      if (known == all.end()) return {};
+      return {.text = known->second, .damage = {}};
+    };
   }
   void keep_only(const std::set<Digest>& digests) override {
+    note();
     std::erase_if(all, [&](const auto& entry) { return !digests.contains(entry.first); });
   }
+  [[nodiscard]] bool has(std::uint8_t digest) const {
+    return all.contains(Digest{digest}) && !damaged.contains(Digest{digest});
+  }
   std::map<Digest, std::string> all;
+  std::set<Digest> damaged;
   bool full = false;
+  mutable std::atomic<std::size_t> in_loop = 0;
+
+ private:
+  void note() const {
+    if (std::this_thread::get_id() == loop_ && !FakeBackground::works) ++in_loop;
+  }
+  std::thread::id loop_ = std::this_thread::get_id();
 };
 
 class FakeCanRules final : public net::CanRules {
