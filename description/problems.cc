@@ -8,10 +8,12 @@
 #include <iterator>
 #include <utility>
 
+#include "base/text.hpp"
+
 namespace mlcca::description {
 namespace {
 
-std::string printable(std::string_view text) {
+std::string in_one_line(std::string_view text) {
   auto out = clipped(text, kMaxProblemText);
   for (auto& c : out)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
@@ -22,9 +24,7 @@ std::string printable(std::string_view text) {
 
 std::string clipped(std::string_view text, std::size_t bytes) {
   if (text.size() <= bytes) return std::string(text);
-  std::size_t end = bytes;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0U) == 0x80U) --end;
-  return std::string(text.substr(0, end)) + "…";
+  return std::string(cut(text, bytes)) + "…";
 }
 
 std::string to_string(const Problem& problem) {
@@ -43,7 +43,7 @@ std::uint32_t Problems::add_file(const std::string& file) {
 
 void Problems::add(core::Origin at, std::string_view element, std::string_view text,
                    core::FindingId id) {
-  Entry entry{at, printable(element), printable(text), id};
+  Entry entry{at, in_one_line(element), in_one_line(text), id};
   const auto same = [&](const Entry& e) {
     return e.at.file == at.file && e.at.line == at.line && e.element == entry.element &&
            e.text == entry.text;

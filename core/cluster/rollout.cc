@@ -357,8 +357,9 @@ std::optional<Work> Rollouts::next_work(const View& view, const Codec& codec, Va
                       .revision = ballot_->next}},
         .puts = {{.key = view.keys().rollout_vote(self_), .value = codec.write(*ballot_)}}};
   if (view.revision() < not_before_) return std::nullopt;
-  if (auto work = propose(view, codec)) return work;
+  // It also ends where the store takes no text.
   if (auto work = decide(view, codec, now)) return work;
+  if (auto work = propose(view, codec)) return work;
   if (auto work = undo(view, codec, now)) return work;
   return open(view, codec, now);
 }

@@ -36,8 +36,8 @@ class Rollouts {
   void cannot_switch(const View& view, std::string reason);
   /// Of the one that is taken back: not all are in it.
   [[nodiscard]] static bool is_in(const View& view, std::size_t gateway);
-  /// Revisions of before mean nothing any more.
-  void lose() { not_before_ = claimed_ = 0, chunk_ = 0; }
+  /// Revisions of before mean nothing any more. What was staged is not staged again.
+  void lose() { not_before_ = claimed_ = 0, staged_.reset(); }
   /// `caught_up`: the view has everything that was committed here.
   void step(const View& view, Value now, bool caught_up, std::vector<Event>& events);
   void on_done(const Done& done, Value now, std::vector<Event>& events);

@@ -100,8 +100,9 @@ TEST_F(RolledOutTexts, OfTheFormerOneComeFromTheStoreForAWayBack) {
 TEST_F(RolledOutTexts, ThatNobodyHasAreReportedAndFollowedWhenTheyAreThere) {
   start_both();
   at(1).end();
+  pass(25 * kSecondNs);  // until it is fenced
   ASSERT_EQ(roll_out(0, "2", {"g1"}), "checking");
-  pass(30 * kSecondNs);
+  pass(10 * kSecondNs);
   ASSERT_EQ(state_of(0).state, "in-force") << state_of(0).why;
   const std::string text = store.entries.at(blob(2)).value;
   store.write({}, {blob(2)});
