@@ -21,6 +21,12 @@
 namespace mlcca::core {
 namespace {
 
+/// What others have of it counts.
+bool is_about_room(const Row& row) {
+  return row.against == Against::capacity || row.against == Against::schedule ||
+         row.against == Against::medium_time;
+}
+
 class RouteCheck {
  public:
   RouteCheck(const Situation& situation, Ledger& ledger, const std::vector<Target>& targets,
@@ -54,10 +60,7 @@ class RouteCheck {
     count_ = v_.hops.size();
     std::ranges::copy(v_.hops, hops_.begin());
     std::vector<Row> others;
-    std::ranges::copy_if(v_.rows, std::back_inserter(others), [](const Row& row) {
-      return row.against == Against::capacity || row.against == Against::schedule ||
-             row.against == Against::medium_time;
-    });
+    std::ranges::copy_if(v_.rows, std::back_inserter(others), is_about_room);
     v_.rows.clear();
     at_run_time_ = std::ranges::any_of(hops(), [this](Place hop) {
       if (hop.kind != Place::Kind::network) return false;
@@ -92,10 +95,16 @@ class RouteCheck {
 
   void sum_up() {
     v_.outcome = v_.obstacle == Obstacle::none ? Outcome::fit : Outcome::unfit;
-    for (const Row& row : v_.rows) v_.outcome = worse(v_.outcome, row.comparison.outcome);
+    for (const Row& row : v_.rows)
+      if (!is_of_other_cases(row)) v_.outcome = worse(v_.outcome, row.comparison.outcome);
     if (at_run_time_ || v_.contested) v_.outcome = worse(v_.outcome, Outcome::run_time);
     v_.granted =
         v_.outcome == Outcome::fit || (v_.outcome == Outcome::run_time && passes_at_best());
+  }
+
+  /// It says for want of which room something contested is refused while other best cases hold.
+  [[nodiscard]] bool is_of_other_cases(const Row& row) const {
+    return v_.contested && is_unfit(row) && is_about_room(row);
   }
 
   [[nodiscard]] bool passes_at_best() const {

@@ -43,6 +43,7 @@ bool is_held_up_by_itself(const Decision& decision) {
   });
 }
 
+/// What is granted gets the rows for want of room that it has where it is refused.
 void leave_open_for(Verdict& v, const Verdict* refused) {
   v.contested = true;
   v.outcome = Outcome::run_time;
