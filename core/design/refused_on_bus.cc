@@ -21,23 +21,126 @@ std::string harm_to(const can::Message& message, const can::Response& response) 
   return " could take " + words.bound + " of the " + words.limit;
 }
 
-/// What becomes of the first `held` messages, which are granted, when all are sent; empty: all are
-/// in time.
-std::string harm_of(const Members& members, const can::Schedule& bus,
-                    const std::vector<can::Message>& messages, std::size_t held) {
-  const auto responses = can::analyse(bus.assumptions(), messages);
-  std::size_t late = held;
-  std::size_t others = 0;
-  for (std::size_t i = 0; i < held; ++i) {
-    if (can::fits(bus.assumptions(), messages[i], responses[i])) continue;
-    if (late == held)
-      late = i;
-    else
-      ++others;
+/// Messages of which it is open whether they are on the bus: of so many all combinations are tried.
+constexpr std::size_t kMostCombined = 6;
+
+struct Late {
+  can::Message message;
+  can::Response response;
+
+  [[nodiscard]] std::size_t publisher() const { return Ledger::publisher_of(message.key); }
+};
+
+/// What can be on a bus.
+class Traffic {
+ public:
+  explicit Traffic(const can::Assumptions& assumptions) : assumptions_(assumptions) {}
+
+  /// If all best cases hold; `surely`: whichever hold. `here`: a node of the bus sends it, granted
+  /// or not. Before all others.
+  void add_granted(const can::Message& message, bool surely, bool here) {
+    parts_.push_back({message, surely, surely || here});
+    ++held_;
   }
-  if (late == held) return {};
-  std::string harm = members.publisher(Ledger::publisher_of(messages[late].key)).name +
-                     harm_to(messages[late], responses[late]);
+  /// In the place of others.
+  void add_contested(const can::Message& message, bool here) {
+    contested_.emplace_back(place_of(message, here), message);
+  }
+  void add_refused(can::Message message) {
+    message.deadline = can::kNever;
+    static_cast<void>(place_of(message, true));
+  }
+
+  /// Nothing can be granted.
+  [[nodiscard]] bool empty() const { return held_ == 0 && contested_.empty(); }
+
+  /// What is late though it is granted, if a node of the bus sends what is refused.
+  [[nodiscard]] std::vector<Late> late() const {
+    std::vector<can::Message> all;
+    all.reserve(parts_.size());
+    for (const Part& part : parts_) all.push_back(part.message);
+    const auto together = can::analyse(assumptions_, all);
+    std::vector<Late> out;
+    for (std::size_t i = 0; i < held_; ++i)
+      if (!can::fits(assumptions_, all[i], together[i])) out.push_back({all[i], together[i]});
+    for (const auto& [place, message] : contested_) {
+      if (can::fits(assumptions_, message, together[place])) continue;
+      const auto open = open_beside(place);
+      const auto response =
+          open.size() > kMostCombined ? together[place] : longest_of(place, message, open);
+      if (!can::fits(assumptions_, message, response)) out.push_back({message, response});
+    }
+    return out;
+  }
+
+ private:
+  struct Part {
+    can::Message message;
+    bool surely = false;  ///< granted in all cases
+    bool always = false;  ///< sent in all cases
+  };
+
+  /// The frames may be there already, for another place behind the bus.
+  std::size_t place_of(const can::Message& message, bool here) {
+    const auto found =
+        std::ranges::find(parts_, message.key, [](const Part& part) { return part.message.key; });
+    if (found != parts_.end()) return static_cast<std::size_t>(found - parts_.begin());
+    parts_.push_back({message, false, here});
+    return parts_.size() - 1;
+  }
+
+  [[nodiscard]] std::vector<std::size_t> open_beside(std::size_t place) const {
+    std::vector<std::size_t> open;
+    for (std::size_t i = 0; i < parts_.size(); ++i)
+      if (i != place && !parts_[i].always) open.push_back(i);
+    return open;
+  }
+
+  /// Beside all that is sent in any case, and those of the `open` that can be granted with it.
+  [[nodiscard]] can::Response longest_of(std::size_t place, const can::Message& message,
+                                         const std::vector<std::size_t>& open) const {
+    can::Response longest{.response = 0, .bounded = true, .queued_frames = 0};
+    for (unsigned which = 0; which < 1U << open.size(); ++which) {
+      std::vector<can::Message> granted{message};
+      std::vector<can::Message> sent{message};
+      const auto is_chosen = [&](std::size_t i) {
+        const auto found = std::ranges::find(open, i);
+        return found != open.end() && (which >> (found - open.begin()) & 1U) != 0;
+      };
+      for (std::size_t i = 0; i < parts_.size(); ++i) {
+        if (i == place) continue;
+        const bool chosen = is_chosen(i);
+        if (parts_[i].surely || chosen) granted.push_back(parts_[i].message);
+        if (parts_[i].always || chosen) sent.push_back(parts_[i].message);
+      }
+      if (!are_in_time(granted)) continue;
+      const can::Response response = can::analyse(assumptions_, sent).front();
+      longest.bounded = longest.bounded && response.bounded;
+      longest.response = std::max(longest.response, response.response);
+      longest.queued_frames = std::max(longest.queued_frames, response.queued_frames);
+    }
+    return longest;
+  }
+
+  [[nodiscard]] bool are_in_time(const std::vector<can::Message>& messages) const {
+    const auto responses = can::analyse(assumptions_, messages);
+    for (std::size_t i = 0; i < messages.size(); ++i)
+      if (!can::fits(assumptions_, messages[i], responses[i])) return false;
+    return true;
+  }
+
+  const can::Assumptions& assumptions_;
+  std::vector<Part> parts_;
+  std::size_t held_ = 0;                                           ///< the first of them
+  std::vector<std::pair<std::size_t, can::Message>> contested_{};  ///< with their places
+};
+
+/// "v could take 810 us of the 600 us, and one message more may fail so"
+std::string harm_words(const Members& members, const std::vector<Late>& late) {
+  const Late& first = late.front();
+  std::string harm =
+      members.publisher(first.publisher()).name + harm_to(first.message, first.response);
+  const std::size_t others = late.size() - 1;
   if (others != 0)
     harm += ", and " + many(others, "message more may fail so", "messages more may fail so");
   return harm;
@@ -60,8 +163,11 @@ void RefusedOnBus::report(const System& system, const Members& members, const Le
     const can::Schedule* const bus = ledger.schedule(n);
     if (bus == nullptr) continue;
     std::vector<can::Message> here;
-    for (const BusMessage& m : contested)
-      if (m.network == n && m.message && !m.present) here.push_back(*m.message);
+    for (const BusMessage& m : contested) {
+      if (m.network != n || !m.message) continue;
+      here.push_back(*m.message);
+      here.back().key = Ledger::key_of({m.publisher, n, m.from});
+    }
     report(system, members, *bus, n, here, to);
   }
 }
@@ -69,29 +175,32 @@ void RefusedOnBus::report(const System& system, const Members& members, const Le
 void RefusedOnBus::report(const System& system, const Members& members, const can::Schedule& bus,
                           std::size_t network, std::span<const can::Message> contested,
                           std::vector<Finding>& to) const {
-  std::vector<can::Message> messages(bus.messages().begin(), bus.messages().end());
-  const std::size_t held = messages.size();
-  messages.insert(messages.end(), contested.begin(), contested.end());
+  const auto is_here = [&](std::size_t number) {
+    return members.publisher(number).place == Place{Place::Kind::network, network};
+  };
+  Traffic traffic(bus.assumptions());
+  for (const can::Message& message : bus.messages()) {
+    const std::size_t number = Ledger::publisher_of(message.key);
+    traffic.add_granted(message, !perhaps_.contains(number), is_here(number));
+  }
+  for (const can::Message& message : contested)
+    traffic.add_contested(message, is_here(Ledger::publisher_of(message.key)));
+  if (traffic.empty()) return;
   std::vector<std::size_t> senders;
   // Refused at run time they are sent all the same, and others may be granted in their place.
   for (const std::size_t number : perhaps_)
-    if (!contested.empty() && granted_.contains(number) &&
-        members.publisher(number).place == Place{Place::Kind::network, network})
+    if (!contested.empty() && granted_.contains(number) && is_here(number))
       senders.push_back(number);
   std::vector<std::size_t> unknown;
   for (const auto& [number, set] : refused_) {
-    const Publisher& p = members.publisher(number);
-    if (p.place != Place{Place::Kind::network, network} || granted_.contains(number)) continue;
-    auto message = can::message_of(system, p, set, network, bus.assumptions().timing);
-    if (!message) {
-      unknown.push_back(number);
-      continue;
-    }
-    message->deadline = can::kNever;
-    messages.push_back(*message);
-    senders.push_back(number);
+    if (!is_here(number) || granted_.contains(number)) continue;
+    auto message =
+        can::message_of(system, members.publisher(number), set, network, bus.assumptions().timing);
+    (message ? senders : unknown).push_back(number);
+    if (!message) continue;
+    message->key = Ledger::key_of({number, network, Flow::kOwn});
+    traffic.add_refused(*message);
   }
-  if (held == 0) return;
   const std::string& name = system.networks[network].name;
   if (!unknown.empty())
     add(members, unknown, network,
@@ -102,8 +211,14 @@ void RefusedOnBus::report(const System& system, const Members& members, const ca
                       "time is known only while they are silent"),
         to);
   if (senders.empty()) return;
-  const std::string harm = harm_of(members, bus, messages, held);
-  if (!harm.empty()) add(members, senders, network, name + ": while they are sent, " + harm, to);
+  std::vector<Late> late = traffic.late();
+  // What is granted is not refused at the same time.
+  std::erase_if(late, [&senders](const Late& one) {
+    return senders == std::vector<std::size_t>{one.publisher()};
+  });
+  if (late.empty()) return;
+  std::erase(senders, late.front().publisher());
+  add(members, senders, network, name + ": while they are sent, " + harm_words(members, late), to);
 }
 
 /// `harm`: what the frames of the publishers do, from the name of the bus on.

@@ -20,15 +20,15 @@ class RefusedOnBus {
  public:
   /// A verdict as it was decided in the end.
   void add(const Verdict& verdict);
-  /// MLCCA044 of each analysed bus where something that is granted would be late if what is refused
-  /// there is sent all the same, or may be because nobody knows how much that is. When everything
-  /// is decided.
-  /// `contested`: messages on buses that may be granted in the place of others.
+  /// MLCCA044 of each analysed bus where something that is granted, or may be, would be late if
+  /// what is refused there is sent all the same, or may be because nobody knows how much that is.
+  /// When everything is decided. `contested`: messages on buses that may be granted in the place of
+  /// others.
   void report(const System& system, const Members& members, const Ledger& ledger,
               std::span<const BusMessage> contested, std::vector<Finding>& to) const;
 
  private:
-  /// `contested`: of this bus.
+  /// `contested`: of this bus, with their keys.
   void report(const System& system, const Members& members, const can::Schedule& bus,
               std::size_t network, std::span<const can::Message> contested,
               std::vector<Finding>& to) const;

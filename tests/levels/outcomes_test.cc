@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // One outcome at every level where channels compete on a bus with what is decided at run time: in
-// the summary of check, on its page, in analyse-bus and in generated code.
+// the summary of check, on its page, in analyse-bus and in generated code. And what may be granted
+// there is late in no case that check does not warn of.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -9,11 +10,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/admission/allocation.hpp"
+#include "core/admission/world.hpp"
+#include "core/can/analysis.hpp"
+#include "core/can/of_system.hpp"
 #include "core/design/inspect.hpp"
 #include "description/read.hpp"
 #include "tests/description/twin/random_values.hpp"
@@ -28,7 +34,8 @@ namespace mlcca::testing {
 namespace {
 namespace design = mlcca::tools::design;
 
-constexpr std::uint64_t kRows = 1500;  // random rows of buses
+constexpr std::uint64_t kRows = 1500;       // random rows of buses
+constexpr std::uint64_t kRowsByCase = 400;  // of them: all their cases are decided
 
 /// Publishers of buses in a row and of the gateways between them, some of which give best cases.
 std::string random_row(Random& random) {
@@ -170,6 +177,112 @@ TEST_F(Levels, TheOutcomeOfAChannelIsTheWorstOfItsDeliveries) {
     EXPECT_GT(counts[outcome], kSystems / 30);
 }
 
+/// Which buses have something that is granted and late if those best cases hold: what their nodes
+/// send is there though it is refused.
+class Cases {
+ public:
+  explicit Cases(const core::System& system)
+      : s_(system),
+        topology_(system),
+        members_(system),
+        world_(core::described_world(system)),
+        withdrawn_(system.channels.size(), false) {
+    for (std::size_t p = 0; p < s_.publishers.size(); ++p)
+      for (const core::Subscriber& s : s_.subscribers)
+        if (s.channel == s_.publishers[p].channel) ends_.emplace_back(p, s.place);
+  }
+
+  std::set<std::size_t> harmed() const {
+    std::set<std::size_t> out;
+    for (unsigned which = 0; which < 1U << ends_.size(); ++which) add_harmed(which, out);
+    return out;
+  }
+
+ private:
+  [[nodiscard]] bool holds(unsigned which, const core::Verdict& v) const {
+    const auto found = std::ranges::find(ends_, std::pair(v.publisher, v.to));
+    return (which >> (found - ends_.begin()) & 1U) != 0;
+  }
+
+  void add_harmed(unsigned which, std::set<std::size_t>& out) const {
+    core::Situation situation{s_, topology_, members_, world_, withdrawn_, true};
+    const core::BestCasesHold hold = [&](const core::Verdict& v) { return holds(which, v); };
+    situation.hold = &hold;
+    core::Ledger ledger = core::empty_ledger(s_, world_);
+    std::vector<core::Verdict> verdicts;
+    core::decide_each(situation, ledger, [&](std::size_t, const core::Decision& decision) {
+      verdicts.insert(verdicts.end(), decision.verdicts.begin(), decision.verdicts.end());
+    });
+    for (std::size_t n = 0; n < s_.networks.size(); ++n)
+      if (is_harmed(*ledger.schedule(n), n, verdicts)) out.insert(n);
+  }
+
+  [[nodiscard]] bool is_harmed(const core::can::Schedule& bus, std::size_t network,
+                               const std::vector<core::Verdict>& verdicts) const {
+    std::vector<core::can::Message> messages(bus.messages().begin(), bus.messages().end());
+    const std::size_t granted = messages.size();
+    for (const core::Verdict& v : verdicts) {
+      const core::Publisher& p = s_.publishers[v.publisher];
+      const std::uint64_t key = core::Ledger::key_of({v.publisher, network, core::Flow::kOwn});
+      if (p.place != core::Place{core::Place::Kind::network, network} ||
+          std::ranges::find(messages, key, &core::can::Message::key) != messages.end())
+        continue;
+      messages.push_back(*core::can::message_of(s_, p, v.set, network, bus.assumptions().timing));
+      messages.back().key = key;
+    }
+    const auto responses = core::can::analyse(bus.assumptions(), messages);
+    for (std::size_t i = 0; i < granted; ++i)
+      if (!core::can::fits(bus.assumptions(), messages[i], responses[i])) return true;
+    return false;
+  }
+
+  const core::System& s_;
+  core::Topology topology_;
+  core::Members members_;
+  core::World world_;
+  std::vector<bool> withdrawn_;
+  std::vector<std::pair<std::size_t, core::Place>> ends_;
+};
+
+struct Warned {
+  std::size_t rightly = 0;
+  std::size_t in_vain = 0;
+  std::size_t of_open = 0;  ///< senders that may be refused
+};
+
+void compare_warnings(const core::System& system, const std::string& text, Warned& warned) {
+  const core::Inspection inspection = core::inspect(system);
+  // What is sent in other sets than that of all best cases is not known.
+  for (std::size_t c = 0; c < system.channels.size(); ++c)
+    if (inspection.channels[c].open_set ||
+        (core::sets_of(system, c) > 1 && inspection.channels[c].outcome != Outcome::fit))
+      return;
+  const std::set<std::size_t> harmed = Cases(system).harmed();
+  std::set<std::size_t> said;
+  for (const core::Finding& f : inspection.findings) {
+    if (f.id != core::FindingId::refused_on_bus) continue;
+    said.insert(f.place.index);
+    warned.of_open += f.text.contains(" may be refused") ? 1 : 0;
+  }
+  for (std::size_t n = 0; n < system.networks.size(); ++n) {
+    ASSERT_TRUE(said.contains(n) || !harmed.contains(n)) << system.networks[n].name << "\n" << text;
+    if (said.contains(n)) ++(harmed.contains(n) ? warned.rightly : warned.in_vain);
+  }
+}
+
+TEST(Outcomes, WhoeverMayBeGrantedAndBeLateThenIsWarnedOf) {
+  Warned warned;
+  Random random(1);
+  for (std::uint64_t i = 0; i < kRowsByCase; ++i) {
+    const std::string text = random_row(random);
+    compare_warnings(read(text), text, warned);
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(warned.rightly, kRowsByCase / 20);
+  EXPECT_GT(warned.of_open, kRowsByCase / 100);
+  EXPECT_LT(warned.in_vain, warned.rightly / 4) << warned.rightly;
+}
+
 /// While x is away v is granted and w refused, and otherwise w and not v.
 constexpr const char* kMix = R"(<System name="mix">
   <EventChannel name="x"><SubjectUID>0x1</SubjectUID>
@@ -208,10 +321,14 @@ class Mix : public test::CheckTest {
 
 TEST_F(Mix, IsLeftToTheRunTimeByCheck) {
   const auto checked = test::run({"check", path()});
-  EXPECT_TRUE(checked.out.contains("0 errors,")) << checked.out;
+  EXPECT_TRUE(checked.out.contains("0 errors, 1 warning, 3 notes")) << checked.out;
   EXPECT_TRUE(checked.out.contains("0 fit, 3 decided at run time, 0 do not fit")) << checked.out;
   for (const char* ends : {"x@mesh to b", "v@g to b", "w@b to b"})
     EXPECT_TRUE(checked.out.contains(ends)) << ends << checked.out;
+  EXPECT_TRUE(checked.out.contains(
+      "MLCCA044: w@b may be refused, and no gate keeps its frames off b: while they are sent, v@g "
+      "could take 540 us of the 500 us"))
+      << checked.out;
 }
 
 TEST_F(Mix, IsLeftToTheRunTimeByThePage) {
