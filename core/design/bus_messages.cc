@@ -78,6 +78,23 @@ std::optional<Value> refused_response(const Verdict& v, std::size_t network,
   return c.required == 0 ? add_saturating(c.provided, message.jitter) : c.provided;
 }
 
+/// How many frames the check found to wait in its queue, if that is too short for them.
+std::optional<std::uint32_t> refused_frames(const Verdict& v, const can::Schedule& bus,
+                                            std::size_t network, const can::Message& message) {
+  for (const Row& row : v.rows) {
+    const bool lost = row.against == Against::schedule && is_unfit(row) &&
+                      row.place == Place{Place::Kind::network, network} &&
+                      row.comparison.attribute == Attribute::omission;
+    if (!lost) continue;
+    const auto waits = [&](const can::Message& other) {
+      return other.queue == message.queue && Ledger::publisher_of(other.key) == row.end;
+    };
+    if (row.end == v.publisher || std::ranges::any_of(bus.messages(), waits))
+      return static_cast<std::uint32_t>(row.reserved);
+  }
+  return std::nullopt;
+}
+
 bool is_bus(const Ledger& ledger, Place place) {
   return place.kind == Place::Kind::network && ledger.schedule(place.index) != nullptr;
 }
@@ -149,6 +166,8 @@ void BusMessages::add(const Situation& situation, const Ledger& ledger, const Ve
                          .granted_response = std::nullopt,
                          .granted_jitter = 0,
                          .refused_response = std::nullopt,
+                         .refused_jitter = 0,
+                         .refused_frames = std::nullopt,
                          .in_vain = false,
                          .unknown = std::move(way.unknown),
                          .most_jitter = way.most_jitter,
@@ -170,10 +189,11 @@ void BusMessages::put(BusMessage next) {
     join(there.sent, next.sent);
   else if (next.held)
     there.sent = next.sent;
-  const Outcome worst = worse(there.outcome, next.outcome);
-  const Outcome best = worst == there.outcome ? next.outcome : there.outcome;
-  // Of two that are refused now it is there if one of them may be granted.
-  there.outcome = there.held || next.held ? worst : best;
+  // What is refused for one place crosses the bus for the others, if it does for any.
+  if (there.outcome == Outcome::unfit)
+    there.outcome = next.outcome;
+  else if (next.outcome != Outcome::unfit)
+    there.outcome = worse(there.outcome, next.outcome);
   // What is granted for one place harms nobody here, whyever it is refused for another one.
   if (there.held == next.held)
     there.in_vain = there.in_vain || next.in_vain;
@@ -181,7 +201,14 @@ void BusMessages::put(BusMessage next) {
     there.in_vain = next.in_vain;
   there.held = there.held || next.held;
   there.present = there.present || next.present;
-  if (next.refused_response) there.refused_response = next.refused_response;
+  if (there.held) {
+    there.refused_response.reset();
+    there.refused_frames.reset();
+  } else if (next.refused_response) {
+    there.refused_response = next.refused_response;
+    there.refused_jitter = next.refused_jitter;
+  }
+  if (!there.held && next.refused_frames) there.refused_frames = next.refused_frames;
   for (const Place place : next.unknown)
     if (std::ranges::find(there.unknown, place) == there.unknown.end())
       there.unknown.push_back(place);
@@ -223,6 +250,10 @@ void BusMessages::add_refused(const Situation& situation, Ledger& ledger, Verdic
          .granted_jitter = 0,
          .refused_response =
              t.message ? refused_response(v, places[t.hop].index, *t.message) : std::nullopt,
+         .refused_jitter = t.message ? t.message->jitter : 0,
+         .refused_frames = t.message ? refused_frames(v, *ledger.schedule(places[t.hop].index),
+                                                      places[t.hop].index, *t.message)
+                                     : std::nullopt,
          .in_vain = is_in_vain(v, places[t.hop].index),
          .unknown = std::move(way.unknown),
          .most_jitter = way.most_jitter,

@@ -29,8 +29,8 @@ struct BusMessage {
   /// deadline of that alone.
   std::optional<can::Message> sent;
   std::size_t set = 0;  ///< attribute set
-  /// The worst of what is decided about those behind the bus: fit is granted with certainty, to
-  /// everybody.
+  /// The worst of what is decided about those behind the bus to whom anything may come: fit is
+  /// granted with certainty, to all of these. Unfit: it is granted to nobody.
   Outcome outcome = Outcome::fit;
   bool held = false;     ///< granted to somebody, at best perhaps: the ledger holds it
   bool present = false;  ///< on the bus if all best cases hold: held, or sent there though refused
@@ -39,8 +39,11 @@ struct BusMessage {
   std::optional<Value> granted_response;
   Value granted_jitter = 0;
   /// Where a check refuses it because it would be late itself: the response time that the check
-  /// found, with what was granted before it; kNever if not bounded.
+  /// found, with what was granted before it; kNever if not bounded. And the jitter with it.
   std::optional<Value> refused_response;
+  Value refused_jitter = 0;
+  /// Where a check refuses it because frames could be lost in its queue: how many wait there.
+  std::optional<std::uint32_t> refused_frames;
   bool in_vain = false;  ///< refused because something would be late or lost on this bus
   bool several = false;  ///< for several places behind the bus, each decided for itself
   /// Hops before the bus of which nobody knows how long they delay events: they count as none.

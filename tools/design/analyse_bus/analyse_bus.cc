@@ -217,6 +217,22 @@ AnalysedBus with_counted(const AnalysedBus& all) {
   return out;
 }
 
+core::BusDecision decision_of(const BusMessage& m) {
+  return {.outcome = m.outcome,
+          .held = m.held,
+          .counted = m.standing.counted,
+          .in_vain = m.in_vain,
+          .refused_response = m.refused_response,
+          .refused_jitter = m.refused_jitter,
+          .refused_frames = m.refused_frames};
+}
+
+/// In time with room in the queue: of what does not come to the bus, check refuses it for neither.
+bool is_fit(const Bus& bus, const BusMessage& m, const core::can::Response& response) {
+  if (!m.standing.counted) return !m.refused_response && !m.refused_frames;
+  return fits(bus.assumptions, m.sent(), response);
+}
+
 /// Of each message how it is beside what counts.
 void analyse_messages(AnalysedBus& result) {
   const Bus& bus = result.bus;
@@ -232,8 +248,10 @@ void analyse_messages(AnalysedBus& result) {
     result.by_admission.push_back(r.by_admission);
   }
   for (std::size_t i = 0; i < messages.size(); ++i) {
-    const bool fit = fits(bus.assumptions, messages[i], result.responses[i]);
+    const bool fit = is_fit(bus, bus.messages[i], result.responses[i]);
     result.fit.push_back(fit);
+    result.rows.push_back(core::row_of(decision_of(bus.messages[i]), bus.assumptions, messages[i],
+                                       result.responses[i]));
     if (!bus.messages[i].standing.counted) continue;
     result.late = result.late || !result.responses[i].meets(messages[i].deadline);
     result.schedulable = result.schedulable && fit;

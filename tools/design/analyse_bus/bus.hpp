@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/can/message.hpp"
+#include "core/design/bus_fate.hpp"
 #include "core/design/bus_responses.hpp"
 #include "mlcca/satisfies.hpp"
 
@@ -33,6 +34,9 @@ struct BusMessage {
   std::uint64_t granted_on_bus = 0;
   /// Of what check refuses for being late itself: the response that it found; ns, kNever: no bound.
   std::optional<std::uint64_t> refused_response;
+  std::uint64_t refused_jitter = 0;  ///< that is in it
+  /// Of what check refuses because its queue is too short: how many frames wait there.
+  std::optional<std::uint32_t> refused_frames;
   /// check refuses it because of the bus, though it may be another message that would be late.
   bool in_vain = false;
   bool from_elsewhere = false;  ///< a gateway sends it on: its jitter follows from the way before

@@ -118,13 +118,18 @@ class DescribedBuses {
 
   /// What may not be on a bus together, in the words of check where it says that.
   [[nodiscard]] std::vector<std::string> clashes_on(std::size_t n, const Bus& bus) const {
-    auto clashes = problems_of(bus.messages, bus.network);
+    if (problems_of(bus.messages, bus.network).empty()) return {};
     std::vector<std::string> said;
     for (const core::Finding& f : inspection_.findings)
       if (f.id == core::FindingId::sender_twice && f.has_place &&
           f.place == Place{Place::Kind::network, n})
         said.push_back(at(f.origin, core::code_of(f.id) + ": " + f.text));
-    return clashes.empty() || said.empty() ? clashes : said;
+    if (!said.empty()) return said;
+    // What is dropped before the bus has no identifier there.
+    std::vector<BusMessage> there;
+    std::ranges::copy_if(bus.messages, std::back_inserter(there),
+                         [](const BusMessage& m) { return m.standing.counted; });
+    return problems_of(there, bus.network);
   }
 
   [[nodiscard]] bool is_on(std::size_t publisher, std::size_t network) const {
@@ -198,6 +203,8 @@ class DescribedBuses {
       m.granted_on_bus = *from.granted_response - from.granted_jitter;
     }
     m.refused_response = from.refused_response;
+    m.refused_jitter = from.refused_jitter;
+    m.refused_frames = from.refused_frames;
     m.in_vain = from.in_vain;
     m.from_elsewhere = from.from != core::Flow::kOwn;
     m.message = *from.message;

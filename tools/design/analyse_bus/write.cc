@@ -14,6 +14,7 @@
 namespace mlcca::tools::design {
 namespace {
 
+using core::BusFate;
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t kMicrosecond = 1'000;  // ns
@@ -43,28 +44,6 @@ Json us_or_null(std::uint64_t ns) {
   return ns == core::can::kNever ? Json(nullptr) : Json(as_us(ns));
 }
 
-/// How the message does, as a word for programs.
-enum class Fate : std::uint8_t {
-  met,
-  late,
-  not_bounded,
-  queue_too_short,
-  refused,
-  refused_by_check,
-  run_time,  ///< check leaves it to the run time whether it takes the place of others
-};
-
-Fate fate_of(const AnalysedBus& analysed, std::size_t i) {
-  const BusMessage& m = analysed.bus.messages[i];
-  const core::can::Response& r = analysed.responses[i];
-  if (m.outcome == Outcome::run_time && !m.held) return Fate::run_time;
-  if (!r.bounded) return Fate::not_bounded;
-  if (!r.meets(m.sent().deadline)) return Fate::late;
-  if (!analysed.fit[i]) return Fate::queue_too_short;
-  if (m.in_vain) return Fate::refused;
-  return m.outcome == Outcome::unfit ? Fate::refused_by_check : Fate::met;
-}
-
 /// The queue of a gateway; null for a node's own, and for a FIFO whose length is not stated.
 const core::can::Queue* queue_of(const AnalysedBus& analysed, std::size_t i) {
   const auto& queues = analysed.bus.assumptions.queues;
@@ -75,50 +54,60 @@ bool has_length(const core::can::Queue& queue) {
   return queue.length != std::numeric_limits<std::uint32_t>::max();
 }
 
+/// "-" where there is none.
+std::string response_of(const core::BusRow& row) {
+  return row.response ? in_us(*row.response) : "-";
+}
+
+bool has_bound(const core::BusRow& row) {
+  return row.response && *row.response != core::can::kNever;
+}
+
 std::string verdict_of(const AnalysedBus& analysed, std::size_t i) {
-  switch (fate_of(analysed, i)) {
-    case Fate::met:
+  switch (analysed.rows[i].fate) {
+    case BusFate::met:
       return analysed.by_admission[i] ? "by admission" : "";
-    case Fate::late:
+    case BusFate::late:
       return "late";
-    case Fate::not_bounded:
+    case BusFate::not_bounded:
       return "not bounded";
-    case Fate::queue_too_short:
-      return fmt::format("queue too short: {} of {}", queue_of(analysed, i)->length,
-                         analysed.responses[i].queued_frames);
-    case Fate::refused:
+    case BusFate::queue_too_short: {
+      const auto* const queue = queue_of(analysed, i);
+      return fmt::format("queue too short: {} of {}", queue == nullptr ? 0 : queue->length,
+                         analysed.rows[i].frames.value_or(0));
+    }
+    case BusFate::refused_for_others:
       return "refused for others";
-    case Fate::refused_by_check:
+    case BusFate::refused:
       return "refused by check";
-    case Fate::run_time:
+    case BusFate::run_time:
       return "at run time, in place of others";
   }
   return {};
 }
 
 /// The response that check found beside the messages that it grants, where that is another one.
-std::string checked_of(const BusMessage& m, const core::can::Response& r) {
+std::string checked_of(const BusMessage& m, const core::BusRow& row) {
   const auto checked = m.granted_response ? m.granted_response : m.refused_response;
-  if (!checked) return {};
-  if (*checked == core::can::kNever) return r.bounded ? "no bound" : "";
-  return r.bounded && r.response == *checked ? "" : in_us(*checked);
+  if (!checked || checked == row.response) return {};
+  return *checked == core::can::kNever ? "no bound" : in_us(*checked);
 }
 
-std::string_view word_of(Fate fate) {
+std::string_view word_of(BusFate fate) {
   switch (fate) {
-    case Fate::met:
+    case BusFate::met:
       return "met";
-    case Fate::refused_by_check:
+    case BusFate::refused:
       return "refused-by-check";
-    case Fate::late:
+    case BusFate::late:
       return "late";
-    case Fate::not_bounded:
+    case BusFate::not_bounded:
       return "not-bounded";
-    case Fate::queue_too_short:
+    case BusFate::queue_too_short:
       return "queue-too-short";
-    case Fate::run_time:
+    case BusFate::run_time:
       return "run-time";
-    case Fate::refused:
+    case BusFate::refused_for_others:
       break;
   }
   return "refused";
@@ -193,7 +182,7 @@ std::string assumed_text(const AnalysedBus& analysed) {
   bool late_though_granted = false;
   for (std::size_t i = 0; i < analysed.responses.size(); ++i) {
     const BusMessage& m = analysed.bus.messages[i];
-    differs = differs || !checked_of(m, analysed.responses[i]).empty();
+    differs = differs || !checked_of(m, analysed.rows[i]).empty();
     dropped = dropped || !m.standing.counted;
     competes = competes || (m.standing.counted && !m.present);
     by_admission = by_admission || analysed.by_admission[i];
@@ -207,9 +196,8 @@ std::string assumed_text(const AnalysedBus& analysed) {
   if (late_though_granted) text += why_granted(analysed);
   if (dropped)
     text +=
-        "What is refused and comes from another network is dropped before this bus. Its row says "
-        "how "
-        "late it would be if it came.\n";
+        "What is refused and comes from another network is dropped before this bus. Its row has "
+        "the time that mlccactl check refuses it for, or none.\n";
   if (competes)
     text +=
         "Response us also counts what may be granted in the place of others, as if all of it came "
@@ -336,16 +324,16 @@ std::string bus_text(const AnalysedBus& analysed, Color color) {
   for (std::size_t i = 0; i < bus.messages.size(); ++i) {
     const BusMessage& m = bus.messages[i];
     const core::can::Message& sent = m.sent();
-    const core::can::Response& r = analysed.responses[i];
-    const Style style = fate_of(analysed, i) == Fate::met ? Style::plain : Style::bad;
+    const core::BusRow& row = analysed.rows[i];
+    const Style style = row.fate == BusFate::met ? Style::plain : Style::bad;
     table.add({{m.name},
                {identifier_of(m)},
                {in_us(sent.longest_frame)},
-               {sent.jitter == 0 ? "" : in_us(sent.jitter)},
-               {checked_of(m, r)},
-               {r.bounded ? in_us(r.response) : "-", style},
+               {row.jitter == 0 ? "" : in_us(row.jitter)},
+               {checked_of(m, row)},
+               {response_of(row), style},
                {in_us(sent.deadline)},
-               {r.bounded ? slack_of(sent.deadline, r.response) : "-", style},
+               {has_bound(row) ? slack_of(sent.deadline, *row.response) : "-", style},
                {verdict_of(analysed, i), style}});
   }
   if (table.empty())
@@ -377,7 +365,7 @@ std::string bus_text(const AnalysedBus& analysed, Color color) {
 Json message_json(const AnalysedBus& analysed, std::size_t i) {
   const BusMessage& m = analysed.bus.messages[i];
   const core::can::Message& sent = m.sent();
-  const core::can::Response& r = analysed.responses[i];
+  const core::BusRow& row = analysed.rows[i];
   Json out{{"name", m.name},
            {"id", m.tag_known ? Json(m.id) : Json(nullptr)},
            {"extended", m.extended},
@@ -388,9 +376,9 @@ Json message_json(const AnalysedBus& analysed, std::size_t i) {
            {"deadline_us", us_or_null(sent.deadline)},
            {"slack_us", nullptr},
            {"period_us", as_us(sent.period)},
-           {"jitter_us", us_or_null(sent.jitter)},
+           {"jitter_us", us_or_null(row.jitter)},
            {"schedulable", static_cast<bool>(analysed.fit[i])},
-           {"verdict", word_of(fate_of(analysed, i))}};
+           {"verdict", word_of(row.fate)}};
   if (m.granted) {
     out["granted"] = *m.granted;
     out["outcome"] = word_of(m.outcome);
@@ -408,14 +396,15 @@ Json message_json(const AnalysedBus& analysed, std::size_t i) {
   if (const auto* queue = queue_of(analysed, i)) {
     out["queue"] = Json::object();
     out["queue"]["frames"] = nullptr;
-    if (r.bounded) out["queue"]["frames"] = r.queued_frames;
+    if (row.frames) out["queue"]["frames"] = *row.frames;
     if (has_length(*queue)) out["queue"]["length"] = queue->length;
   }
-  if (r.bounded) {
-    out["on_bus_us"] = as_us(r.response - sent.jitter);
-    out["response_us"] = as_us(r.response);
-    out["slack_us"] = sent.deadline >= r.response ? as_us(sent.deadline - r.response)
-                                                  : -as_us(r.response - sent.deadline);
+  if (has_bound(row)) {
+    const std::uint64_t response = *row.response;
+    out["on_bus_us"] = as_us(response - std::min(response, row.jitter));
+    out["response_us"] = as_us(response);
+    out["slack_us"] = sent.deadline >= response ? as_us(sent.deadline - response)
+                                                : -as_us(response - sent.deadline);
   }
   return out;
 }

@@ -15,6 +15,7 @@ namespace mlcca::tools::design {
 struct AnalysedBus {
   Bus bus;                                     ///< messages in the order of arbitration
   std::vector<core::can::Response> responses;  ///< of these, beside what counts
+  std::vector<core::BusRow> rows;              ///< what is said of these
   std::vector<bool> by_admission;              ///< that is the bound: core/design/bus_responses.hpp
   std::vector<bool> fit;                       ///< in time, with room in the queue
   bool late = false;                           ///< one that counts is, or is not bounded

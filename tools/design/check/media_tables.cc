@@ -11,6 +11,7 @@
 
 #include "core/can/analysis.hpp"
 #include "core/can/of_system.hpp"
+#include "core/design/bus_fate.hpp"
 #include "core/design/bus_responses.hpp"
 #include "core/mesh/roles.hpp"
 #include "core/model/text.hpp"
@@ -35,48 +36,55 @@ struct Response {
   std::string left;
 };
 
-Said said_of_held(const core::BusMessage& m, const core::can::Response& r,
-                  const core::can::Assumptions& bus) {
-  if (!r.meets(m.sent->deadline)) return {"✕", "late while what is refused here is sent", "unfit"};
-  if (!fits(bus, *m.sent, r))
+Said said_of_held(const core::BusMessage& m, core::BusFate fate) {
+  if (fate == core::BusFate::late || fate == core::BusFate::not_bounded)
+    return {"✕", "late while what is refused here is sent", "unfit"};
+  if (fate == core::BusFate::queue_too_short)
     return {"✕", "may be lost in its queue while what is refused here is sent", "unfit"};
   if (m.outcome == Outcome::run_time) return {"◌", "in time, if it is granted", "run-time"};
   return {"✓", "in time", "fit"};
 }
 
 /// Of what is refused or left to the run time.
-Said said_of_other(const core::BusMessage& m) {
-  if (m.outcome == Outcome::run_time)
-    return {"◌", "decided at run time, in place of others", "run-time"};
-  if (m.refused_response) return {"✕", "late", "unfit"};
-  return {"✕", m.in_vain ? "others would be late" : "refused for another reason", "unfit"};
+Said said_of_other(core::BusFate fate) {
+  switch (fate) {
+    case core::BusFate::run_time:
+      return {"◌", "decided at run time, in place of others", "run-time"};
+    case core::BusFate::late:
+      return {"✕", "late", "unfit"};
+    case core::BusFate::not_bounded:
+      return {"✕", "not bounded", "unfit"};
+    case core::BusFate::queue_too_short:
+      return {"✕", "its queue is too short", "unfit"};
+    case core::BusFate::refused_for_others:
+      return {"✕", "others would be late", "unfit"};
+    default:
+      return {"✕", "refused for another reason", "unfit"};
+  }
 }
 
 /// `sent`: beside what counts.
 Response response_of(const core::BusMessage& m, const core::SentMessage& sent,
                      const core::can::Assumptions& bus) {
-  const core::can::Response& r = sent.response;
   if (!m.sent)
     return {verdict({"?", "not analysed: the description does not say enough", "run-time"}), "", "",
             ""};
+  const core::BusRow row = core::row_of(core::decision_of(m), bus, *m.sent, sent.response);
   Response out;
-  out.verdict = verdict(m.held ? said_of_held(m, r, bus) : said_of_other(m));
+  out.verdict = verdict(m.held ? said_of_held(m, row.fate) : said_of_other(row.fate));
   const Value deadline = m.sent->deadline;
   out.deadline = time_text(deadline);
-  // What check refuses it for, where it does not come to the bus and so has no other time there.
-  std::optional<Value> response = m.refused_response;
-  if (m.is_counted()) response = r.bounded ? r.response : core::can::kNever;
-  if (!response) return out;
-  if (*response == core::can::kNever) {
-    out.time = time_text(*response);
+  if (!row.response) return out;
+  if (*row.response == core::can::kNever) {
+    out.time = time_text(*row.response);
     return out;
   }
-  const auto words = core::format_bound(Attribute::latency, *response, deadline);
+  const auto words = core::format_bound(Attribute::latency, *row.response, deadline);
   out.time = words.bound;
   if (sent.by_admission) out.time += " <span class=\"quiet\">by admission</span>";
   out.deadline = words.limit;
-  out.left = *response <= deadline ? time_text(deadline - *response) + " to spare"
-                                   : time_text(*response - deadline) + " too late";
+  out.left = *row.response <= deadline ? time_text(deadline - *row.response) + " to spare"
+                                       : time_text(*row.response - deadline) + " too late";
   return out;
 }
 
