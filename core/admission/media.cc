@@ -476,7 +476,10 @@ void Media::take_mesh(std::size_t hop) {
     provide_everything(provision, offered);
     return;
   }
-  provide(provision, Attribute::bandwidth, c.alone, c.best_case);
+  // Where not even the way alone would do, nobody needs a second number beside what is left.
+  const bool never = c.alone < c.demand;
+  provide(provision, Attribute::bandwidth, never ? std::min(c.alone, c.available) : c.alone,
+          c.best_case);
   provide_links(provision, c.links_give, c.best_case);
   provide_events(provision, offered, c.best_case);
   if (c.available != kUnbounded) compare_medium_time(c, hop);

@@ -387,7 +387,7 @@ std::string where(const System& system, const Members& members, const Verdict& v
     case Against::schedule:
       return "response times on " + name_of(system, row.place);
     case Against::medium_time:
-      return "medium time of " + name_of(system, row.place);
+      return "time left on " + name_of(system, row.place);
   }
   return {};
 }

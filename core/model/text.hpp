@@ -61,7 +61,7 @@ struct BoundWords {
                                    const std::vector<std::size_t>& publishers);
 
 /// What a row checks: a hop's name, "end to end", "publisher NAME for NAME", "capacity of NAME",
-/// "listeners on NAME", "response times on NAME", "medium time of NAME".
+/// "listeners on NAME", "response times on NAME", "time left on NAME".
 [[nodiscard]] std::string where(const System& system, const Members& members,
                                 const Verdict& verdict, const Row& row);
 

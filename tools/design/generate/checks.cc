@@ -27,7 +27,13 @@ std::vector<RouteHop> hops_of(const core::Verdict& verdict) {
           return row.against == core::Against::schedule && row.place == places[i] &&
                  core::is_unfit(row);
         });
-    out.push_back({places[i], verdict.hops[i], verdict.granted, late});
+    const bool left =
+        !verdict.granted && std::ranges::any_of(verdict.rows, [&](const core::Row& row) {
+          return row.against == core::Against::medium_time && row.place == places[i] &&
+                 core::is_unfit(row) &&
+                 row.comparison.provided == verdict.hops[i].provision[Attribute::bandwidth];
+        });
+    out.push_back({places[i], verdict.hops[i], verdict.granted, late, left});
   }
   return out;
 }

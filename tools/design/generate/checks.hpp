@@ -24,6 +24,7 @@ struct RouteHop {
   Hop gives;
   bool granted = true;
   bool late = false;  ///< refused there: a bus gives what it would be held to, and no response time
+  bool left = false;  ///< refused there: the Bandwidth of a mesh is what other channels leave
 };
 
 /// What `mlccactl check` decides about a whole system, in every attribute set.

@@ -271,7 +271,9 @@ class Writer {
     const auto& network = system_.networks[hop.place.index];
     if (network.mesh && core::mesh::is_measured(*network.mesh))
       return "from PerHop, for one link at best: the links are measured at run time";
-    if (network.mesh) return "from the links of the mesh as they are described";
+    if (network.mesh)
+      return std::string("from the links of the mesh as they are described; Bandwidth is what ") +
+             (hop.left ? "other channels leave" : "they carry alone");
     if (hop.late)
       return fmt::format(
           "from {}: the channel is refused there, and Latency and Jitter are what its deadline\n"
