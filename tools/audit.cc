@@ -56,7 +56,8 @@ std::string render(const control::Audit& audit, Color color) {
     out +=
         fmt::format("; the gates enforce after {} without", core::format_span(audit.when_clean_ns));
   if (audits) out += '\n';
-  if (audit.findings.empty()) return out + "\nnothing was refused when the gates were last read, about a second ago\n";
+  if (audit.findings.empty())
+    return out + "\nnothing was refused when the gates were last read, about a second ago\n";
   Table table({{"INTERFACE"},
                {"WAY"},
                {"FRAME OR DELIVERY"},

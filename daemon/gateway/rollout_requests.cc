@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/many.hpp"
 #include "daemon/gateway/rollout.hpp"
 
 namespace mlcca {
@@ -33,7 +34,7 @@ Response Rollout::take(const Asker& asker, const control::RolloutRequest& reques
   if (request.more) {
     const auto size = uploads_.add(session, asker.peer.uid, request.part);
     if (!size) return not_handed_over(size.error().text);
-    return control::Done{fmt::format("{} bytes", *size)};
+    return control::Done{many(*size, "byte")};
   }
   auto text = uploads_.finish(session, asker.peer.uid, request.part);
   if (!text) return not_handed_over(text.error().text);

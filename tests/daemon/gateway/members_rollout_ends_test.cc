@@ -145,7 +145,7 @@ class Uploading : public MembersRolloutEnds {
 };
 
 TEST_F(Uploading, ThatNeverEndsDoesNotBlockOthers) {
-  EXPECT_EQ(part(9, "2", true), "1 bytes");
+  EXPECT_EQ(part(9, "2", true), "1 byte");
   EXPECT_EQ(part(1, "3", false), "checking");
   pass(8 * kSecondNs);
   EXPECT_TRUE(has(0, 3));
@@ -153,10 +153,10 @@ TEST_F(Uploading, ThatNeverEndsDoesNotBlockOthers) {
 
 TEST_F(Uploading, ManyThatNeverEndGiveWay) {
   for (std::uint64_t session = 10; session < 40; ++session)
-    EXPECT_EQ(part(session, "4", true), "1 bytes") << session;
+    EXPECT_EQ(part(session, "4", true), "1 byte") << session;
   // One of another user, with both of its parts.
   at(0).handed_on[22] = at(1).handed_on[22] = grown_system();
-  EXPECT_EQ(part(50, "2", true, 1001), "1 bytes");
+  EXPECT_EQ(part(50, "2", true, 1001), "1 byte");
   for (std::uint64_t session = 60; session < 80; ++session) part(session, "4", true);
   EXPECT_EQ(part(50, "2", false, 1001), "checking");
   pass(8 * kSecondNs);
@@ -165,16 +165,16 @@ TEST_F(Uploading, ManyThatNeverEndGiveWay) {
 }
 
 TEST_F(Uploading, EndsWithItsClientOrAfterAWhile) {
-  EXPECT_EQ(part(9, "4", true), "1 bytes");
+  EXPECT_EQ(part(9, "4", true), "1 byte");
   at(0).daemon().session_closed(9);
-  EXPECT_EQ(part(9, "4", true), "1 bytes");
+  EXPECT_EQ(part(9, "4", true), "1 byte");
   pass(61 * kSecondNs);
   EXPECT_NE(part(9, "4", true).find("given up"), std::string::npos);
   EXPECT_EQ(part(9, "3", false), "checking") << "from the beginning";
 }
 
 TEST_F(Uploading, BeginsAfreshAfterAnotherRequestOfTheSameClient) {
-  EXPECT_EQ(part(1, "4", true), "1 bytes");
+  EXPECT_EQ(part(1, "4", true), "1 byte");
   EXPECT_NE(rolled(0, {.back = true}).find("nothing was changed"), std::string::npos);
   EXPECT_EQ(part(1, "3", false), "checking");
   pass(8 * kSecondNs);

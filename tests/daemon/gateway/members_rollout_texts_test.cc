@@ -102,7 +102,7 @@ TEST_F(RolledOutTexts, ThatNobodyHasAreReportedAndFollowedWhenTheyAreThere) {
   at(1).end();
   pass(25 * kSecondNs);  // until it is fenced
   ASSERT_EQ(roll_out(0, "2", {"g1"}), "checking");
-  pass(10 * kSecondNs);
+  pass(60 * kSecondNs);
   ASSERT_EQ(state_of(0).state, "in-force") << state_of(0).why;
   const std::string text = store.entries.at(blob(2)).value;
   store.write({}, {blob(2)});

@@ -285,7 +285,7 @@ TEST_F(AnalyseBusTest, ASeparatorThatIsNotThatOfTheHeaderIsNamed) {
   }
   const auto head = slow(file("head.csv", "name;id;extended,bytes;period_us\nV;16;0;8;1000\n"));
   EXPECT_TRUE(head.error.contains(
-      "head.csv:1: there is no column extended and bytes; unknown column 'extended,bytes' (this "
+      "head.csv:1: there are no columns extended and bytes; unknown column 'extended,bytes' (this "
       "line has ';' and ',': all columns must be separated by one)"))
       << head.error;
 }
