@@ -88,7 +88,7 @@ class Client::Data {
   /// The same, opened again for the network as it is now.
   Result<relay::Layer*> renewed_layer_of(const control::Endpoint& endpoint);
   Result<void> use_endpoint(const PartOf& part, const SharedEndpoint& endpoint);
-  Result<void> use_endpoints(const PartOf& part, std::vector<control::Endpoint> endpoints);
+  Result<void> use_endpoints(const PartOf& part, std::vector<control::Endpoint> stated);
   void leave(const std::weak_ptr<Channel::Part>& part);
   void leave_expired();
   std::vector<Following> close(std::uint32_t ifindex);

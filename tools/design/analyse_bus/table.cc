@@ -196,6 +196,15 @@ std::string other_separator_in(std::string_view value, char separator) {
   return {};
 }
 
+/// That a name of a column has another separator in it; empty: none has.
+std::string second_separator_in(const std::vector<std::string>& names, char separator) {
+  for (const std::string& name : names)
+    if (const char other = separator_of(name); name.contains(other))
+      return fmt::format(" (this line has {} and {}: all columns must be separated by one)",
+                         separator_words(separator), separator_words(other));
+  return {};
+}
+
 class TableReader {
  public:
   TableReader(const std::string& file, const BusOptions& options) : file_(file) {
@@ -307,15 +316,9 @@ class TableReader {
     add(missing, "there is no column", "there are no columns");
     add(unknown, "unknown column", "unknown columns");
     add(twice, "there twice:", "there twice:");
-    for (const std::string& cell : cells)
-      if (const char other = separator_of(cell); cell.contains(other)) {
-        text += fmt::format(" (this line has {} and {}: all columns must be separated by one)",
-                            separator_words(separator_), separator_words(other));
-        break;
-      }
-    problem("header", fmt::format("{}. The header must be {}, between commas, semicolons, tabs or "
-                                  "bars",
-                                  text, kHeader));
+    problem("header", fmt::format("{}{}. The header must be {}, between commas, semicolons, tabs "
+                                  "or bars",
+                                  text, second_separator_in(cells, separator_), kHeader));
     // Without the columns no line can be understood.
     readable_ = false;
   }
