@@ -132,7 +132,7 @@ bool write(const std::string& text) {
 Exit complain(const Options& options, control::ErrorKind kind, const std::string& message) {
   const control::Error error{.kind = kind, .message = message, .details = {}};
   if (options.json)
-    write(to_json(control::Reply{0, error}));
+    write(tools::to_json(control::Reply{0, error}));
   else
     fmt::print(stderr, "{}", render(error, options.error_color));
   return kind == control::ErrorKind::invalid ? Exit::usage : Exit::world;
