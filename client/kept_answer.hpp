@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// An answer that nobody looks at, in a few hundred octets: its comparisons have four texts each,
-// and a program may have thousands of channels.
+// An answer that nobody has asked for yet, in a few hundred octets: its comparisons have four texts
+// each, and a program may have thousands of channels.
 #pragma once
 #include <memory>
 #include <string>

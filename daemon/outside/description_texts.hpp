@@ -31,7 +31,7 @@ class DescriptionTexts {
 
   /// It outlives a loss of power from then on. Refused where the digest is another one.
   virtual Result<void> keep(const Digest& digest, const std::string& text) = 0;
-  /// Reads, on any thread, and as long as anybody has it.
+  /// Reads, on any thread, also after the daemon has let go of it.
   [[nodiscard]] virtual Reader reader() const = 0;
   /// Others are not needed any more.
   virtual void keep_only(const std::set<Digest>& digests) = 0;

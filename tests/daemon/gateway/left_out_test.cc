@@ -114,7 +114,7 @@ TEST_F(LeftOut, AreReleasedTogetherWithThoseThatAreInForce) {
   EXPECT_TRUE(bench_.recorded(random_).admissions.empty());
 }
 
-/// Where an operator looks for them, each once.
+/// Where an operator finds them, each once.
 TEST_F(LeftOut, AreInStatusChannelsAndExplain) {
   admit_and_leave_out();
   const auto status = bench_.ask(control::StatusRequest{});
