@@ -129,8 +129,8 @@ TEST_F(AnalyseBusTest, WhatIsRefusedForOnePlaceIsAdmittedOnTheBusThatItCrossesFo
       << page;
 }
 
-/// p0 is a program's on a gateway, p1 comes over another one: neither is granted to any place, for a
-/// mesh that is too slow, and check names no second sender.
+/// p0 is a program's on a gateway, p1 comes over another one: neither is granted to any place, for
+/// a mesh that is too slow, and check names no second sender.
 std::string senders_of_one_identifier(const std::string& publishers) {
   return test::system_of(
       "<EventChannel name='c'><SubjectUID>0x1</SubjectUID><Attributes period='100ms' "
