@@ -17,13 +17,8 @@ namespace {
 
 namespace cc = core::cluster;
 
-constexpr std::size_t kShownDigits = 12;
 constexpr std::size_t kDigestOctets = Sha256::Digest{}.size();
 constexpr std::uint64_t kLongestWait = 60'000'000'000;  // ns, until a text begins to be read
-
-std::string shown(const Sha256::Digest& digest) {
-  return hex_of_digest(digest).substr(0, kShownDigits);
-}
 
 std::vector<std::string> chunks_of(const std::string& text) {
   std::vector<std::string> chunks;
@@ -36,6 +31,11 @@ std::vector<std::string> chunks_of(const std::string& text) {
 
 std::string hex_of_digest(const Sha256::Digest& digest) {
   return digest == Sha256::Digest{} ? std::string() : cc::hex_of(digest);
+}
+
+std::string shown_digits(const Sha256::Digest& digest) {
+  constexpr std::size_t digits = 12;
+  return hex_of_digest(digest).substr(0, digits);
 }
 
 void Rollout::restore(const store::Membership& record) {
@@ -245,7 +245,7 @@ void Rollout::on(const cc::Switch& event) {
                ? "not all gateways could put it in force: the former one comes back"
                : "another description has come into force since");
   parts_.log.notice(Kind::rollout, fmt::format("description {} ({}) of the cluster {}{}",
-                                               event.generation, shown(event.digest),
+                                               event.generation, shown_digits(event.digest),
                                                event.open ? "is in force" : "comes into force",
                                                here ? "" : ": this gateway has another one"));
   follow(event);
@@ -343,7 +343,7 @@ void Rollout::lack(const Digest& digest) {
     parts_.log.warning(Kind::rollout,
                        fmt::format("description {} comes into force, and its text is neither kept "
                                    "here nor in the store",
-                                   shown(digest)));
+                                   shown_digits(digest)));
 }
 
 void Rollout::end(const Check& check, const std::string& why) {
@@ -388,7 +388,7 @@ bool Rollout::report_cannot(cc::Member& member) {
   const Cannot cannot = *std::exchange(cannot_, std::nullopt);
   parts_.log.error(Kind::rollout,
                    fmt::format("description {} of the cluster cannot be put in force here: {}",
-                               shown(cannot.digest), cannot.why));
+                               shown_digits(cannot.digest), cannot.why));
   const auto& current = member.view().records().current.value;
   if (current && current->digest == cannot.digest) member.cannot_switch(cannot.why);
   if (wanted_ == cannot.digest) wanted_.reset();
@@ -400,10 +400,10 @@ bool Rollout::cast_vote(cc::Member& member) {
   const auto [digest, why] = *std::exchange(vote_, std::nullopt);
   if (why.empty()) voted_ = digest;
   if (digest != parts_.scene.digest)
-    parts_.log.notice(Kind::rollout,
-                      why.empty()
-                          ? fmt::format("agrees to description {}", shown(digest))
-                          : fmt::format("objects to description {}: {}", shown(digest), why));
+    parts_.log.notice(
+        Kind::rollout,
+        why.empty() ? fmt::format("agrees to description {}", shown_digits(digest))
+                    : fmt::format("objects to description {}: {}", shown_digits(digest), why));
   member.vote_rollout(digest, why.empty(), why);
   return true;
 }
@@ -422,7 +422,7 @@ bool Rollout::stage(cc::Member& member) {
   own_.state = "staging";
   const EventLog::Acting acting(parts_.log, own_.actor);
   parts_.log.notice(Kind::rollout, fmt::format("description {} is proposed to all gateways",
-                                               shown(staged_->digest)));
+                                               shown_digits(staged_->digest)));
   member.stage(*std::exchange(staged_, std::nullopt));
   return true;
 }
@@ -460,7 +460,7 @@ void Rollout::finish(const std::string& why) {
   own_.why = why;
   const EventLog::Acting acting(parts_.log, own_.actor);
   parts_.log.warning(Kind::rollout, fmt::format("description {} does not come into force: {}",
-                                                shown(own_.digest), why));
+                                                shown_digits(own_.digest), why));
 }
 
 }  // namespace mlcca

@@ -163,5 +163,7 @@ class Rollout {
 
 /// 64 hexadecimal digits; empty: none.
 [[nodiscard]] std::string hex_of_digest(const Sha256::Digest& digest);
+/// As many digits of it as messages show.
+[[nodiscard]] std::string shown_digits(const Sha256::Digest& digest);
 
 }  // namespace mlcca

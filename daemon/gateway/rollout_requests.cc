@@ -13,11 +13,6 @@ namespace {
 
 namespace cc = core::cluster;
 
-std::string shown_digits(const Sha256::Digest& digest) {
-  constexpr std::size_t digits = 12;
-  return hex_of_digest(digest).substr(0, digits);
-}
-
 Response not_handed_over(const std::string& why) { return failed("nothing was changed: " + why); }
 
 }  // namespace
