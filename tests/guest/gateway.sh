@@ -117,3 +117,8 @@ heart_beat_system() {
 	echo '<Subscriber name="motors" channel="emergency-switch" network="robot-can"/>'
 	echo '</System>'
 }
+
+# How many transfers a relay carries, which it prints at a SIGUSR1.
+transfers_of() { # transfers_of PID LOG
+	kill -USR1 "$1" && sleep 0.2 && grep -o '[0-9]* transfers\?' "$2" | tail -n 1 | cut -d ' ' -f 1
+}

@@ -64,9 +64,7 @@ start() { # start GATEWAY [OPTION of mlccad...]: daemon and relay
 	relay[$1]=$!
 	wait_for 20 grep -q 'SigBlk:.*4202' "/proc/${relay[$1]}/status" # it would end by a SIGUSR1 before that
 }
-carries() { # carries GATEWAY TRANSFERS
-	kill -USR1 "${relay[$1]}" && sleep 0.2 && [ "$(grep -o '[0-9]* transfers\?' "/run/$1-relay.log" | tail -n 1 | cut -d ' ' -f 1)" = "$2" ]
-}
+carries() { [ "$(transfers_of "${relay[$1]}" "/run/$1-relay.log")" = "$2" ]; } # carries GATEWAY TRANSFERS
 
 # The sink prints what comes: single events, and long ones put together from their fragments.
 cat >/run/peer.py <<'P'
