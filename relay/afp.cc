@@ -152,9 +152,9 @@ std::optional<Event> Reassembly::take_numbered(Source source, const Fragment& fr
     return std::nullopt;
   }
   if (!keep(event, fragment)) return std::nullopt;
-  auto whole = complete(event);
-  if (whole) remember(key, now);
-  return whole;
+  auto completed = complete(event);
+  if (completed) remember(key, now);
+  return completed;
 }
 
 void Reassembly::remember(const Key& key, std::uint64_t now) {
@@ -225,12 +225,12 @@ bool Reassembly::keep(All::iterator event, const Fragment& fragment) {
 std::optional<Event> Reassembly::complete(All::iterator event) {
   const Begun& begun = event->second;
   if (!begun.last || begun.fragments.size() != *begun.last + 1) return std::nullopt;
-  Event whole;
-  whole.reserve(begun.octets);
+  Event octets;
+  octets.reserve(begun.octets);
   for (const auto& [left, data] : begun.fragments | std::views::reverse)
-    whole.insert(whole.end(), data.begin(), data.end());
+    octets.insert(octets.end(), data.begin(), data.end());
   forget(event);
-  return whole;
+  return octets;
 }
 
 void Reassembly::give_up(All::iterator event, std::uint64_t& why) {

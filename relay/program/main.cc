@@ -141,7 +141,7 @@ void Program::report(std::uint64_t now) {
   if (dropped + late + lost > reported_)
     say(many(dropped, "event was", "events were") + " not taken by a network, " +
         many(late, "was", "were") + " late (longest " + microseconds_in(longest) + "), " +
-        many(lost, "was", "were") + " not received whole; SIGUSR1 lists them");
+        many(lost, "was", "were") + " not received completely; SIGUSR1 lists them");
   reported_ = dropped + late + lost;
 }
 
