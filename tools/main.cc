@@ -269,10 +269,15 @@ Exit ask_withdraw(const Options& options, const Arguments& arguments) {
     const auto* channels = std::get_if<control::Channels>(&now->body);
     if (channels == nullptr) return print_reply<control::WithdrawRequest>(options, *now);
     const auto what = what_stops(*channels, arguments.channel, options.error_color);
-    if (arguments.yes)
-      fmt::print(stderr, "{}", what);
-    else if (const auto ended = ask_back(options, what, "Withdraw it?"))
-      return *ended;
+    if (!arguments.yes) {
+      if (const auto ended = ask_back(options, what, "Withdraw it?")) return *ended;
+      return ask(options, control::WithdrawRequest{arguments.channel});
+    }
+    // Nothing is said to stop where the daemon refuses the request.
+    const auto done = reply_to(options, control::WithdrawRequest{arguments.channel});
+    if (!done) return done.error();
+    if (std::holds_alternative<control::Done>(done->body)) fmt::print(stderr, "{}", what);
+    return print_reply<control::WithdrawRequest>(options, *done);
   }
   return ask(options, control::WithdrawRequest{arguments.channel});
 }

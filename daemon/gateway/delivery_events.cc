@@ -89,14 +89,22 @@ void DeliveryEvents::silence(const core::Verdict& v, const gate_event& event,
   log_.write(std::move(note));
 }
 
-/// What has to change so that a verdict is reported again: of a grant not by how much it is met,
-/// which others change.
-std::pair<std::size_t, std::string> DeliveryEvents::as_reported(const core::State& state,
-                                                                const core::Verdict& v) {
-  if (!v.granted) return {v.set, verdict_line(state, v)};
-  std::string way;
-  for (const core::Place place : v.route) way += core::name_of(state.system(), place) + " ";
-  return {v.set, way};
+DeliveryEvents::Contract DeliveryEvents::as_reported(const core::State& state,
+                                                     const core::Verdict& v) {
+  Contract reported;
+  reported.set = v.set;
+  if (!v.granted) {
+    reported.text = verdict_line(state, v);
+    return reported;
+  }
+  const core::Publisher& publisher = state.members().publisher(v.publisher);
+  reported.offered = core::attributes_in(publisher, v.set);
+  reported.required = v.requirement;
+  reported.user_offered = core::user_values_in(publisher, v.set);
+  reported.user_required = v.user_requirement;
+  for (const core::Place place : v.route)
+    reported.text += core::name_of(state.system(), place) + " ";
+  return reported;
 }
 
 DeliveryEvents::Reported DeliveryEvents::reported_of(const core::State& state) const {

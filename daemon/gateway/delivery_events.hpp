@@ -22,10 +22,17 @@ class DeliveryEvents {
  public:
   /// What was granted when the journal was last written, by subject ("0x…").
   using Granted = std::map<std::string, core::Grants>;
-  /// What was reported of the deliveries of a description, and with which attribute set, by subject
-  /// and delivery.
-  using Reported =
-      std::map<std::pair<std::string, core::Delivery>, std::pair<std::size_t, std::string>>;
+  /// What has to differ so that a verdict is reported again: of a grant its attribute set, its way
+  /// and what both ends state, not by how much it is met, which others change.
+  struct Contract {
+    std::size_t set = 0;
+    std::string text;  ///< of a grant the way, else the line of the verdict
+    AttributeSet offered, required;
+    core::UserValues user_offered, user_required;
+    bool operator==(const Contract&) const = default;
+  };
+  /// What was reported of the deliveries of a description, by subject and delivery.
+  using Reported = std::map<std::pair<std::string, core::Delivery>, Contract>;
 
   /// `pulse` is called after each step of what takes long.
   DeliveryEvents(const Scene& scene, EventLog& log, std::function<void()> pulse)
@@ -51,8 +58,7 @@ class DeliveryEvents {
   [[nodiscard]] bool concerns(const core::Verdict& verdict, core::AdmissionId id) const;
 
  private:
-  [[nodiscard]] static std::pair<std::size_t, std::string> as_reported(
-      const core::State& state, const core::Verdict& verdict);
+  [[nodiscard]] static Contract as_reported(const core::State& state, const core::Verdict& verdict);
   void gone(const std::string& subject, const core::Delivery& delivery);
   [[nodiscard]] std::vector<core::AdmissionId> admissions_of(const core::Verdict& verdict) const;
 

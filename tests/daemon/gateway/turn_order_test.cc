@@ -112,6 +112,9 @@ TEST_F(OnTheBench, AReloadReportsOnlyWhatBecameDifferent) {
     return bench_.events;
   };
   EXPECT_EQ(reload(), std::vector<std::string>{"reload"});
+  bench_.system.publishers[0].attributes.set(Attribute::period, 40'000'000);
+  EXPECT_EQ(reload(), (std::vector<std::string>{"reload", "granted"}));
+  EXPECT_EQ(reload(), std::vector<std::string>{"reload"});
   bench_.system.subscribers.clear();
   EXPECT_EQ(reload(), (std::vector<std::string>{"reload", "removed"}));
   EXPECT_EQ(reload(), std::vector<std::string>{"reload"});
