@@ -6,6 +6,8 @@ import signal
 import subprocess
 import threading
 
+from delay import Delay
+
 BUILD = os.path.abspath(os.environ.get("BUILD", "build"))
 WORK = "/run/work"
 MEMBERS = ("m0", "m1", "m2")
@@ -136,8 +138,8 @@ class World:
         self.daemons = {name: self.daemon(name) for name in self.gateways}
 
     def links(self):
-        """The store has a network of its own. Of the shared medium each gateway has the end lan0, and the observer
-        the other one."""
+        """The store has a network of its own, with a second way for frames that are to be late. Of the shared medium each
+        gateway has the end lan0, and the observer the other one."""
         sh("ip link add store type bridge && ip link set store up")
         for place in (*MEMBERS, *self.gateways):
             sh(f"""set -e
@@ -145,6 +147,9 @@ ip netns add {place}
 ip -n {place} link set lo up
 ip link add st0 netns {place} type veth peer name s-{place}
 ip link set s-{place} master store up
+ip link add d-{place} type veth peer name b-{place}
+ip link set d-{place} up
+ip link set b-{place} up
 ip -n {place} addr add {address_of(place)}/24 dev st0
 ip -n {place} link set st0 up
 ip netns exec {place} nft -f - <<'END'
@@ -237,8 +242,7 @@ mount -t bpf bpf {name}.bpf""")
             sh(f"ip netns exec {here} nft delete element inet faults from '{{ {address_of(there)} }}'")
         self.cuts.clear()
 
-    def delay(self, place, milliseconds):
-        return sh(f"ip netns exec {place} tc qdisc add dev st0 root netem delay {milliseconds}ms", check=False) is not None
-
-    def mend_delay(self, place):
-        sh(f"ip netns exec {place} tc qdisc del dev st0 root")
+    @staticmethod
+    def delay(place, milliseconds):
+        """All that is sent to it, or by it, from now on; end() of what it gives is the end."""
+        return Delay(place, milliseconds / 1000, sh)
