@@ -37,6 +37,7 @@ struct Work {
   std::uint64_t id = 0;      ///< of an admission
   std::size_t gateway = 0;   ///< that it concerns
   std::uint64_t number = 0;  ///< the sender's
+  std::uint64_t stage = 0;   ///< of a rollout: the one that is staged, by number
   std::vector<Compare> compares = {};
   std::vector<Put> puts = {};
   std::vector<std::string> deletes = {};

@@ -13,6 +13,7 @@ namespace {
 /// Chunks of former descriptions that one transaction deletes.
 constexpr std::size_t kMostOldChunks = 64;
 constexpr const char* kOther = "another description is being rolled out";
+constexpr const char* kOthersOff = "it is being rolled out already, with other gateways called off";
 constexpr const char* kElsewhere =
     "only a gateway that has the description in force can roll out another one";
 constexpr const char* kUnreadable = "what is proposed in the store cannot be read";
@@ -57,11 +58,16 @@ bool is_among(const std::vector<std::string>& names, const std::string& name) {
   return std::ranges::find(names, name) != names.end();
 }
 
+bool has_all(const std::vector<std::string>& names, const std::vector<std::string>& others) {
+  return std::ranges::all_of(others, [&](const auto& name) { return is_among(names, name); });
+}
+
 }  // namespace
 
 void Rollouts::stage(Rollout rollout) {
   pending_ = rollout.digest;
   staged_ = std::move(rollout);
+  ++stage_;
   chunk_ = 0;
   claimed_ = 0;
   trouble_.clear();
@@ -98,13 +104,16 @@ void Rollouts::judge(const View& view, std::vector<Event>& events) {
 void Rollouts::step_next(const View& view, Value now, std::vector<Event>& events) {
   const Records& records = view.records();
   if (records.next.mod == next_seen_) return;
-  const bool ours = pending_ && proposed_ == pending_;
+  // What is staged here may have taken the place of another one of the same description.
+  const bool replaced = staged_ && records.next.value && is_ours(view, *records.next.value) &&
+                        is_staged(*records.next.value);
+  const bool ours = pending_ && proposed_ == pending_ && !replaced;
   std::string why = std::exchange(why_, {});
   if (why.empty() && records.next.mod != 0) why = kOther;
   if (next_seen_ != 0 && !is_in_force(records, proposed_)) {
     if (ours)
       give_up(std::move(why), events);
-    else
+    else if (!replaced)
       events.emplace_back(NotRolledOut{.why = std::move(why)});
   }
   if (ours) staged_.reset();
@@ -119,6 +128,17 @@ bool Rollouts::knows_all(const View& view) const {
   return current.mod == 0 || (current.value && current.value->digest == own_);
 }
 
+bool Rollouts::gives_way(const Records& records, const std::vector<std::string>& without) {
+  const auto& next = records.next.value;
+  return records.current.mod == 0 && next && next->without.empty() && !without.empty();
+}
+
+/// The same description for the same gateways.
+bool Rollouts::is_staged(const Next& next) const {
+  return next.digest == staged_->digest && has_all(next.without, staged_->without) &&
+         has_all(staged_->without, next.without);
+}
+
 /// What the store has to be proposed may be what is proposed here, or bars it.
 void Rollouts::step_staged(const View& view, std::vector<Event>& events) {
   const auto& next = view.records().next;
@@ -128,15 +148,17 @@ void Rollouts::step_staged(const View& view, std::vector<Event>& events) {
     return;
   }
   if (next.mod == 0) return;
-  const bool same = next.value && next.value->digest == staged_->digest;
+  const bool same = next.value && is_staged(*next.value);
   if (same && is_ours(view, *next.value)) {
     claimed_ = next.mod;
     return;
   }
   if (same)
     staged_.reset();
-  else
-    give_up(next.value ? kOther : kUnreadable, events);
+  else if (!next.value)
+    give_up(kUnreadable, events);
+  else if (!gives_way(view.records(), staged_->without))
+    give_up(next.value->digest == staged_->digest ? kOthersOff : kOther, events);
 }
 
 /// It may have ended while this gateway saw nothing, or with the member that has staged it.
@@ -182,9 +204,10 @@ std::optional<Work> Rollouts::propose(const View& view, const Codec& codec) cons
   const std::string digest = hex_of(staged_->digest);
   const auto& current = records.current.value;
   if (claimed_ == 0) {
-    if (records.next.mod != 0) return std::nullopt;
+    if (records.next.mod != 0 && !gives_way(records, staged_->without)) return std::nullopt;
     return Work{.kind = Work::Kind::propose,
-                .compares = {{.key = keys.next(), .revision = 0},
+                .stage = stage_,
+                .compares = {{.key = keys.next(), .revision = records.next.mod},
                              {.key = keys.current(), .revision = records.current.mod}},
                 .puts = {{.key = keys.next(),
                           .value = codec.write(
@@ -197,6 +220,7 @@ std::optional<Work> Rollouts::propose(const View& view, const Codec& codec) cons
   }
   Work work{.kind = Work::Kind::chunk,
             .number = chunk_,
+            .stage = stage_,
             .compares = {{.key = keys.next(), .revision = claimed_}}};
   for (const auto& [key, chunk] : records.blobs)
     if (key.first != digest &&
@@ -221,7 +245,12 @@ Rollouts::Tally Rollouts::tally(const View& view, const Next& next, Work& work, 
     const std::string& name = view.keys().gateway_name(g);
     if (is_among(next.without, name)) {
       // Where no description is in force nobody has anything to leave.
-      if (is_gone(view, g, now) || records.current.mod == 0) continue;
+      if (records.current.mod == 0) continue;
+      if (is_gone(view, g, now)) {
+        // It may be back before this is committed.
+        work.compares.push_back({.key = view.keys().member(g), .revision = records.members[g].mod});
+        continue;
+      }
       tally.all = false;
       tally.refused = true;
       tally.objection = name + ": it was called off, and is there";
@@ -366,6 +395,7 @@ std::optional<Work> Rollouts::next_work(const View& view, const Codec& codec, Va
 
 /// Of what is proposed here.
 void Rollouts::on_staged(const Done& done, std::vector<Event>& events) {
+  if (done.work.stage != stage_) return;
   const bool is_done = done.fate == Done::Fate::done;
   const bool refused = done.fate == Done::Fate::refused;
   const bool proposes = done.work.kind == Work::Kind::propose;

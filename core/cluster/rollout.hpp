@@ -31,6 +31,10 @@ class Rollouts {
   /// One that a member before this one has staged ends as one of this member does.
   void resume(const Digest& digest) { pending_ = digest; }
   [[nodiscard]] bool stages() const { return staged_.has_value(); }
+  /// What gateways propose by themselves where none is in force calls nobody off. It gives way to a
+  /// proposal that does.
+  [[nodiscard]] static bool gives_way(const Records& records,
+                                      const std::vector<std::string>& without);
   void vote(const Digest& digest, bool ok, std::string reason);
   /// One that is taken back cannot be put in force here: the former one is to come back.
   void cannot_switch(const View& view, std::string reason);
@@ -47,9 +51,9 @@ class Rollouts {
   /// All that it acts on, for a checker.
   template <class Visit>
   void visit_state(Visit&& visit) const {
-    visit(staged_, chunk_, claimed_, current_since_, quiet_until_, current_seen_, next_seen_,
-          judged_, next_since_, proposed_, why_, ballot_, left_at_, not_before_, pending_,
-          trouble_);
+    visit(staged_, stage_, chunk_, claimed_, current_since_, quiet_until_, current_seen_,
+          next_seen_, judged_, next_since_, proposed_, why_, ballot_, left_at_, not_before_,
+          pending_, trouble_);
   }
 
  private:
@@ -70,6 +74,7 @@ class Rollouts {
   [[nodiscard]] std::optional<Work> decide(const View& view, const Codec& codec, Value now);
   [[nodiscard]] std::optional<Work> open(const View& view, const Codec& codec, Value now);
   [[nodiscard]] bool is_ours(const View& view, const Next& next) const;
+  [[nodiscard]] bool is_staged(const Next& next) const;
   /// The proposal is called off then, if nothing else has ended it.
   [[nodiscard]] Value over_at(const View& view) const;
   /// Who has the description in force knows every gateway that has something to leave.
@@ -81,6 +86,7 @@ class Rollouts {
   std::size_t self_;
   Digest own_;
   std::optional<Rollout> staged_;
+  std::uint64_t stage_ = 0;        ///< counts them
   std::optional<Digest> pending_;  ///< was staged: what became of it is not known yet
   std::string trouble_;            ///< why the store does not take its text
   std::size_t chunk_ = 0;          ///< the next one that is to be put into the store

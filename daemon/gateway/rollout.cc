@@ -280,7 +280,20 @@ std::string Rollout::why_not(Check& check) const {
                                              read->state->system(), read->self);
       !why.empty())
     return why;
+  if (check.why == Why::propose)
+    if (const auto name = unknown_gateway(*read); !name.empty())
+      return fmt::format("there is no gateway '{}', neither in it nor in the one in force", name);
   return parts_.misfit(*read);
+}
+
+/// The first one that is called off and is nowhere described; empty: there is none.
+std::string Rollout::unknown_gateway(const Described& next) const {
+  const auto has = [](const core::System& system, const std::string& name) {
+    return std::ranges::find(system.gateways, name, &core::Gateway::name) != system.gateways.end();
+  };
+  for (const std::string& name : own_.without)
+    if (!has(parts_.scene.state->system(), name) && !has(next.state->system(), name)) return name;
+  return {};
 }
 
 /// The thread that reads may hang, also for somebody before it.

@@ -117,6 +117,7 @@ class Rollout {
   };
 
   [[nodiscard]] std::string why_not(Check& check) const;
+  [[nodiscard]] std::string unknown_gateway(const Described& next) const;
   void checked(Check& check);
   void lack(const Digest& digest);
   void end(const Check& check, const std::string& why);

@@ -41,17 +41,17 @@ Response Rollout::begin(std::string text, const std::vector<std::string>& withou
   const auto& keys = member.view().keys();
   if (text.empty()) return invalid("there is no description");
   for (const std::string& name : without) {
-    const auto gateway = keys.gateway(name);
-    if (!gateway) return invalid(fmt::format("there is no gateway '{}' in this cluster", name));
-    if (*gateway == member.self()) return invalid(name + " is this gateway, which is not off");
+    if (keys.gateway(name) == member.self())
+      return invalid(name + " is this gateway, which is not off");
   }
   const auto& next = member.view().records().next;
   if (next.mod != 0 && !next.value)
     return failed(
         "nothing was changed: what is proposed in the store cannot be read (d/next); it is removed "
         "after two minutes");
+  const bool gives_way = cc::Rollouts::gives_way(member.view().records(), without);
   const bool open = check_ || next_check_ || staged_ || own_.state == "staging" ||
-                    own_.state == "judged" || next.mod != 0;
+                    own_.state == "judged" || (next.mod != 0 && !gives_way);
   if (open) return failed("nothing was changed: another description is being rolled out");
   own_ = Own{.number = own_.number + 1,
              .digest = {},

@@ -85,6 +85,88 @@ TEST_F(ClusterMember, WhoIsThereCannotBeCalledOff) {
   EXPECT_EQ(at(0).standing(now), Member::Standing::joined) << "in the former one";
 }
 
+/// It joins between the count of the votes and the transaction that follows from it.
+TEST_F(ClusterMember, WhoIsBackBeforeItIsDecidedIsNotCalledOff) {
+  in_force(1);
+  start(0);
+  at(0).stage({.digest = TextCodec::digest(2), .chunks = {"x"}, .without = {"B", "C"}});
+  run();
+  at(0).vote_rollout(TextCodec::digest(2), true, {});
+  std::vector<Txn> decides;
+  for (int n = 0; n < 10 && decides.empty(); ++n) {
+    for (; nodes[0].seen < store.log.size(); ++nodes[0].seen)
+      at(0).on_batch(store.log[nodes[0].seen], now);
+    for (Txn& txn : at(0).take_txns(now)) {
+      if (std::ranges::find(txn.deletes, keys->next()) == txn.deletes.end())
+        at(0).on_result(store.apply(txn), now);
+      else
+        decides.push_back(std::move(txn));
+    }
+  }
+  ASSERT_EQ(decides.size(), 1U);
+  start(1);
+  ASSERT_EQ(at(1).standing(now), Member::Standing::joined);
+  at(1).reserve(unit(1), now);
+  run();
+  ASSERT_EQ(nodes[1].take<Reserved>().size(), 1U);
+  at(0).on_result(store.apply(decides[0]), now);
+  run();
+  EXPECT_EQ(at(1).standing(now), Member::Standing::joined);
+  EXPECT_TRUE(nodes[1].take<Withdrawn>().empty());
+  const auto ended = nodes[0].take<NotRolledOut>();
+  ASSERT_EQ(ended.size(), 1U);
+  EXPECT_EQ(ended[0].why, "B: it was called off, and is there");
+}
+
+/// What gateways propose by themselves calls nobody off.
+TEST_F(ClusterMember, WhereNoneIsInForceAnOperatorCallsOffWhoIsNotThere) {
+  start(0);
+  start(1);
+  at(0).stage({.digest = TextCodec::digest(1), .chunks = {"x"}, .without = {}});
+  run();
+  for (Node& node : nodes) ASSERT_EQ(node.take<Judge>().size(), 1U);
+  at(1).stage({.digest = TextCodec::digest(1), .chunks = {"x"}, .without = {"C"}});
+  run();
+  EXPECT_EQ(nodes[0].take<NotRolledOut>().size(), 1U) << "of what it has proposed itself";
+  EXPECT_TRUE(nodes[1].take<NotRolledOut>().empty());
+  for (std::size_t g = 0; g < 2; ++g) {
+    ASSERT_EQ(nodes[g].take<Judge>().size(), 1U) << g;
+    at(g).vote_rollout(TextCodec::digest(1), true, {});
+  }
+  pass(3 * kSecond);
+  for (std::size_t g = 0; g < 2; ++g) EXPECT_EQ(at(g).standing(now), Member::Standing::joined) << g;
+}
+
+TEST_F(ClusterMember, WhatAGatewayProposesByItselfGivesWayToItsOperator) {
+  start(0);
+  at(0).stage({.digest = TextCodec::digest(1), .chunks = {"x", "y"}, .without = {}});
+  // Its first transaction is under way.
+  const auto first = at(0).take_txns(now);
+  ASSERT_EQ(first.size(), 1U);
+  at(0).stage({.digest = TextCodec::digest(1), .chunks = {"x", "y"}, .without = {"B", "C"}});
+  at(0).on_result(store.apply(first[0]), now);
+  run();
+  EXPECT_TRUE(nodes[0].take<NotRolledOut>().empty());
+  ASSERT_FALSE(nodes[0].take<Judge>().empty());
+  at(0).vote_rollout(TextCodec::digest(1), true, {});
+  pass(3 * kSecond);
+  EXPECT_EQ(at(0).standing(now), Member::Standing::joined);
+}
+
+TEST_F(ClusterMember, TheSameDescriptionWithOthersCalledOffIsAnotherProposal) {
+  in_force(1);
+  start(0);
+  start(1);
+  at(0).stage({.digest = TextCodec::digest(2), .chunks = {"x"}, .without = {"C"}});
+  run();
+  at(1).stage({.digest = TextCodec::digest(2), .chunks = {"x"}, .without = {}});
+  pass(kSecond);
+  const auto ended = nodes[1].take<NotRolledOut>();
+  ASSERT_EQ(ended.size(), 1U);
+  EXPECT_EQ(ended[0].why, "it is being rolled out already, with other gateways called off");
+  EXPECT_TRUE(nodes[0].take<NotRolledOut>().empty());
+}
+
 /// It does not know every gateway that has the one in force.
 TEST_F(ClusterMember, WhoHasAnotherDescriptionRollsOutNothing) {
   in_force(1);

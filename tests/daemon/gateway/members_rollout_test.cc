@@ -46,7 +46,9 @@ TEST_F(MembersRollout, WhatTheProposerCannotUseIsNotProposed) {
   ASSERT_EQ(roll_out(0, "4"), "checking");
   pass(kSecondNs);
   EXPECT_NE(state_of(0).why.find("cannot rename"), std::string::npos) << state_of(0).why;
-  EXPECT_NE(roll_out(0, "2", {"g7"}).find("no gateway 'g7'"), std::string::npos);
+  ASSERT_EQ(roll_out(0, "2", {"g7"}), "checking");
+  pass(kSecondNs);
+  EXPECT_NE(state_of(0).why.find("no gateway 'g7'"), std::string::npos) << state_of(0).why;
   EXPECT_NE(roll_out(0, "2", {"g0"}).find("not off"), std::string::npos);
 }
 
@@ -111,6 +113,32 @@ TEST_F(MembersRollout, WhoWasOffFollowsWhenItIsBack) {
   pass(5 * kSecondNs);
   EXPECT_TRUE(has(1, 2)) << "from the store";
   EXPECT_EQ(asked(1, wanted("c3", "own1", "shared")), "granted");
+}
+
+/// The gateways that are there propose it all the time by themselves, and wait for the other one.
+TEST_F(MembersRollout, TheFirstOneComesIntoForceWithoutWhoIsOff) {
+  start(0);
+  pass(5 * kSecondNs);
+  ASSERT_TRUE(store.entries.contains("/mlcca/pair/d/next"));
+  ASSERT_EQ(roll_out(0, "1", {"g1"}), "checking");
+  pass(4 * kSecondNs);
+  EXPECT_EQ(state_of(0).state, "in-force") << state_of(0).why;
+  EXPECT_TRUE(passes(0, 0));
+  start(1);
+  pass(4 * kSecondNs);
+  EXPECT_EQ(asked(1, wanted("c3", "own1", "shared")), "granted");
+}
+
+TEST_F(MembersRollout, WhoComesWithADescriptionCanBeCalledOff) {
+  core::System more = grown_system();
+  more.gateways.push_back(more.gateways[1]);
+  more.gateways.back().name = "g2";
+  for (std::size_t g = 0; g < 2; ++g) at(g).handed_on[5] = more;
+  start_both();
+  ASSERT_EQ(roll_out(0, "5", {"g2"}), "checking");
+  pass(5 * kSecondNs);
+  EXPECT_EQ(state_of(0).state, "in-force") << state_of(0).why;
+  EXPECT_TRUE(passes(0, 0));
 }
 
 TEST_F(MembersRollout, WhoHasAFileThatNeverWasInForceDoesNotFollow) {
