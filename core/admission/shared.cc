@@ -181,6 +181,10 @@ void State::set_permits(const Permits* permits) {
   invalidate_all();
 }
 
+void State::share_all(std::size_t gateway) {
+  for (const Port& port : system_.gateways[gateway].ports) world_.shared[port.network] = true;
+}
+
 bool State::are_permits_seen() const {
   if (permits_ == nullptr) return true;
   for (std::size_t n = 0; n < system_.networks.size(); ++n)

@@ -154,6 +154,9 @@ class State {
   void set_permits(const Permits* permits);
   [[nodiscard]] const Permits* permits() const { return permits_; }
 
+  /// Others may be on all networks of that gateway: before anything is decided.
+  void share_all(std::size_t gateway);
+
   /// The tag that the broker has dealt to a channel of which nothing is granted on the network now;
   /// 0: none that is known. Its binding there is dynamic.
   void set_tag(std::size_t network, std::size_t channel, std::uint32_t tag);

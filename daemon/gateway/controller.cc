@@ -118,6 +118,7 @@ std::optional<StartError> Controller::read_what_was() {
   scene_.self = described->self;
   scene_.digest = described->digest;
   scene_.file_digest = described->file_digest;
+  scene_.unchecked = described->unchecked;
   scene_.text = std::move(described->text);
   admissions_.set_left_out(std::move(*left_out));
   reloads_.note_loaded();

@@ -51,6 +51,7 @@ std::unique_ptr<Rollout> Controller::make_rollout() {
           },
       .load = [this](ReadDescription read,
                      auto done) { return reloads_.begin(std::move(read), std::move(done)); },
+      .reload = [this](auto done) { return reloads_.begin(reader(), std::move(done)); },
       .wake = [] {}});
 }
 

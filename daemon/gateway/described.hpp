@@ -29,6 +29,7 @@ struct Described {
   Sha256::Digest digest = {};           ///< of what was read, in a cluster
   Sha256::Digest file_digest = {};      ///< of the file, where that is another one
   std::string text = {};                ///< of what was read, in a cluster, if it can be handed on
+  bool unchecked = false;               ///< others may be on any network: see Rollout::reader()
   std::vector<std::string> notes = {};  ///< what could not be used meanwhile, for the log
 };
 

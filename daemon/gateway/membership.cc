@@ -307,7 +307,7 @@ bool Membership::may_use_leased() const {
 
 void Membership::set_permits() {
   core::Permits& permits = networks_->permits();
-  if (!joined_ || leaving_ || !is_in_force())
+  if (!joined_ || leaving_ || !is_in_force() || parts_.scene.unchecked)
     permits.close(true);
   else if (!may_use_leased() || now() < until_retry_)
     permits.close(false);

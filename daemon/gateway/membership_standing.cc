@@ -14,6 +14,9 @@ namespace cc = core::cluster;
 /// Empty: all is well.
 std::string Membership::standing() const {
   if (leaving_) return leaving_words();
+  if (parts_.scene.unchecked)
+    return "all networks of this gateway are closed: whether its description takes others off one "
+           "is not known before the store has the one in force";
   if (member_->standing(now()) == cc::Member::Standing::joined && store_.reachable) return {};
   return member_->why_not(now());
 }

@@ -122,6 +122,7 @@ Body Reloads::put_in_force(DescribedResult read) {
   Described former{std::exchange(scene.state, std::move(read->state)),
                    std::exchange(scene.self, read->self), std::exchange(scene.digest, read->digest),
                    std::exchange(scene.file_digest, read->file_digest)};
+  former.unchecked = std::exchange(scene.unchecked, read->unchecked);
   scene.text = std::move(read->text);
   ++scene.description;
   auto loads = parts_.buses.carry_over(former.state->system());
@@ -148,6 +149,7 @@ Body Reloads::roll_back(Described former, BusMonitor::Loads loads,
   parts_.scene.self = former.self;
   parts_.scene.digest = former.digest;
   parts_.scene.file_digest = former.file_digest;
+  parts_.scene.unchecked = former.unchecked;
   parts_.scene.text.clear();
   parts_.buses.restore(std::move(loads));
   last_error_ = why.text;

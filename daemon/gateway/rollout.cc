@@ -10,6 +10,7 @@
 #include "core/cluster/keys.hpp"
 #include "core/cluster/shared.hpp"
 #include "daemon/gateway/stored_octets.hpp"
+#include "daemon/gateway/text_source.hpp"
 #include "description/bundle.hpp"
 
 namespace mlcca {
@@ -51,85 +52,12 @@ void Rollout::put_into(store::Membership& record) const {
   record.in_force_digest = octets_of(in_force_);
 }
 
-namespace {
-
-/// Of one digest: what is kept here, or in its place what is in the store. On any thread.
-struct TextSource {
-  Sha256::Digest digest{};
-  DescriptionTexts::Reader kept;
-  std::shared_ptr<const std::string> stored;
-
-  [[nodiscard]] std::shared_ptr<const std::string> text(std::string& damage) const {
-    if (digest == Sha256::Digest{}) return nullptr;
-    KeptText known = kept(digest);
-    damage = std::move(known.damage);
-    return known.text ? std::make_shared<const std::string>(std::move(*known.text)) : stored;
-  }
-};
-
-void note_damage(Described& described, const std::string& damage) {
-  if (!damage.empty()) described.notes.push_back("what is kept of the cluster: " + damage);
-}
-
-/// What a rollout has put in force in place of the file.
-std::optional<Described> rolled_out(Described& file, const TextSource& rolled,
-                                    const ReadText& read_text) {
-  std::string damage;
-  const auto text = rolled.text(damage);
-  note_damage(file, damage);
-  if (!text) return std::nullopt;
-  auto other = read_text(*text);
-  if (!other || other->digest != rolled.digest) return std::nullopt;
-  other->file_digest = file.file_digest;
-  other->notes = std::move(file.notes);
-  return std::move(*other);
-}
-
-/// A file that is not the description in force may not take others off a network.
-DescribedResult held_against(Described file, const TextSource& in_force,
-                             const ReadText& read_text) {
-  if (file.digest == in_force.digest || in_force.digest == Sha256::Digest{}) return file;
-  std::string damage;
-  const auto text = in_force.text(damage);
-  note_damage(file, damage);
-  const auto known = text ? read_text(*text) : DescribedResult(std::unexpected(StartError{}));
-  if (!known || known->digest != in_force.digest) {
-    file.notes.emplace_back(
-        "whether it takes others off a network is not known: the description in force in the "
-        "cluster is not kept here");
-    return file;
-  }
-  std::string why =
-      cc::no_longer_shared(known->state->system(), known->self, file.state->system(), file.self);
-  if (why.empty()) return file;
-  return std::unexpected(StartError{.lines = {std::move(why)}, .bad_input = true});
-}
-
-}  // namespace
-
 // --- what is loaded ------------------------------------------------------------------------------
-
-/// A file that was changed since is what the operator wants: it is not passed over.
-ReadDescription Rollout::reader(ReadDescription read, const cc::Member* member) const {
-  const auto source = [&](const Digest& digest) {
-    return TextSource{.digest = digest,
-                      .kept = parts_.texts.reader(),
-                      .stored = member == nullptr ? nullptr : in_store(digest, *member)};
-  };
-  return [read = std::move(read), rolled = source(rolled_), in_force = source(in_force_),
-          replaced = replaced_, read_text = parts_.read]() -> DescribedResult {
-    auto file = read();
-    if (!file) return file;
-    file->file_digest = file->digest;
-    if (file->digest == replaced && file->digest != rolled.digest)
-      if (auto other = rolled_out(*file, rolled, read_text)) return std::move(*other);
-    return held_against(std::move(*file), in_force, read_text);
-  };
-}
 
 void Rollout::loaded() {
   // It was found usable with what was in force then.
   checked_.reset();
+  checks_file_ = true;
   Scene& scene = parts_.scene;
   const std::string text = std::exchange(scene.text, {});
   if (text.empty()) return;
@@ -387,7 +315,24 @@ bool Rollout::step(cc::Member& member) {
   any = report_cannot(member) || any;
   any = cast_vote(member) || any;
   any = stage(member) || any;
+  any = check_file(member) || any;
   return follow(member) || any;
+}
+
+/// It was loaded at the start without the description in force, which the store has by now; or it
+/// has come into force itself.
+bool Rollout::check_file(const cc::Member& member) {
+  if (!parts_.scene.unchecked || !checks_file_ || loading_ || busy_ || wanted_) return false;
+  if (parts_.scene.digest != in_force_ && !in_store(in_force_, member)) {
+    busy_ = true;
+    return false;
+  }
+  loading_ = parts_.reload([this](const std::string& /*why*/) {
+    loading_ = false;
+    parts_.wake();
+  });
+  checks_file_ = busy_ = !loading_;
+  return loading_;
 }
 
 void Rollout::poll() {

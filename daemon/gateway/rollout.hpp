@@ -47,6 +47,8 @@ class Rollout {
     /// Puts another description in force as a reload does. False: not now. `done` gets why not;
     /// empty: it is.
     std::function<bool(ReadDescription, std::function<void(const std::string&)> done)> load;
+    /// The file again, as an operator's reload does.
+    std::function<bool(std::function<void(const std::string&)> done)> reload;
     /// There is something for step().
     std::function<void()> wake;
   };
@@ -128,6 +130,7 @@ class Rollout {
   bool stage(core::cluster::Member& member);
   bool follow(const core::cluster::Member& member);
   bool load();
+  bool check_file(const core::cluster::Member& member);
   void follow(const core::cluster::Switch& event);
   void note_followed();
   void finish(const std::string& why);
@@ -156,7 +159,8 @@ class Rollout {
   std::optional<Digest> lacking_;  ///< neither here nor in the store
   std::optional<Cannot> cannot_;
   bool loading_ = false;
-  bool busy_ = false;  ///< something could not begin: at the next poll()
+  bool busy_ = false;         ///< something could not begin: at the next poll()
+  bool checks_file_ = false;  ///< what was loaded without that can be checked, once
   std::optional<Checked> checked_;
   Own own_;
   Uploads uploads_{parts_.clock, description::kMaxBundle};

@@ -17,6 +17,7 @@ struct Scene {
   std::uint64_t description = 0;    ///< counts the states: of another one indices mean other things
   Sha256::Digest digest = {};       ///< of the description, in a cluster
   Sha256::Digest file_digest = {};  ///< of the file that the options name, when it was read
+  bool unchecked = false;           ///< others may be on any of its networks
   std::string text{};               ///< of the description, until it is kept for other gateways
 };
 

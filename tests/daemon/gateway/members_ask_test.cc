@@ -285,6 +285,7 @@ TEST_F(MembersAsk, ARefusalOfTheKernelIsSaidOnce) {
 }
 
 TEST_F(MembersAsk, AClusterOfAnotherNameIsJoinedAsANewOne) {
+  finish_reading = true;
   start_both();
   for (std::size_t g = 0; g < 2; ++g) {
     at(g).end();

@@ -75,6 +75,103 @@ TEST_F(RolledOutTexts, ComeFromTheStoreAtAStartWhereTheyAreDamaged) {
   EXPECT_EQ(asked(1, wanted("c3", "own1", "shared")), "granted");
 }
 
+class UncheckedFile : public RolledOutTexts {
+ protected:
+  /// The second gateway starts with a file, and does not have the description in force any more.
+  void start_with(std::uint8_t file, const core::System& system) {
+    until_in_force();
+    at(1).end();
+    at(1).digest = file;
+    at(1).system = system;
+    at(1).texts.damaged = {Sha256::Digest{2}};
+    link(1).up = false;
+    start(1);
+    ASSERT_TRUE(has(1, file));
+    pass(kSecondNs);
+  }
+  std::string asked_of_its_own() {
+    auto request = wanted("c4", "own1", "own1");
+    request.key += std::to_string(++asked_);
+    return asked(1, request);
+  }
+  /// By its own file the shared bus is that of the second gateway alone.
+  static core::System alone() {
+    core::System system = two_gateways();
+    std::erase_if(system.gateways[0].ports,
+                  [](const core::Port& port) { return port.network == kSharedBus; });
+    return system;
+  }
+
+ private:
+  int asked_ = 0;
+};
+
+/// It may have others on networks that are this gateway's own by the file.
+TEST_F(UncheckedFile, OpensNothingBeforeTheDescriptionInForceIsKnown) {
+  start_with(1, two_gateways());
+  EXPECT_NE(asked_of_its_own(), "granted");
+  EXPECT_TRUE(reports(1, "all its networks are closed"));
+  link(1).up = true;
+  pass(8 * kSecondNs);
+  EXPECT_TRUE(has(1, 2));
+  EXPECT_EQ(asked_of_its_own(), "granted");
+}
+
+TEST_F(UncheckedFile, OfAnOperatorIsCheckedWhenTheStoreHasTheText) {
+  start_with(7, two_gateways());
+  EXPECT_NE(asked_of_its_own(), "granted");
+  link(1).up = true;
+  pass(5 * kSecondNs);
+  EXPECT_TRUE(has(1, 7));
+  EXPECT_EQ(asked_of_its_own(), "granted");
+  EXPECT_NE(asked(1, wanted("c3", "own1", "shared")), "granted") << "another one is in force";
+}
+
+TEST_F(UncheckedFile, ThatTakesOthersOffStaysClosed) {
+  start_with(7, alone());
+  link(1).up = true;
+  pass(5 * kSecondNs);
+  EXPECT_NE(asked(1, wanted("c3", "own1", "shared")), "granted");
+  EXPECT_NE(asked_of_its_own(), "granted");
+  EXPECT_TRUE(reports(1, "roll out one without that network first"));
+  EXPECT_EQ(rolled(1, {.accept = true}).find("description"), 0U);
+  pass(5 * kSecondNs);
+  EXPECT_TRUE(has(1, 2));
+  EXPECT_EQ(asked_of_its_own(), "granted");
+}
+
+TEST_F(UncheckedFile, StaysClosedWhereNobodyHasTheText) {
+  start_with(7, two_gateways());
+  store.write({}, {blob(2)});
+  link(1).up = true;
+  pass(20 * kSecondNs);
+  EXPECT_NE(asked_of_its_own(), "granted");
+  EXPECT_NE(rolled(1, {.accept = true}).find("does not have the text"), std::string::npos);
+}
+
+TEST_F(UncheckedFile, IsNotReloaded) {
+  start_with(7, two_gateways());
+  store.write({}, {blob(2)});
+  link(1).up = true;
+  pass(kSecondNs);
+  at(1).digest = 8;
+  at(1).daemon().reload();
+  pass(kSecondNs);
+  EXPECT_TRUE(has(1, 7)) << "nothing was changed";
+}
+
+/// While the gateway has it in force, its text is not needed.
+TEST_F(UncheckedFile, IsHeldAgainstWhatIsLoaded) {
+  until_in_force();
+  at(1).texts.damaged = {Sha256::Digest{2}};
+  store.write({}, {blob(2)});
+  at(1).digest = 7;
+  at(1).daemon().reload();
+  pass(kSecondNs);
+  EXPECT_TRUE(has(1, 7));
+  EXPECT_EQ(asked_of_its_own(), "granted");
+}
+
 TEST_F(RolledOutTexts, ComeFromTheStoreWhereTheyWereDamagedAfterTheVote) {
   propose_to_both();
   at(1).reading().finish();
