@@ -104,6 +104,21 @@ std::string carries_of(const control::ClusterMember& member) {
   return out;
 }
 
+/// What the description does not have any more, and the store still has.
+std::string left_by_removed(const control::ClusterMembers& members) {
+  std::string out;
+  for (const auto& one : members.members) {
+    if (one.state != "removed") continue;
+    out += fmt::format("{} is not described, and the store has {} of it: {}\n", printable(one.name),
+                       many(one.entries, "entry", "entries"),
+                       one.removal.empty() ? "it may still send"
+                                           : "nobody can use that any more. Delete it as root of "
+                                             "etcd:\n  " +
+                                                 printable(one.removal));
+  }
+  return out;
+}
+
 Cell number_cell(std::uint64_t n) { return {n == 0 ? std::string() : fmt::format("{}", n)}; }
 
 Cell reservation_cell(const std::string& state) {
@@ -158,11 +173,11 @@ std::string render(const control::ClusterMembers& members, Color color) {
                {one.lease_ns == 0 ? "" : print_duration(one.lease_ns)},
                {one.lasts_ns == 0 ? "" : about_time(one.lasts_ns)},
                description_cell(one),
-               {fmt::format("{}", reserved)},
+               {one.state == "removed" ? "" : fmt::format("{}", reserved)},
                {fmt::format("{}", fmt::join(one.beside, ", "))},
                {carries_of(one)}});
   }
-  return table.text(color) + "* this gateway\n";
+  return table.text(color) + "* this gateway\n" + left_by_removed(members);
 }
 
 std::string render(const control::ClusterReservations& reservations, Color color) {

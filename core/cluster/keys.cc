@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "core/cluster/keys.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -175,13 +176,23 @@ std::optional<LeftKey> Keys::parse_left(std::string_view key) const {
   if (count == 2 && (words[0] == "m" || words[0] == "f")) {
     left.kind = words[0] == "m" ? Key::Kind::member : Key::Kind::fence;
     left.gateway = words[1];
+  } else if (count == 3 && words[0] == "x") {
+    left = {.kind = Key::Kind::asked, .gateway = words[1]};
+  } else if (count == 3 && words[0] == "d" && words[1] == "vote") {
+    left = {.kind = Key::Kind::rollout_vote, .gateway = words[2]};
+  } else if (count == 4 && words[0] == "a") {
+    const auto voter = index_in(gateway_of_, words[1]);
+    left = {.kind = Key::Kind::vote, .gateway = words[voter ? 2 : 1], .voter = voter};
   } else if (count == 4 && words[0] == "r") {
     left = {.kind = Key::Kind::reservation,
             .gateway = words[2],
             .network = index_in(network_of_, words[1])};
   }
-  return left.gateway.empty() || gateway_of_.contains(left.gateway) ? std::nullopt
-                                                                    : std::optional(left);
+  // It may be shown, and become a part of a command.
+  const bool plain =
+      std::ranges::all_of(key, [](char c) { return stands_for_itself(c) || c == '%' || c == '/'; });
+  return !plain || left.gateway.empty() || gateway_of_.contains(left.gateway) ? std::nullopt
+                                                                              : std::optional(left);
 }
 
 bool Keys::is_of_removed_network(std::string_view key, std::size_t gateway) const {

@@ -41,9 +41,10 @@ struct Key {
 
 /// A key of a gateway that the description does not have: a former one has had it.
 struct LeftKey {
-  Key::Kind kind = Key::Kind::member;  ///< or fence, or reservation
+  Key::Kind kind = Key::Kind::member;  ///< or fence, reservation, asked, vote or rollout_vote
   std::string_view gateway;            ///< encoded
   std::optional<std::size_t> network = std::nullopt;
+  std::optional<std::size_t> voter = std::nullopt;  ///< that has written a vote for it
 };
 
 /// Names are percent-encoded outside [A-Za-z0-9._-], so that a key has one reading.

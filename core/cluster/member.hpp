@@ -6,6 +6,7 @@
 // journalled() if that has changed, and only then sends them: before a transaction says that
 // something is closed, it is. docs/explanation/cluster.md says why this is safe.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -103,6 +104,14 @@ class Member {
 
  private:
   enum class Phase : std::uint8_t { off, joining, joined, gone_back, left };
+  /// What nobody uses any more, by who may delete it.
+  enum class Unused : std::uint8_t {
+    own,      ///< of removed networks, and votes for removed gateways: their own
+    ballots,  ///< of removed gateways: whoever may roll out
+    fences,   ///< the last key of such a gateway: any
+    left,     ///< all else of it: nobody else, where the roles are as they should be
+  };
+  static constexpr std::size_t kUnused = 4;
 
   void step(Value now);
   void begin(Value now);
@@ -123,6 +132,8 @@ class Member {
   [[nodiscard]] std::optional<Work> next_work(Value now);
   [[nodiscard]] std::optional<Work> fence(Value now) const;
   [[nodiscard]] std::optional<Work> clean_up(Value now) const;
+  void add_unused(Unused kind, Value now, Work& clean) const;
+  void add_left(const std::string& gateway, const LeftRecord& left, Value now, Work& clean) const;
   [[nodiscard]] Value fence_time(std::size_t gateway, Value from) const;
 
   std::shared_ptr<const Keys> keys_;
@@ -140,7 +151,8 @@ class Member {
   std::string problem_;
   std::int64_t wait_for_ = 0;  ///< the view must have this revision before anything but a beat
   Value take_from_ = 0;        ///< nothing is taken before
-  Value clean_from_ = 0;       ///< the store has refused to clean up
+  /// The store has refused to delete that: not before.
+  std::array<Value, kUnused> clean_from_{};
   std::int64_t applied_ = 0, said_applied_ = 0;
   std::int64_t ask_applied_ = 0;  ///< others wait to hear that this revision is applied
   Role said_role_ = Role::standby;

@@ -11,6 +11,7 @@ constexpr std::size_t kMostStrange = 4096;
 
 /// Gateways that a former description had. Of more of them nothing is ever taken for over.
 constexpr std::size_t kMostLeft = 1024;
+constexpr std::size_t kMostLeftKeys = 4096;
 
 /// `read` is not asked about what is gone or too long.
 template <class Read>
@@ -105,13 +106,25 @@ void Records::put_left(const Codec& codec, const LeftKey& key, const Entry& entr
     it = left.emplace(std::string(key.gateway), LeftRecord{}).first;
   }
   LeftRecord& record = it->second;
+  if (entry.gone)
+    left_keys -= record.keys.erase(entry.key);
+  else if (const auto known = record.keys.find(entry.key); known != record.keys.end())
+    known->second.mod = entry.mod;
+  else if (left_keys < kMostLeftKeys)
+    left_keys +=
+        record.keys
+                .emplace(entry.key,
+                         LeftRecord::Key{.kind = key.kind, .voter = key.voter, .mod = entry.mod})
+                .second
+            ? 1
+            : 0;
   if (key.kind == Key::Kind::member)
     keep_member(record.member, codec, entry);
   else if (key.kind == Key::Kind::fence)
     record.member.fence = entry.gone ? 0 : entry.mod;
   else if (entry.gone)
     record.taken.erase(entry.key);
-  else if (key.network && strange.contains(entry.key))
+  else if (key.kind == Key::Kind::reservation && key.network && strange.contains(entry.key))
     record.taken[entry.key] = {.network = *key.network, .mod = entry.mod};
 }
 

@@ -50,6 +50,13 @@ struct LeftRecord {
   MemberRecord member;
   /// By key: what it has taken of networks that the description has.
   std::map<std::string, Taken, std::less<>> taken;
+  /// All that there is of it, and what others have written for it, as far as there is room.
+  struct Key {
+    cluster::Key::Kind kind = cluster::Key::Kind::member;
+    std::optional<std::size_t> voter;
+    std::int64_t mod = 0;
+  };
+  std::map<std::string, Key, std::less<>> keys;
 };
 
 class Records {
@@ -86,7 +93,8 @@ class Records {
   std::map<std::string, std::optional<std::size_t>, std::less<>> strange;
   /// By encoded name.
   std::map<std::string, LeftRecord, std::less<>> left;
-  bool too_many = false;  ///< stays until the next snapshot
+  std::size_t left_keys = 0;  ///< of all of them
+  bool too_many = false;      ///< stays until the next snapshot
 
  private:
   void put_reservation(const Codec& codec, const Key& key, const Entry& entry);

@@ -163,6 +163,18 @@ void View::expire_left(Value now) {
   }
 }
 
+bool View::is_over(const std::string& gateway, Value now) const {
+  const auto record = records_.left.find(gateway);
+  const auto timer = left_timers_.find(gateway);
+  if (record == records_.left.end() || timer == left_timers_.end()) return false;
+  const std::int64_t fence = record->second.member.fence;
+  return fence != 0 && now >= timer->second.dead_at &&
+         std::ranges::all_of(record->second.keys, [fence](const auto& entry) {
+           const LeftRecord::Key& key = entry.second;
+           return key.kind == Key::Kind::fence || key.voter || key.mod < fence;
+         });
+}
+
 bool View::is_fenced(std::size_t gateway) const {
   const MemberRecord& record = records_.members[gateway];
   return record.fence > record.mod;

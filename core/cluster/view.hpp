@@ -55,6 +55,8 @@ class View {
   }
   /// A gateway may be fenced from then on; nullopt: it is not there, or it is fenced.
   [[nodiscard]] std::optional<Value> fence_from(std::size_t gateway) const;
+  /// Of one in Records::left: it is dead, and so is all that the store has of it.
+  [[nodiscard]] bool is_over(const std::string& gateway, Value now) const;
   /// It has closed what ended at `revision`: it says so, or it is gone or dead.
   [[nodiscard]] bool surely_closed(std::size_t gateway, std::int64_t revision, Value now) const;
   /// When nobody who is known now can hold anything any more by what was committed before now.

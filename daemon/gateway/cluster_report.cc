@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/gateway/cluster_report.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <map>
 #include <set>
@@ -211,6 +214,57 @@ control::Cluster cluster_report(const Membership& membership, const core::State&
   return out;
 }
 
+namespace {
+
+/// All keys of a gateway that begin as this one does: with its name, and nobody else's.
+std::string folder_of(const std::string& key, cc::Key::Kind kind, std::size_t prefix) {
+  std::size_t end = prefix;
+  for (int words = kind == cc::Key::Kind::reservation ? 3 : 2; words > 0; --words)
+    end = key.find('/', end) + 1;
+  return key.substr(0, end);
+}
+
+/// What deletes all that a removed gateway has left, its beat and its fence last: they say that it
+/// is dead.
+std::string removal_of(const cc::LeftRecord& left, std::size_t prefix) {
+  constexpr std::size_t most = 64;
+  std::vector<std::string> commands;
+  const auto add = [&](const std::string& command) {
+    if (commands.size() < most && std::ranges::find(commands, command) == commands.end())
+      commands.push_back(command);
+  };
+  const auto add_last = [&](cc::Key::Kind kind) {
+    for (const auto& [name, key] : left.keys)
+      if (key.kind == kind) add("etcdctl del " + name);
+  };
+  for (const auto& [name, key] : left.keys) {
+    if (key.voter) continue;
+    if (key.kind == cc::Key::Kind::rollout_vote)
+      add("etcdctl del " + name);
+    else if (key.kind != cc::Key::Kind::member && key.kind != cc::Key::Kind::fence)
+      add("etcdctl del --prefix " + folder_of(name, key.kind, prefix));
+  }
+  add_last(cc::Key::Kind::member);
+  add_last(cc::Key::Kind::fence);
+  return fmt::format("{}", fmt::join(commands, " && "));
+}
+
+/// Gateways that the description does not have, of which there is more than what is deleted here.
+void add_removed(const cc::View& view, Value now, control::ClusterMembers& to) {
+  constexpr std::size_t most = 256;
+  for (const auto& [name, left] : view.records().left) {
+    if (left.keys.empty()) continue;
+    if (to.members.size() >= view.keys().gateways() + most) return;
+    control::ClusterMember& one = to.members.emplace_back();
+    one.name = name;
+    one.state = "removed";
+    one.entries = left.keys.size();
+    if (view.is_over(name, now)) one.removal = removal_of(left, view.keys().prefix().size());
+  }
+}
+
+}  // namespace
+
 control::ClusterMembers cluster_members(const Membership& membership, const core::State& state) {
   const core::System& system = state.system();
   const cc::Member& own = membership.member();
@@ -234,6 +288,7 @@ control::ClusterMembers cluster_members(const Membership& membership, const core
     for (auto it = shares.lower_bound({g, 0}); it != shares.end() && it->first.first == g; ++it)
       if (to.shares.size() < control::ClusterMember::kMostShares) to.shares.push_back(it->second);
   }
+  add_removed(own.view(), membership.now(), out);
   return out;
 }
 

@@ -98,7 +98,25 @@ ClusterMembers full_cluster_members() {
                        .beside = {},
                        .carries = {},
                        .carries_left_out = 0,
-                       .shares = {}}}};
+                       .shares = {}},
+                      {.name = "gw9",
+                       .own = false,
+                       .state = "removed",
+                       .incarnation = 0,
+                       .beats = false,
+                       .beat_age_ns = 0,
+                       .lease_ns = 0,
+                       .lasts_ns = 0,
+                       .digest = {},
+                       .generation = 0,
+                       .other = false,
+                       .beside = {},
+                       .carries = {},
+                       .carries_left_out = 0,
+                       .shares = {},
+                       .entries = 2,
+                       .removal = "etcdctl del /mlcca/robots/m/gw9 && "
+                                  "etcdctl del /mlcca/robots/f/gw9"}}};
 }
 
 ClusterReservations full_cluster_reservations() {

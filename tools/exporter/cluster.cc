@@ -54,7 +54,8 @@ void add_members(const control::ClusterMembers& members, const Most& most, LeftO
                  std::string& page) {
   Family member("mlcca_cluster_member", "gauge",
                 "State of each gateway of the description: active, taking, standby, draining, "
-                "silent, fenced, absent. Always 1.");
+                "silent, fenced, absent. removed: it is not described, and the store still has "
+                "something of it. Always 1.");
   Family age("mlcca_cluster_member_beat_age_seconds", "gauge",
              "Since this gateway has received the latest beat.");
   Family reservations("mlcca_cluster_reservations", "gauge",

@@ -94,6 +94,21 @@ TEST(ClusterKeys, ATakerThatIsNotKnownStillTakesOfItsNetwork) {
   EXPECT_FALSE(keys.network_of("p/m/nobody"));
 }
 
+/// Names of gateways that are not described are shown to an operator, in a command.
+TEST(ClusterKeys, WhatARemovedGatewayHasLeftHasPlainNames) {
+  const Keys keys(odd_names(), "p/");
+  const auto left = keys.parse_left("p/a/nobody/g1/1");
+  ASSERT_TRUE(left);
+  EXPECT_EQ(left->gateway, "nobody");
+  EXPECT_FALSE(left->voter);
+  EXPECT_EQ(keys.parse_left("p/a/g1/nobody/1")->voter, 0U);
+  EXPECT_EQ(keys.parse_left("p/d/vote/nobody")->kind, Key::Kind::rollout_vote);
+  EXPECT_EQ(keys.parse_left("p/x/g%2f3/7")->gateway, "g%2f3");
+  for (const char* key : {"p/f/g1", "p/x/g1/7", "p/f/a;reboot", "p/f/$(reboot)", "p/r/b s/nobody/1",
+                          "p/v/nobody", "p/x/nobody", "p/d/other/nobody"})
+    EXPECT_FALSE(keys.parse_left(key)) << key;
+}
+
 TEST(ClusterKeys, TwoNetworksOfBothMakeGatewaysStandSideBySide) {
   const Keys keys(odd_names(), "");
   EXPECT_TRUE(keys.side_by_side(0, 1));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // A store in memory: keys with revisions, transactions, and what has changed at each revision.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -14,7 +15,8 @@ namespace mlcca::core::cluster::test {
 struct StoreStub {
   std::map<std::string, Entry> entries;
   std::int64_t revision = 1;
-  std::vector<Batch> log;  ///< since it was compacted, in order of revisions
+  std::vector<Batch> log;              ///< since it was compacted, in order of revisions
+  std::vector<std::string> forbidden;  ///< beginnings of keys that nobody may write
 
   [[nodiscard]] std::int64_t mod(const std::string& key) const {
     const auto it = entries.find(key);
@@ -28,8 +30,22 @@ struct StoreStub {
     return c.is == Compare::Is::equal ? have == c.revision : have < c.revision;
   }
 
+  [[nodiscard]] bool is_forbidden(const Txn& txn) const {
+    const auto is = [this](const std::string& key) {
+      return std::ranges::any_of(forbidden,
+                                 [&](const std::string& one) { return key.starts_with(one); });
+    };
+    return std::ranges::any_of(txn.deletes, is) ||
+           std::ranges::any_of(txn.puts, [&](const Put& put) { return is(put.key); });
+  }
+
   TxnResult apply(const Txn& txn) {
     TxnResult result{.id = txn.id, .outcome = Outcome::committed, .why = {}};
+    if (is_forbidden(txn)) {
+      result.outcome = Outcome::forbidden;
+      result.why = "permission denied";
+      return result;
+    }
     for (const Compare& c : txn.compares)
       if (!holds(c)) result.outcome = Outcome::conflict;
     if (result.outcome == Outcome::conflict) {

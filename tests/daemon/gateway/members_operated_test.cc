@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "daemon/cluster/codec.hpp"
 #include "tests/daemon/gateway/membership_bench.hpp"
 
 namespace mlcca::test {
@@ -129,6 +130,38 @@ TEST_F(MembersOperated, MembersAndReservationsAreThoseOfAll) {
   EXPECT_EQ(refusal(0, wrong("nowhere", "")), "there is no network 'nowhere'");
   EXPECT_EQ(refusal(0, wrong("", "g9")), "there is no gateway 'g9'");
   EXPECT_NE(refusal(0, control::ClusterRequest{.part = "leaders"}), "no error");
+}
+
+TEST_F(MembersOperated, WhatARemovedGatewayHasLeftIsNamedWithWhatDeletesIt) {
+  const std::string prefix = "/mlcca/pair/";
+  const cluster::Codec codec(two_gateways(), Sha256::Digest{1});
+  store.write({{.key = prefix + "m/g7", .value = codec.write(core::cluster::Beat{.lease = kLease})},
+               {.key = prefix + "r/shared/g7/4", .value = "?"},
+               {.key = prefix + "r/shared/g7/5", .value = "?"},
+               {.key = prefix + "r/g7/g7/5", .value = "?"},
+               {.key = prefix + "x/g7/4", .value = "?"}});
+  store.forbidden = {prefix + "m/g7", prefix + "r/shared/g7/", prefix + "r/g7/g7/",
+                     prefix + "x/g7/"};
+  start_both();
+  auto left = member_of(0, 2);
+  EXPECT_EQ(left.name, "g7");
+  EXPECT_EQ(left.state, "removed");
+  EXPECT_EQ(left.entries, 5U);
+  EXPECT_EQ(left.removal, "") << "it may still send";
+  EXPECT_NE(asked(0, wanted("c3", "own0", "shared")), "granted");
+  store.write({{.key = prefix + "f/g7", .value = "g0"}});
+  pass(15 * kSecondNs);
+  left = member_of(0, 2);
+  EXPECT_EQ(left.entries, 6U);
+  EXPECT_EQ(left.removal,
+            "etcdctl del --prefix /mlcca/pair/r/g7/g7/ && "
+            "etcdctl del --prefix /mlcca/pair/r/shared/g7/ && "
+            "etcdctl del --prefix /mlcca/pair/x/g7/ && "
+            "etcdctl del /mlcca/pair/m/g7 && etcdctl del /mlcca/pair/f/g7");
+  EXPECT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");
+  store.forbidden.clear();
+  pass(130 * kSecondNs);
+  EXPECT_EQ(member_of(0, 2).name, "");
 }
 
 TEST_F(MembersOperated, WhatOthersMustAgreeToIsPending) {
