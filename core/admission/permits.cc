@@ -85,6 +85,17 @@ bool Permits::allow(const Use& use, std::optional<std::uint64_t> without) const 
   return allowed.all();
 }
 
+bool Permits::is_reserved_by_another(const Use& use) const {
+  Allowed allowed{.message = use.message == nullptr,
+                  .paths = std::vector<bool>(use.paths.size(), false)};
+  const auto reserved = of_source_[use.network].find(use.source);
+  if (reserved == of_source_[use.network].end()) return false;
+  for (const std::uint64_t number : reserved->second)
+    if (by_another_.contains(number))
+      allowed.take(allowed_by(reserved_[use.network].at(number), use));
+  return allowed.all();
+}
+
 void Permits::changed() {
   for (std::uint64_t& count : grown_) ++count;
   for (std::uint64_t& count : shrunk_) ++count;
@@ -95,8 +106,9 @@ void Permits::set_standing(std::vector<std::vector<cluster::Standing>> standing)
   changed();
 }
 
-void Permits::put(std::uint64_t reservation, cluster::Footprint footprint) {
+void Permits::put(std::uint64_t reservation, cluster::Footprint footprint, bool by_another) {
   erase(reservation);
+  if (by_another) by_another_.insert(reservation);
   for (cluster::Part& part : footprint.parts) {
     const std::size_t network = part.network;
     for (const cluster::RatePart& rate : part.rates)
@@ -107,6 +119,7 @@ void Permits::put(std::uint64_t reservation, cluster::Footprint footprint) {
 }
 
 void Permits::erase(std::uint64_t reservation) {
+  by_another_.erase(reservation);
   for (std::size_t n = 0; n < reserved_.size(); ++n) {
     if (reserved_[n].erase(reservation) == 0) continue;
     auto& sources = of_source_[n];

@@ -31,7 +31,8 @@ class Permits {
   /// By network, as Baseline::all() has it.
   void set_standing(std::vector<std::vector<cluster::Standing>> standing);
   /// What was reserved under that number is this from now on: the store has committed it.
-  void put(std::uint64_t reservation, cluster::Footprint footprint);
+  /// `by_another`: another gateway has reserved it, and this one carries it while that lasts.
+  void put(std::uint64_t reservation, cluster::Footprint footprint, bool by_another = false);
   void erase(std::uint64_t reservation);
   /// What was reserved may not be used any more, though it may still count; nor may what another
   /// gateway could be elected for. `standing_too`: nor may anything else of shared networks.
@@ -54,6 +55,9 @@ class Permits {
   /// `without`: as if that reservation were not there.
   [[nodiscard]] bool allow(const Use& use,
                            std::optional<std::uint64_t> without = std::nullopt) const;
+
+  /// What others have reserved is enough, whether or not it may be used now.
+  [[nodiscard]] bool is_reserved_by_another(const Use& use) const;
 
   [[nodiscard]] std::span<const cluster::Standing> standing(std::size_t network) const {
     return standing_[network];
@@ -82,6 +86,7 @@ class Permits {
   std::vector<std::vector<cluster::Standing>> standing_;          // by network, flows rising
   std::vector<std::map<std::uint64_t, cluster::Part>> reserved_;  // by network
   std::vector<std::map<cluster::Source, std::set<std::uint64_t>>> of_source_;  // by network
+  std::set<std::uint64_t> by_another_;
   bool open_ = true;
   bool standing_open_ = true;
   std::vector<std::uint64_t> grown_;

@@ -2,7 +2,6 @@
 // The part of the state that has to do with other gateways: what they hold, what this one may hold,
 // and what it would have to ask for.
 #include <algorithm>
-#include <functional>
 #include <map>
 #include <set>
 #include <utility>
@@ -28,25 +27,16 @@ struct Promise {
     m.key = 0;
     message = message ? can::strictest(*message, m) : m;
   }
-  void take(const cluster::PathPart& path) {
-    const auto it = std::ranges::find_if(
-        paths, [&](const cluster::PathPart& p) { return p.from == path.from && p.to == path.to; });
-    if (it == paths.end()) {
-      paths.push_back(path);
-      return;
-    }
-    it->bytes_per_second = std::max(it->bytes_per_second, path.bytes_per_second);
-    // Smaller events take more time for the same payload; 0 are full packets.
-    if (it->event_bytes == 0 || (path.event_bytes != 0 && path.event_bytes < it->event_bytes))
-      it->event_bytes = path.event_bytes;
-  }
+  void take(const cluster::PathPart& path) { join(paths, path); }
 };
 
 /// The promises of a network, put together.
 class Promises {
  public:
-  Promises(const System& system, const Members& members, std::size_t network)
-      : system_(system), members_(members), network_(network) {}
+  /// `self`: the gateway in whose numbers admissions are those of this state; nothing: none is.
+  Promises(const System& system, const Members& members, std::size_t network,
+           std::optional<std::size_t> self)
+      : system_(system), members_(members), network_(network), self_(self) {}
 
   void take(const cluster::Standing& standing) {
     Promise& promise = all_[standing.flow];
@@ -55,7 +45,7 @@ class Promises {
     for (const cluster::PathPart& path : standing.paths) promise.take(path);
   }
   void take(const cluster::Part& part) { take_all(part, false); }
-  /// Of what others hold: the traffic of described publishers.
+  /// Of what others hold: the traffic of publishers that are there.
   void take(const cluster::Foreign& foreign) { take_all(foreign, true); }
 
   [[nodiscard]] const std::map<Flow, Promise>& all() const { return all_; }
@@ -66,19 +56,21 @@ class Promises {
   void take_all(const Parts& parts, bool by_others) {
     constexpr Value too_much = Value{1} << 44U;  // and little enough that sums do not overflow
     for (const cluster::RatePart& rate : parts.rates)
-      if (Promise* const promise = of(rate.source, by_others))
+      if (Promise* const promise = of(rate, by_others))
         promise->take(std::min(rate.bytes_per_second, too_much));
     for (const cluster::BusPart& bus : parts.bus)
-      if (Promise* const promise = of(bus.source, by_others)) promise->take(bus.message);
+      if (Promise* const promise = of(bus, by_others)) promise->take(bus.message);
     for (const cluster::PathPart& path : parts.paths)
-      if (Promise* const promise = of(path.source, by_others)) promise->take(path);
+      if (Promise* const promise = of(path, by_others)) promise->take(path);
   }
 
   /// Null where the publisher is not there.
-  Promise* of(const cluster::Source& source, bool by_others) {
+  template <class Part>
+  Promise* of(const Part& part, bool by_others) {
+    const cluster::Source& source = part.source;
     std::size_t publisher = source.publisher;
     if (source.admission != 0) {
-      if (by_others) return nullptr;  // see core::others_on()
+      if (by_others && part.gateway != self_) return nullptr;  // see core::others_on()
       const auto admitted = members_.admitted(source.admission).publisher;
       if (!admitted) return nullptr;
       publisher = *admitted;
@@ -94,6 +86,7 @@ class Promises {
   const System& system_;
   const Members& members_;
   std::size_t network_;
+  std::optional<std::size_t> self_;
   std::map<Flow, Promise> all_;
   bool complete_ = true;
 };
@@ -135,12 +128,9 @@ Placeholder placeholder_of(const Flow& flow, const Promise& promise, const Mediu
     p.message = promise.message;
   complete = complete && promise.message.has_value() == p.message.has_value();
   if (promise.paths.empty()) return p;
-  auto paths = promise.paths;
-  // A link that several of them go over counts once: for the one that takes most.
-  std::ranges::stable_sort(paths, std::greater<>(), &cluster::PathPart::bytes_per_second);
   auto shares = medium.mesh == nullptr || medium.view == nullptr
                     ? std::nullopt
-                    : shares_of(*medium.mesh, *medium.view, paths);
+                    : shares_of_joined(*medium.mesh, *medium.view, promise.paths);
   complete = complete && shares;
   if (shares) p.shares = std::move(*shares);
   return p;
@@ -211,13 +201,21 @@ void State::note_permits() {
 /// The publisher of the admission comes or goes, and with it the flows that they are of.
 void State::note_reservations(AdmissionId id) {
   if (permits_ == nullptr) return;
+  const auto is_of_it = [&](const cluster::RatePart& rate) {
+    return rate.gateway == permits_->self() && rate.source.admission == id;
+  };
   for (std::size_t n = 0; n < system_.networks.size(); ++n)
-    if (permits_->has_reserved(n, id)) others_stale_.insert(n);
+    if (permits_->has_reserved(n, id) || std::ranges::any_of(world_.foreign[n].rates, is_of_it))
+      others_stale_.insert(n);
 }
 
 Others State::others_on(std::size_t network, const MeshView* view) const {
-  Others others = core::others_on(system_, world_, network, view);
-  Promises promises(system_, members_, network);
+  const auto self = permits_ != nullptr ? std::optional(permits_->self()) : std::nullopt;
+  const CountsWithPublisher counts = [&](std::size_t gateway, const cluster::Source& source) {
+    return gateway == self && members_.admitted(source.admission).publisher.has_value();
+  };
+  Others others = core::others_on(system_, world_, network, view, counts);
+  Promises promises(system_, members_, network, self);
   promises.take(world_.foreign[network]);
   if (permits_ != nullptr) {
     for (const cluster::Standing& standing : permits_->standing(network))

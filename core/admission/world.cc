@@ -2,6 +2,7 @@
 #include "core/admission/world.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <utility>
 
@@ -101,7 +102,13 @@ constexpr Value kTooMuch = Value{1} << 44U;
 /// An admission of a gateway, with the way in.
 using Theirs = std::pair<std::size_t, cluster::Source>;
 
-bool take_messages(const cluster::Foreign& foreign, const can::Assumptions& bus, Others& others) {
+bool is_theirs(std::size_t gateway, const cluster::Source& source,
+               const CountsWithPublisher& counts) {
+  return source.admission != 0 && !(counts && counts(gateway, source));
+}
+
+bool take_messages(const cluster::Foreign& foreign, const can::Assumptions& bus,
+                   const CountsWithPublisher& counts, Others& others) {
   bool all = true;
   std::map<Theirs, can::Message> messages;
   for (const cluster::BusPart& part : foreign.bus) {
@@ -109,7 +116,7 @@ bool take_messages(const cluster::Foreign& foreign, const can::Assumptions& bus,
       all = false;
       continue;
     }
-    if (part.source.admission == 0) continue;
+    if (!is_theirs(part.gateway, part.source, counts)) continue;
     const auto [it, fresh] = messages.try_emplace({part.gateway, part.source}, part.message);
     if (!fresh) it->second = can::strictest(it->second, part.message);
   }
@@ -121,14 +128,15 @@ bool take_messages(const cluster::Foreign& foreign, const can::Assumptions& bus,
 }
 
 bool take_paths(const cluster::Foreign& foreign, const mesh::Mesh& mesh, const MeshView& view,
-                Others& others) {
+                const CountsWithPublisher& counts, Others& others) {
   bool all = true;
   std::map<Theirs, std::vector<cluster::PathPart>> paths;
   for (const cluster::PathPart& part : foreign.paths)
-    if (part.source.admission != 0) paths[{part.gateway, part.source}].push_back(part);
+    if (is_theirs(part.gateway, part.source, counts))
+      join(paths[{part.gateway, part.source}], part);
   std::map<std::uint32_t, Value> sums;
   for (const auto& [theirs, parts] : paths) {
-    const auto shares = shares_of(mesh, view, parts);
+    const auto shares = shares_of_joined(mesh, view, parts);
     all = all && shares;
     if (!shares) continue;
     for (const mesh::Share& share : *shares) sums[share.domain] += share.time;
@@ -138,6 +146,26 @@ bool take_paths(const cluster::Foreign& foreign, const mesh::Mesh& mesh, const M
 }
 
 }  // namespace
+
+void join(std::vector<cluster::PathPart>& paths, const cluster::PathPart& path) {
+  const auto it = std::ranges::find_if(
+      paths, [&](const cluster::PathPart& p) { return p.from == path.from && p.to == path.to; });
+  if (it == paths.end()) {
+    paths.push_back(path);
+    return;
+  }
+  it->bytes_per_second = std::max(it->bytes_per_second, path.bytes_per_second);
+  // Smaller events take more time for the same payload; 0 are full packets.
+  if (it->event_bytes == 0 || (path.event_bytes != 0 && path.event_bytes < it->event_bytes))
+    it->event_bytes = path.event_bytes;
+}
+
+std::optional<std::vector<mesh::Share>> shares_of_joined(const mesh::Mesh& mesh,
+                                                         const MeshView& view,
+                                                         std::vector<cluster::PathPart> paths) {
+  std::ranges::stable_sort(paths, std::greater<>(), &cluster::PathPart::bytes_per_second);
+  return shares_of(mesh, view, paths);
+}
 
 std::optional<std::vector<mesh::Share>> shares_of(const mesh::Mesh& mesh, const MeshView& view,
                                                   std::span<const cluster::PathPart> paths) {
@@ -164,7 +192,7 @@ std::optional<std::vector<mesh::Share>> shares_of(const mesh::Mesh& mesh, const 
 }
 
 Others others_on(const System& system, const World& world, std::size_t network,
-                 const MeshView* view) {
+                 const MeshView* view, const CountsWithPublisher& counts) {
   const cluster::Foreign& foreign = world.foreign[network];
   const Network& medium = system.networks[network];
   Others others;
@@ -175,17 +203,17 @@ Others others_on(const System& system, const World& world, std::size_t network,
   others.complete = !foreign.unreadable;
   std::map<Theirs, Value> rates;
   for (const cluster::RatePart& part : foreign.rates) {
-    if (part.source.admission == 0) continue;
+    if (!is_theirs(part.gateway, part.source, counts)) continue;
     Value& most = rates[{part.gateway, part.source}];
     most = std::max(most, std::min(part.bytes_per_second, kTooMuch));
   }
   for (const auto& [theirs, bytes] : rates) others.bytes_per_second += bytes;
   if (!foreign.bus.empty()) {
     const auto bus = bus_of(system, world.conditions[network], network);
-    if (!bus || !take_messages(foreign, *bus, others)) others.complete = false;
+    if (!bus || !take_messages(foreign, *bus, counts, others)) others.complete = false;
   }
   if (!foreign.paths.empty() &&
-      (view == nullptr || !take_paths(foreign, *medium.mesh, *view, others)))
+      (view == nullptr || !take_paths(foreign, *medium.mesh, *view, counts, others)))
     others.complete = false;
   return others;
 }

@@ -3,6 +3,7 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -130,15 +131,25 @@ struct World {
                                                      const Condition& condition,
                                                      std::size_t network);
 
+/// Whether that traffic, as that gateway has reserved it, counts with a publisher that is there.
+using CountsWithPublisher = std::function<bool(std::size_t gateway, const cluster::Source&)>;
+
 /// What others hold of a network, in numbers of its bus and its links as they are: without the
-/// traffic of described publishers, which is the same whoever has reserved it. `view`: of a mesh,
-/// null where nothing is known of it.
+/// traffic of described publishers, which is the same whoever has reserved it, and of others that
+/// are there. `view`: of a mesh, null where nothing is known of it.
 [[nodiscard]] Others others_on(const System& system, const World& world, std::size_t network,
-                               const MeshView* view);
+                               const MeshView* view, const CountsWithPublisher& counts = {});
 
 /// What paths of one flow take of the domains of a mesh; nothing where a path is not known.
 [[nodiscard]] std::optional<std::vector<mesh::Share>> shares_of(
     const mesh::Mesh& mesh, const MeshView& view, std::span<const cluster::PathPart> paths);
+
+/// What is promised twice from one node to another counts once: for more, in smaller events.
+void join(std::vector<cluster::PathPart>& paths, const cluster::PathPart& path);
+/// The same of paths that were put together so. A link that several of them go over counts for the
+/// one that takes most.
+[[nodiscard]] std::optional<std::vector<mesh::Share>> shares_of_joined(
+    const mesh::Mesh& mesh, const MeshView& view, std::vector<cluster::PathPart> paths);
 
 /// A ledger in which nothing is promised to what is decided here, for that world.
 [[nodiscard]] Ledger empty_ledger(const System& system, const World& world);

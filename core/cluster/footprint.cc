@@ -51,6 +51,7 @@ class Collector {
     for (auto& [flow, held] : all_) {
       const bool described = state_.members().admission_of_publisher(flow.publisher) == 0;
       if (described && is_covered(baseline_.find(flow), held)) continue;
+      if (!described && is_reserved_by_another(flow, held)) continue;
       add(part_of(out, flow.resource), flow, std::move(held));
     }
     std::ranges::sort(out.parts, {}, &Part::network);
@@ -66,6 +67,16 @@ class Collector {
     held.message = state_.ledger().message_of(flow);
     for (const PathPart& path : paths_on(state_.system(), state_.members(), v, hop))
       if (std::ranges::find(held.paths, path) == held.paths.end()) held.paths.push_back(path);
+  }
+
+  [[nodiscard]] bool is_reserved_by_another(const Flow& flow, const Held& held) const {
+    const Permits* const permits = state_.permits();
+    return permits != nullptr &&
+           permits->is_reserved_by_another({.network = flow.resource,
+                                            .source = source_of(state_.members(), flow),
+                                            .bytes_per_second = held.bytes_per_second,
+                                            .message = held.message,
+                                            .paths = held.paths});
   }
 
   static Part& part_of(Footprint& out, std::size_t network) {

@@ -11,7 +11,7 @@
 namespace mlcca::core::cluster {
 
 /// Of a channel as it would be decided, with all of its ends; what a standing promise covers is
-/// left out.
+/// left out, and what another gateway has reserved of the same traffic that this one carries.
 [[nodiscard]] Footprint footprint_of(const Proposal& proposal, const Baseline& baseline,
                                      std::size_t self);
 /// Of a channel as it is decided.

@@ -346,16 +346,21 @@ std::optional<cc::Epoch> Codec::epoch(Text value) const {
 }
 
 std::string text_of(const Asked& asked) {
-  return control::bytes_of(Asking{.channel = asked.channel, .requests = asked.requests});
+  return control::bytes_of(
+      Asking{.channel = asked.channel, .requests = asked.requests, .also = asked.also});
 }
 
 std::optional<Asked> asked_in(std::string_view text) {
   auto asking = control::message_in<Asking>(text);
-  if (!asking || !std::ranges::all_of(asking->requests, [](const control::Request& request) {
-        return std::holds_alternative<control::Admit>(request.body);
-      }))
+  const auto admits = [](const control::Request& request) {
+    return std::holds_alternative<control::Admit>(request.body);
+  };
+  if (!asking || !std::ranges::all_of(asking->requests, admits) ||
+      !std::ranges::all_of(asking->also, admits))
     return std::nullopt;
-  return Asked{.channel = std::move(asking->channel), .requests = std::move(asking->requests)};
+  return Asked{.channel = std::move(asking->channel),
+               .requests = std::move(asking->requests),
+               .also = std::move(asking->also)};
 }
 
 }  // namespace mlcca::cluster

@@ -58,6 +58,7 @@ class Codec final : public core::cluster::Codec {
 struct Asked {
   std::string channel;
   std::vector<control::Request> requests;
+  std::vector<control::Request> also = {};  ///< of the same gateway, that bring publishers of it
 };
 [[nodiscard]] std::string text_of(const Asked& asked);
 /// Nothing: it is no such text, or has requests of another kind.

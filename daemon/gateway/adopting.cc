@@ -2,6 +2,8 @@
 #include "daemon/gateway/adopting.hpp"
 
 #include <algorithm>
+#include <utility>
+#include <variant>
 
 namespace mlcca {
 namespace {
@@ -11,6 +13,28 @@ std::vector<core::AdmissionId> ids_in(const std::vector<control::Request>& reque
   ids.reserve(requests.size());
   for (const control::Request& request : requests) ids.push_back(request.id);
   return ids;
+}
+
+/// Nothing: the one brings no publisher, or the other one brings its own.
+std::optional<control::Request> with_publisher_of(const control::Request& one,
+                                                  const control::Request& other) {
+  const auto& first = std::get<control::Admit>(one.body);
+  control::Request both = other;
+  auto& second = std::get<control::Admit>(both.body);
+  const bool own = second.node || second.priority || !second.user.empty() ||
+                   !second.offered.empty() || !second.publisher.empty() ||
+                   !second.from_node.empty() || !second.address.empty();
+  if (own || first.from.empty() || (!second.from.empty() && second.from != first.from))
+    return std::nullopt;
+  second.from = first.from;
+  second.from_node = first.from_node;
+  second.publisher = first.publisher;
+  second.address = first.address;
+  second.node = first.node;
+  second.priority = first.priority;
+  second.user = first.user;
+  second.offered = first.offered;
+  return both;
 }
 
 core::cluster::Vote refusal(std::string why) {
@@ -66,8 +90,9 @@ std::optional<core::AdmissionId> Adopting::ours_of(std::size_t gateway,
 }
 
 /// Those that no other one has brought here already.
-void Adopting::name_requests(Adopted& adopted) {
-  for (const control::Request& request : adopted.asked->requests) {
+void Adopting::name_requests(Adopted& adopted,
+                             const std::vector<control::Request>& requests) const {
+  for (const control::Request& request : requests) {
     if (ours_of(adopted.origin.gateway, request.id)) continue;
     adopted.theirs.push_back(request.id);
     adopted.ours.push_back(request);
@@ -95,15 +120,29 @@ std::optional<core::cluster::Footprint> Adopting::mapped(const Adopted& adopted)
 
 std::string Adopting::misfit(const Adopted& adopted) const {
   if (!mapped(adopted)) return "it takes traffic of an admission that is not known here";
-  for (const control::Request& request : adopted.ours)
-    if (std::string why = hands_.misfit(request); !why.empty()) return why;
+  for (std::size_t i = 0; i < adopted.ours.size(); ++i)
+    if (std::string why = misfit(adopted, i); !why.empty()) return why;
   return {};
+}
+
+/// Each is tried alone. Who only receives is tried with a publisher that comes with it.
+std::string Adopting::misfit(const Adopted& adopted, std::size_t request) const {
+  const control::Request& asked = adopted.ours[request];
+  std::string why = hands_.misfit(asked);
+  for (std::size_t i = 0; i < request && !why.empty(); ++i)
+    if (const auto both = with_publisher_of(adopted.ours[i], asked);
+        both && hands_.misfit(*both).empty())
+      why.clear();
+  return why;
 }
 
 void Adopting::vote(Adopted& adopted, core::cluster::Member& member, Value now) {
   std::string why = "what is asked for is not understood here";
   if (adopted.asked) {
-    if (adopted.theirs.empty()) name_requests(adopted);
+    if (adopted.theirs.empty()) {
+      name_requests(adopted, adopted.asked->also);
+      name_requests(adopted, adopted.asked->requests);
+    }
     networks_.leave_out(adopted.number);
     hands_.bring_in_line();
     why = misfit(adopted);
@@ -119,17 +158,19 @@ void Adopting::vote(Adopted& adopted, core::cluster::Member& member, Value now) 
 std::string Adopting::open(Adopted& adopted) {
   const auto footprint = mapped(adopted);
   if (!footprint) return "it takes traffic of an admission that is not known here";
-  networks_.hold(adopted.number, *footprint);
+  networks_.carry(adopted.number, *footprint, adopted.origin.gateway, adopted.footprint);
+  networks_.leave_out(adopted.number);
   hands_.bring_in_line();
   adopted.open = true;
-  for (const control::Request& request : adopted.ours)
-    if (const auto done = hands_.admit(request); !done) {
-      close(adopted);
-      networks_.count(adopted.number, adopted.footprint, adopted.origin.gateway);
-      hands_.bring_in_line();
-      return done.error().text;
-    }
-  return {};
+  std::string why;
+  for (auto it = adopted.ours.begin(); it != adopted.ours.end() && why.empty(); ++it)
+    if (const auto done = hands_.admit(*it); !done) why = done.error().text;
+  networks_.leave_out(std::nullopt);
+  if (why.empty()) return why;
+  close(adopted);
+  networks_.count(adopted.number, adopted.footprint, adopted.origin.gateway);
+  hands_.bring_in_line();
+  return why;
 }
 
 bool Adopting::step(core::cluster::Member& member, Value now) {

@@ -64,8 +64,9 @@ class Adopting {
 
   [[nodiscard]] std::optional<core::AdmissionId> ours_of(std::size_t gateway,
                                                          core::AdmissionId theirs) const;
-  void name_requests(Adopted& adopted);
+  void name_requests(Adopted& adopted, const std::vector<control::Request>& requests) const;
   [[nodiscard]] std::string misfit(const Adopted& adopted) const;
+  [[nodiscard]] std::string misfit(const Adopted& adopted, std::size_t request) const;
   [[nodiscard]] std::optional<core::cluster::Footprint> mapped(const Adopted& adopted) const;
   [[nodiscard]] std::string open(Adopted& adopted);
   void close(Adopted& adopted) const;

@@ -5,10 +5,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <map>
+#include <ranges>
 #include <set>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -102,17 +105,45 @@ std::vector<std::set<std::size_t>> carried(const core::State& state) {
 
 using Shares = std::map<std::pair<std::size_t, std::size_t>, control::ClusterShare>;
 
+/// What several reservations have of the same traffic is sent once.
+class Sum {
+ public:
+  void take(const cc::Part& part) {
+    for (const cc::RatePart& rate : part.rates) most(rates_[rate.source], rate.bytes_per_second);
+    for (const cc::BusPart& bus : part.bus) messages_.insert(bus.source);
+    if (!part.rates.empty()) return;
+    for (const cc::PathPart& path : part.paths)
+      most(paths_[{path.source, path.from, path.to}], path.bytes_per_second);
+  }
+  [[nodiscard]] std::size_t messages() const { return messages_.size(); }
+  [[nodiscard]] Value bytes_per_second() const {
+    Value sum = 0;
+    for (const Value bytes : std::views::values(rates_)) sum = add_saturating(sum, bytes);
+    for (const Value bytes : std::views::values(paths_)) sum = add_saturating(sum, bytes);
+    return sum;
+  }
+
+ private:
+  static void most(Value& of, Value bytes) { of = std::max(of, bytes); }
+
+  std::map<cc::Source, Value> rates_;
+  std::map<std::tuple<cc::Source, std::uint32_t, std::uint32_t>, Value> paths_;
+  std::set<cc::Source> messages_;
+};
+
 /// By gateway and network.
 Shares shares_of(const cc::View& view, const core::System& system) {
   Shares out;
+  std::map<Shares::key_type, Sum> sums;
   for (const auto& [key, record] : view.records().reservations) {
     control::ClusterShare& share = out[{key.gateway, key.network}];
     share.network = system.networks[key.network].name;
     ++share.reservations;
-    if (!record.taken) continue;
-    const Amount amount = amount_of(record.taken->part);
-    share.bytes_per_second = add_saturating(share.bytes_per_second, amount.bytes_per_second);
-    share.messages += amount.messages;
+    if (record.taken) sums[{key.gateway, key.network}].take(record.taken->part);
+  }
+  for (const auto& [key, sum] : sums) {
+    out[key].bytes_per_second = sum.bytes_per_second();
+    out[key].messages = sum.messages();
   }
   return out;
 }

@@ -115,6 +115,9 @@ class Membership {
   /// Admitted for another gateway, which alone releases it.
   [[nodiscard]] bool is_adopted(core::AdmissionId id) const;
   [[nodiscard]] const core::cluster::Baseline& baseline() const { return networks_->baseline(); }
+  /// What others have to know to decide about it, too: what was admitted here and has brought the
+  /// publishers of it.
+  void add_publishers(const core::cluster::Footprint& footprint, cluster::Asked& to) const;
   /// Called with true once everything is on disk that was granted before, or with false.
   void after_commit(std::function<void(const Result<void>&)> call) {
     waits_.push_back(std::move(call));

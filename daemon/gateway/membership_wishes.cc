@@ -42,8 +42,10 @@ void Membership::wish(std::size_t channel) {
     if (!proposal.fit()) return std::nullopt;
     auto footprint = core::cluster::footprint_of(proposal, baseline(), self_);
     if (footprint.parts.empty()) return std::nullopt;
+    cluster::Asked asked = asked_of(*there);
+    add_publishers(footprint, asked);
     return Reserving::Wish{
-        .footprint = std::move(footprint), .publisher = {}, .asked = asked_of(*there)};
+        .footprint = std::move(footprint), .publisher = {}, .asked = std::move(asked)};
   };
   const auto granted = [this, name] {
     wish_again_[name] = add_saturating(now(), kGrantedWishAgain);
@@ -66,12 +68,27 @@ cluster::Asked Membership::asked_of(std::size_t channel) const {
   return asked;
 }
 
+void Membership::add_publishers(const core::cluster::Footprint& footprint,
+                                cluster::Asked& to) const {
+  const auto has = [](const std::vector<control::Request>& all, core::AdmissionId id) {
+    return std::ranges::find(all, id, &control::Request::id) != all.end();
+  };
+  for (const core::cluster::Part& part : footprint.parts)
+    for (const core::cluster::RatePart& rate : part.rates) {
+      const core::AdmissionId id = rate.source.admission;
+      if (id == 0 || has(to.requests, id) || has(to.also, id)) continue;
+      const auto* const request = parts_.recorder.contents().admissions.find(id);
+      if (request != nullptr) to.also.push_back(*request);
+    }
+}
+
 bool Membership::is_known(const cluster::Asked& asked) const {
-  return state().find_channel(asked.channel) &&
-         std::ranges::all_of(asked.requests, [this](const control::Request& request) {
-           const auto* const known = parts_.recorder.contents().admissions.find(request.id);
-           return known != nullptr && *known == request;
-         });
+  const auto known = [this](const control::Request& request) {
+    const auto* const there = parts_.recorder.contents().admissions.find(request.id);
+    return there != nullptr && *there == request;
+  };
+  return state().find_channel(asked.channel) && std::ranges::all_of(asked.requests, known) &&
+         std::ranges::all_of(asked.also, known);
 }
 
 /// Something of the channel that nothing else allows.

@@ -110,6 +110,8 @@ void Reserving::release_closed(core::cluster::Member& member, Value now) {
 }
 
 void Reserving::admissions_gone(const std::vector<core::AdmissionId>& gone) {
+  // What counted with their publishers counts by itself.
+  parts_.networks.touch_all();
   for (auto& [number, held] : held_) {
     if (held.admissions.empty()) continue;
     std::erase_if(held.admissions,

@@ -4,9 +4,15 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/can/cover.hpp"
 #include "core/cluster/footprint.hpp"
 
 namespace mlcca {
+namespace {
+
+namespace cc = core::cluster;
+
+}  // namespace
 
 SharedNetworks::SharedNetworks(const core::System& system, std::size_t self)
     : self_(self),
@@ -28,11 +34,21 @@ void SharedNetworks::touch_all() {
   for (std::size_t n = 0; n < networks_; ++n) touch(n);
 }
 
-void SharedNetworks::hold(Number number, const core::cluster::Footprint& footprint) {
+void SharedNetworks::hold(Number number, const cc::Footprint& footprint) {
   drop(number);
   touch(footprint);
   permits_.put(number, footprint);
-  held_.emplace(number, footprint);
+  held_.emplace(number, Held{.footprint = footprint, .gateway = self_, .theirs = footprint});
+}
+
+void SharedNetworks::carry(Number number, const cc::Footprint& footprint, std::size_t gateway,
+                           const cc::Footprint& theirs) {
+  // It may be what drop() forgets.
+  Held held{.footprint = footprint, .gateway = gateway, .theirs = theirs};
+  drop(number);
+  touch(held.footprint);
+  permits_.put(number, held.footprint, true);
+  held_.emplace(number, std::move(held));
 }
 
 void SharedNetworks::count(Number number, const core::cluster::Footprint& footprint,
@@ -46,7 +62,7 @@ void SharedNetworks::count(Number number, const core::cluster::Footprint& footpr
 
 void SharedNetworks::drop(Number number) {
   if (const auto it = held_.find(number); it != held_.end()) {
-    touch(it->second);
+    touch(it->second.footprint);
     permits_.erase(number);
     held_.erase(it);
   }
@@ -57,7 +73,7 @@ void SharedNetworks::drop(Number number) {
 }
 
 const core::cluster::Footprint* SharedNetworks::footprint(Number number) const {
-  if (const auto it = held_.find(number); it != held_.end()) return &it->second;
+  if (const auto it = held_.find(number); it != held_.end()) return &it->second.footprint;
   const auto it = counted_.find(number);
   return it == counted_.end() ? nullptr : &it->second.footprint;
 }
@@ -68,32 +84,103 @@ void SharedNetworks::leave_out(std::optional<Number> number) {
     if (const auto* const there = one ? footprint(*one) : nullptr) touch(*there);
 }
 
+namespace {
+
+const cc::Part* part_on(const cc::Footprint& footprint, std::size_t network) {
+  const auto it = std::ranges::find(footprint.parts, network, &cc::Part::network);
+  return it == footprint.parts.end() ? nullptr : &*it;
+}
+
+using Whose = std::pair<std::size_t, cc::Source>;
+
+/// What is decided, in the numbers of the gateway that has reserved it: whatever else has as much
+/// of the same traffic does not count beside it.
+void leave_out_same(const cc::Part& decided, std::size_t gateway, cc::Foreign& all) {
+  const auto drop = [&](auto& from, const auto& what, auto covers) {
+    std::erase_if(from, [&](const auto& one) {
+      return one.gateway == gateway && one.source.admission != 0 &&
+             std::ranges::any_of(what, [&](const auto& known) {
+               return known.source == one.source && covers(known, one);
+             });
+    });
+  };
+  drop(all.rates, decided.rates, [](const cc::RatePart& known, const cc::RatePart& one) {
+    return known.bytes_per_second >= one.bytes_per_second;
+  });
+  drop(all.bus, decided.bus, [](const cc::BusPart& known, const cc::BusPart& one) {
+    return core::can::covers(known.message, one.message);
+  });
+  drop(all.paths, decided.paths,
+       [](const cc::PathPart& known, const cc::PathPart& one) { return core::covers(known, one); });
+}
+
+}  // namespace
+
+/// Of publishers of other gateways that are carried here, in numbers of this gateway: then it
+/// counts with them, once.
+void SharedNetworks::name_carried(cc::Foreign& all, std::size_t network,
+                                  const core::Members& members) const {
+  std::map<Whose, cc::Source> ours;
+  for (const auto& [number, held] : held_) {
+    const cc::Part* const here = part_on(held.footprint, network);
+    const cc::Part* const there = part_on(held.theirs, network);
+    if (held.gateway == self_ || here == nullptr || there == nullptr) continue;
+    for (std::size_t i = 0; i < there->rates.size(); ++i)
+      if (members.admitted(here->rates[i].source.admission).publisher)
+        ours.emplace(Whose(held.gateway, there->rates[i].source), here->rates[i].source);
+  }
+  if (ours.empty()) return;
+  const auto name = [&](auto& parts) {
+    for (auto& part : parts) {
+      const auto known = ours.find({part.gateway, part.source});
+      if (known == ours.end()) continue;
+      part.gateway = self_;
+      part.source = known->second;
+    }
+  };
+  name(all.rates);
+  name(all.bus);
+  name(all.paths);
+}
+
+/// What is to replace something, or brings a publisher that is not there yet.
+void SharedNetworks::leave_out_decided(cc::Foreign& all, std::size_t network) const {
+  if (!left_out_) return;
+  const auto held = held_.find(*left_out_);
+  const auto counted = counted_.find(*left_out_);
+  const cc::Part* part = held != held_.end() ? part_on(held->second.theirs, network) : nullptr;
+  if (part != nullptr) leave_out_same(*part, held->second.gateway, all);
+  part = counted != counted_.end() ? part_on(counted->second.footprint, network) : nullptr;
+  if (part != nullptr) leave_out_same(*part, counted->second.gateway, all);
+}
+
 /// With what the store still has of this gateway from a process before.
-core::cluster::Foreign SharedNetworks::foreign(std::size_t network,
-                                               const core::cluster::View& view) const {
-  core::cluster::Foreign all = view.foreign(network);
+cc::Foreign SharedNetworks::foreign(std::size_t network, const core::Members& members,
+                                    const cc::View& view) const {
+  cc::Foreign all = view.foreign(network);
   const auto& records = view.records().reservations;
   for (auto it = records.lower_bound({.network = network, .gateway = self_, .id = 0});
        it != records.end() && it->first.network == network && it->first.gateway == self_; ++it) {
     const Number number = it->first.id;
     if (held_.contains(number) || counted_.contains(number) || number == left_out_) continue;
     if (it->second.taken)
-      core::cluster::add(all, it->second.taken->part, self_);
+      cc::add(all, it->second.taken->part, self_);
     else
       all.unreadable = true;
   }
   for (const auto& [number, counted] : counted_) {
     if (number == left_out_) continue;
-    const auto part =
-        std::ranges::find(counted.footprint.parts, network, &core::cluster::Part::network);
-    if (part != counted.footprint.parts.end()) core::cluster::add(all, *part, counted.gateway);
+    if (const cc::Part* const part = part_on(counted.footprint, network))
+      cc::add(all, *part, counted.gateway);
   }
+  leave_out_decided(all, network);
+  name_carried(all, network, members);
   return all;
 }
 
 void SharedNetworks::put_foreign(core::State& state, const core::cluster::View& view) {
   for (const std::size_t n : std::exchange(stale_, {}))
-    if (state.world().shared[n]) state.set_foreign(n, foreign(n, view));
+    if (state.world().shared[n]) state.set_foreign(n, foreign(n, state.members(), view));
 }
 
 }  // namespace mlcca

@@ -28,6 +28,9 @@ class SharedNetworks {
 
   /// It may be used from now on.
   void hold(Number number, const core::cluster::Footprint& footprint);
+  /// The same of what another gateway has reserved, and in its own numbers. The order is the same.
+  void carry(Number number, const core::cluster::Footprint& footprint, std::size_t gateway,
+             const core::cluster::Footprint& theirs);
   /// It counts as of that gateway, and nobody here uses it.
   void count(Number number, const core::cluster::Footprint& footprint, std::size_t gateway);
   /// Neither any more, as far as this gateway is concerned.
@@ -35,7 +38,8 @@ class SharedNetworks {
   [[nodiscard]] bool holds(Number number) const { return held_.contains(number); }
   /// What is held under that number, or counted; null: neither.
   [[nodiscard]] const core::cluster::Footprint* footprint(Number number) const;
-  /// What is decided now is decided without that one, which it is to replace.
+  /// What is decided now is decided without that one, which it is to replace, and without whatever
+  /// else has the same traffic.
   void leave_out(std::optional<Number> number);
 
   /// Something is used that lasts as long as the lease.
@@ -52,16 +56,24 @@ class SharedNetworks {
     core::cluster::Footprint footprint;
     std::size_t gateway = 0;
   };
+  struct Held {
+    core::cluster::Footprint footprint;
+    std::size_t gateway = 0;          ///< that has reserved it
+    core::cluster::Footprint theirs;  ///< in the numbers of that one
+  };
   void touch(const core::cluster::Footprint& footprint);
-  [[nodiscard]] core::cluster::Foreign foreign(std::size_t network,
+  [[nodiscard]] core::cluster::Foreign foreign(std::size_t network, const core::Members& members,
                                                const core::cluster::View& view) const;
+  void leave_out_decided(core::cluster::Foreign& all, std::size_t network) const;
+  void name_carried(core::cluster::Foreign& all, std::size_t network,
+                    const core::Members& members) const;
 
   std::size_t self_;
   std::size_t networks_;
   core::cluster::Baseline baseline_;
   core::Permits permits_;
   bool has_elected_ = false;
-  std::map<Number, core::cluster::Footprint> held_;
+  std::map<Number, Held> held_;
   std::map<Number, Counted> counted_;
   std::optional<Number> left_out_;
   std::set<std::size_t> stale_;

@@ -106,10 +106,12 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
       return std::nullopt;
     }
     const auto& channel = state.system().channels[asked->channel];
-    return Reserving::Wish{
-        .footprint = std::move(footprint),
-        .publisher = request_.publisher,
-        .asked = {.channel = channel.name, .requests = {{.id = *id_, .body = request_}}}};
+    cluster::Asked for_others{.channel = channel.name,
+                              .requests = {{.id = *id_, .body = request_}}};
+    context_.membership->add_publishers(footprint, for_others);
+    return Reserving::Wish{.footprint = std::move(footprint),
+                           .publisher = request_.publisher,
+                           .asked = std::move(for_others)};
   }
 
   bool put_in_force() {

@@ -361,6 +361,30 @@ TEST(PermitsTest, APathThatIsNotKnownHereStopsWishesOnly) {
   EXPECT_EQ(wish.verdicts().front()->obstacle, Obstacle::others_unknown);
 }
 
+/// By two reservations of one gateway, of which the first one is of less.
+TEST(PermitsTest, APathThatIsReservedTwiceCountsOnceAndInFull) {
+  System system = networks(true);
+  add_channel(system, every(50 * kMs));
+  Pair pair(system);
+  State& state = pair[0].state;
+  const auto time_of = [&](const std::vector<std::pair<Value, Value>>& parts) {
+    cluster::Foreign foreign;
+    for (const auto& [bytes, event] : parts)
+      foreign.paths.push_back({.from = 0,
+                               .to = 1,
+                               .bytes_per_second = bytes,
+                               .event_bytes = event,
+                               .source = {.publisher = 0, .admission = 4},
+                               .gateway = 1});
+    state.set_foreign(kAir, foreign);
+    state.settle();
+    return state.ledger().medium_time(kAir, 0);
+  };
+  EXPECT_EQ(time_of({{100, 8}, {200, 8}}), time_of({{200, 8}}));
+  EXPECT_EQ(time_of({{200, 8}, {100, 8}}), time_of({{200, 8}}));
+  EXPECT_EQ(time_of({{200, 0}, {100, 8}}), time_of({{200, 8}})) << "smaller events take more";
+}
+
 TEST(PermitsTest, WhatGotWorseIsGivenUpAndComesBack) {
   System system = networks(false);
   const auto fast = every(12 * kMs, 60 * kMs);
