@@ -106,6 +106,7 @@ std::vector<Hop> State::hops_of_granted(const Verdict& v) {
   const Ledger::Mark before = ledger_.mark();
   check_route(measuring, ledger_, targets_of(members_, v.channel), again);
   ledger_.roll_back(before);
+  ledger_.commit();
   return std::move(again.hops);
 }
 

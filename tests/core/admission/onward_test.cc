@@ -215,5 +215,21 @@ TEST(OnwardTest, NothingIsPassedOnToANetworkThatAcceptsNoSubscriptions) {
   EXPECT_TRUE(state.onward(kBridge, 0).empty());
 }
 
+/// What is asked leaves nothing behind in the ledger.
+TEST(OnwardTest, AnAdmittedPublisherCanLeaveAfterIt) {
+  System system = accepting(0);
+  system.subscribers.push_back(subscriber("motors", network(kRobotCan), heart_beat()));
+  State state(std::move(system));
+  Admission spare;
+  spare.id = 1;
+  spare.publisher = state.system().publishers[0];
+  spare.publisher->name = "spare";
+  state.restore(std::move(spare));
+  ASSERT_EQ(state.onward(kBridge, 0).size(), 1U);
+  EXPECT_TRUE(state.remove(1));
+  state.settle();
+  EXPECT_EQ(state.granted(), 1U);
+}
+
 }  // namespace
 }  // namespace mlcca::core::testing
