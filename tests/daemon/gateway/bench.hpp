@@ -64,6 +64,8 @@ class Bench {
   FakeControl& control() { return *control_; }
   FakeBackground& reading() { return *reading_; }
   store::test::TroubledDisk& disk() { return *disk_; }
+  /// Memory that stands for the disk.
+  [[nodiscard]] std::size_t held_by_disk() const { return memory_->held(); }
   EventLog& log() { return *log_; }
 
   /// The body of the reply: that of the last slice, if there are slices that can be had.

@@ -21,6 +21,15 @@ std::string name_in(const std::string& path) { return path.substr(path.rfind('/'
 
 // --- in memory -----------------------------------------------------------------------------------
 
+std::size_t MemoryDisk::held() const {
+  std::size_t out = 0;
+  for (const auto& [name, file] : seen_) {
+    out += file->seen.capacity() + file->synced.capacity();
+    for (const Change& change : file->unsynced) out += change.bytes.capacity();
+  }
+  return out;
+}
+
 void MemoryDisk::apply(const Change& change, std::string& to) {
   if (change.truncates) {
     to.resize(change.offset, '\0');

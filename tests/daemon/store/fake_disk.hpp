@@ -41,6 +41,9 @@ class MemoryDisk final : public Disk {
   /// of any write, any sizes and any names, as `random` chooses.
   [[nodiscard]] std::unique_ptr<MemoryDisk> after_power_loss(std::mt19937& random) const;
 
+  /// Bytes of memory that the contents of its files take, about.
+  [[nodiscard]] std::size_t held() const;
+
  private:
   struct Change {
     bool truncates = false;
