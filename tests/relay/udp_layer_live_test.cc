@@ -8,6 +8,9 @@
 #include <sys/socket.h>
 
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <utility>
@@ -149,6 +152,34 @@ TEST_F(UdpLayerLive, AnErrorThatIsReportedLaterIsReadAndForgotten) {
   EXPECT_TRUE(layer->receive(16, [](const Layer::Arrival&) {}));
   pollfd waits{.fd = layer->fd(), .events = POLLIN, .revents = 0};
   EXPECT_EQ(::poll(&waits, 1, 0), 0) << "else a loop would have no rest";
+}
+
+std::size_t lines_of(const std::string& path, const std::string& with) {
+  std::ifstream file(path);
+  std::size_t out = 0;
+  for (std::string line; std::getline(file, line);) out += line.contains(with) ? 1 : 0;
+  return out;
+}
+/// IPv4 groups that some socket is in on out0.
+std::size_t groups_of_out0() { return lines_of("/proc/net/igmp", "\t\t\t\t"); }
+std::size_t open_files() {
+  return static_cast<std::size_t>(
+      std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {}));
+}
+
+/// A description may admit any subject at run time, each for a while.
+TEST_F(UdpLayerLive, GroupsThatNothingIsFollowedInAreLeft) {
+  const auto layer = open();
+  const auto subject = [](std::uint64_t number) { return number << 56U | (number >> 8U) << 16U; };
+  const std::size_t groups = groups_of_out0();
+  const std::size_t files = open_files();
+  for (std::uint64_t i = 1; i <= 1'000; ++i) {
+    ASSERT_TRUE(layer->follow(1, {}, subject(i), 100));
+    if (i > 10) layer->leave(1, {}, subject(i - 10));
+  }
+  EXPECT_GE(groups_of_out0(), groups + 10);
+  EXPECT_LE(groups_of_out0(), groups + 80);
+  EXPECT_LE(open_files(), files + 5);
 }
 
 }  // namespace
