@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""A subscriber that is no gateway, on a bus or on UDP multicast, for guest tests. It needs nothing of MLCCA.
+"""A subscriber that is no gateway, on a bus, UDP multicast or IEEE 802.15.4, for guest tests. It needs nothing of MLCCA.
   subscriber.py can INTERFACE NODE ETAG   subscribes by frames of node NODE; ETAG is that of SUBSCRIB
   subscriber.py udp ADDRESS               by datagrams
+  subscriber.py wpan INTERFACE SHORT      by data frames of that short address
 Then reads commands: "subscribe SUBJECT NUMBER LEASE-S HOPS NAME=VALUE..." (attributes in ns or events),
-"end SUBJECT NUMBER", "plain SUBJECT". Prints "granted NUMBER" and "refused NUMBER WHY" as they come."""
+"end SUBJECT NUMBER", "plain SUBJECT", "refuse SUBJECT NUMBER WHY". Prints "granted NUMBER" and "refused NUMBER WHY" as
+they come; of 802.15.4 also "asked NUMBER SUBJECT FROM" and "event SUBJECT TEXT", and it obeys "send SUBJECT TEXT"."""
 import os
 import select
 import socket
@@ -83,6 +85,40 @@ class Udp:
         return data[9:] if data[:9] == OWN + b"\0" else None
 
 
+class Wpan:
+    """By a packet socket: the kernel has sockets of IEEE 802.15.4 in the first network namespace alone."""
+    PAN, EVERYBODY, HEADER = 0xBEEF, 0xFFFF, struct.Struct("<HBHHH")
+
+    def __init__(self, interface, short):
+        self.socket = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(0xF6))
+        self.socket.bind((interface, 0xF6))
+        self.short = int(short, 0)
+
+    def publish(self, subject, event):
+        self.socket.send(self.HEADER.pack(0x8841, 1, self.PAN, self.EVERYBODY, self.short) + subject + event)
+
+    def send(self, event):
+        self.publish(OWN, event)
+
+    def receive(self):
+        data, where = self.socket.recvfrom(256)
+        if where[2] == socket.PACKET_OUTGOING or len(data) < self.HEADER.size + 8:
+            return None
+        sender, payload = self.HEADER.unpack(data[:self.HEADER.size])[4], data[self.HEADER.size:]
+        if payload[:8] != OWN:
+            print("event", name_of(payload[:8]), payload[8:].decode("latin-1"), flush=True)
+            return None
+        event = payload[8:]
+        if event[:10] == OWN + b"\1\1":
+            content = event[17 + 2 + 6:]  # behind the outer element and two integers: the subject
+            print("asked", struct.unpack(">I", event[10:14])[0], name_of(content[2:10]), f"{sender:#06x}", flush=True)
+        return event
+
+
+def name_of(subject):
+    return subject.rstrip(b"\0").decode("latin-1")
+
+
 def subject_of(text):
     return int(text, 0).to_bytes(8, "big")
 
@@ -90,6 +126,10 @@ def subject_of(text):
 def obey(network, words):
     if words[0] == "plain":
         network.send(subject_of(words[1]))
+    elif words[0] == "send":
+        network.publish(words[1].encode().ljust(8, b"\0"), words[2].encode())
+    elif words[0] == "refuse":
+        network.send(message(4, int(words[2]), 0, 0, subject_of(words[1]) + " ".join(words[3:]).encode()))
     elif words[0] == "end":
         network.send(message(2, int(words[2]), 0, 0, subject_of(words[1])))
     else:
@@ -97,7 +137,7 @@ def obey(network, words):
         network.send(message(1, int(words[2]), int(words[3]), int(words[4]), channel(subject_of(words[1]), attributes)))
 
 
-network = Can(*sys.argv[2:]) if sys.argv[1] == "can" else Udp(*sys.argv[2:])
+network = {"can": Can, "udp": Udp, "wpan": Wpan}[sys.argv[1]](*sys.argv[2:])
 print("ready", flush=True)
 commands = b""
 while True:
