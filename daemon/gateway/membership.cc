@@ -192,6 +192,7 @@ void Membership::take_in(const cc::Event& event) {
     networks_->touch(changed->network);
   } else if (const auto* failed = std::get_if<cc::Failed>(&event)) {
     failed_[failed->gateway] = failed->failed;
+    if (failed->failed) take_over();
   } else if (const auto* lost = std::get_if<cc::Lost>(&event)) {
     lost_ = true;
     reserving_->lost();

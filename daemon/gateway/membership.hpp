@@ -167,6 +167,7 @@ class Membership {
   void set_until(std::uint64_t until);
   void note_failed();
   bool wish_some();
+  void take_over();
   void wish(std::size_t channel);
   [[nodiscard]] cluster::Asked asked_of(std::size_t channel) const;
   [[nodiscard]] bool is_known(const cluster::Asked& asked) const;

@@ -32,6 +32,12 @@ bool Membership::wish_some() {
   return false;
 }
 
+/// What a gateway carried that has failed is reserved now, whenever that was tried last.
+void Membership::take_over() {
+  wish_again_.clear();
+  looks_for_wishes_ = true;
+}
+
 void Membership::wish(std::size_t channel) {
   const std::string name = state().system().channels[channel].name;
   wish_again_[name] = add_saturating(now(), kWishAgain);
