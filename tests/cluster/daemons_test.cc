@@ -131,7 +131,7 @@ class ClusterDaemons : public testing::Test {
   /// What mlccactl says; nothing where it failed.
   std::string ask(const Node& node, std::vector<std::string> arguments, int* status = nullptr) {
     std::vector<std::string> command = {built("mlccactl"), "--socket",
-                                        folder / (node.name + ".sock")};
+                                        folder / (node.name + ".sock"), "--timeout", "60"};
     command.insert(command.end(), arguments.begin(), arguments.end());
     const std::string said = folder / "said";
     std::filesystem::remove(said);
@@ -155,6 +155,12 @@ class ClusterDaemons : public testing::Test {
     if (!store->control("get --prefix --keys-only /mlcca/t/" + kind + " >" + out)) return true;
     return text_of_file(out).find("/mlcca/") != std::string::npos;
   }
+  /// Both have joined.
+  bool all_are_there() { return says(nodes[0], {"cluster", "status"}, "2 of 2 are there"); }
+  /// On a busy machine the store may answer too late at times.
+  bool admits(const Node& node) {
+    return becomes([&] { return admit(node) == 0; });
+  }
   int admit(const Node& node) {
     int status = -1;
     answer = ask(node,
@@ -175,7 +181,7 @@ TEST_F(ClusterDaemons, OneTruthAboutWhatTheyShare) {
   ASSERT_TRUE(says(nodes[0], {"explain", "c0"}, "granted  c0"))
       << ask(nodes[0], {"explain", "c0"}) << logs();
   // What is admitted is reserved first.
-  ASSERT_EQ(admit(nodes[0]), 0) << answer << logs();
+  ASSERT_TRUE(admits(nodes[0])) << answer << logs();
   EXPECT_TRUE(has_keys("r/lan/gw1/"));
   // A daemon that was killed takes up where it was.
   nodes[0].daemon.end();
@@ -212,7 +218,8 @@ TEST_F(ClusterDaemons, OneDescriptionForAll) {
   write_file(folder / "more.xml",
              "<EventChannel name=\"c2\"><SubjectUID>0x3</SubjectUID></EventChannel>");
   ASSERT_TRUE(says(nodes[0], {"explain", "c0"}, "granted  c0")) << logs();
-  ASSERT_EQ(admit(nodes[0]), 0) << answer << logs();
+  ASSERT_TRUE(admits(nodes[0])) << answer << logs();
+  ASSERT_TRUE(all_are_there()) << logs();
   int status = -1;
   // One cannot use it: nobody gets it.
   const std::string refused = ask(nodes[0], {"rollout", folder / "without.xml"}, &status);
@@ -240,14 +247,14 @@ TEST_F(ClusterDaemons, OneDescriptionForAll) {
 
 TEST_F(ClusterDaemons, AnOperatorSeesItAndTakesAGatewayOut) {
   ASSERT_TRUE(says(nodes[0], {"explain", "c0"}, "granted  c0")) << logs();
-  ASSERT_EQ(admit(nodes[0]), 0) << answer << logs();
+  ASSERT_TRUE(admits(nodes[0])) << answer << logs();
+  ASSERT_TRUE(all_are_there()) << logs();
   int status = -1;
   std::string said = ask(nodes[0], {"cluster", "status"}, &status);
   EXPECT_EQ(status, 0);
   EXPECT_NE(said.find("gw1 of t"), std::string::npos) << said;
   EXPECT_NE(said.find("phase         in"), std::string::npos) << said;
   EXPECT_NE(said.find("open: lan"), std::string::npos) << said;
-  EXPECT_NE(said.find("2 of 2 are there"), std::string::npos) << said;
   ask(nodes[0], {"cluster", "status", "--check"}, &status);
   EXPECT_EQ(status, 0);
   EXPECT_TRUE(says(nodes[1], {"cluster", "members"}, "gw1      active"));
@@ -260,8 +267,7 @@ TEST_F(ClusterDaemons, AnOperatorSeesItAndTakesAGatewayOut) {
   ask(nodes[0], {"cluster", "drain", "--yes"}, &status);
   EXPECT_EQ(status, 0);
   EXPECT_TRUE(says(nodes[0], {"cluster", "status"}, "phase         drained")) << logs();
-  EXPECT_FALSE(has_keys("r/"));
-  EXPECT_FALSE(has_keys("m/gw1"));
+  EXPECT_TRUE(becomes([&] { return !has_keys("r/") && !has_keys("m/gw1"); }));
   EXPECT_TRUE(says(nodes[0], {"explain", "c0"}, "refused  c0"));
   EXPECT_TRUE(says(nodes[0], {"history", "--kind", "gateway"}, "drained: "));
   EXPECT_TRUE(says(nodes[1], {"cluster", "members"}, "gw1      absent"));

@@ -228,9 +228,9 @@ TEST_F(ClusterStore, AStoreThatHangsIsNoticedInTime) {
   Txn txn = creation(1, {own("hang")});
   txn.patience_ns = 200'000'000;
   gateway.link.send(txn);
-  ASSERT_TRUE(loop_.until([&] { return gateway.results.contains(1); }, std::chrono::seconds(5)));
+  ASSERT_TRUE(loop_.until([&] { return gateway.results.contains(1); }, std::chrono::seconds(20)));
   EXPECT_EQ(gateway.results[1].outcome, Outcome::unsure) << gateway.results[1].why;
-  ASSERT_TRUE(loop_.until([&] { return !gateway.state.reachable; }, std::chrono::seconds(5)));
+  ASSERT_TRUE(loop_.until([&] { return !gateway.state.reachable; }, std::chrono::seconds(20)));
   const int before = gateway.snapshots;
   tunnel.hold(false);
   EXPECT_TRUE(loop_.until([&] {

@@ -22,7 +22,7 @@ class Loop {
   [[nodiscard]] sd_event* get() const { return loop_.get(); }
   /// Runs until it holds; false after a time that is generous for a busy machine.
   bool until(const std::function<bool()>& holds,
-             std::chrono::milliseconds patience = std::chrono::seconds(20)) const;
+             std::chrono::milliseconds patience = std::chrono::seconds(60)) const;
 
  private:
   std::unique_ptr<sd_event, FreeWith<sd_event_unref>> loop_;

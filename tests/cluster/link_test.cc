@@ -146,7 +146,7 @@ TEST_F(ClusterLinkTest, WhoSaysNothingIsLeftAndWhatWasAskedIsUnsure) {
   test::Gateway gateway(loop_.get(), folder_ / "none");
   SocketLink link(
       loop_.get(),
-      {.socket = path(), .hello = {"t", "gw"}, .timeout = 700'000'000, .pause = 50'000});
+      {.socket = path(), .hello = {"t", "gw"}, .timeout = 2'000'000'000, .pause = 50'000});
   link.on_message([&](ClusterMessage message) { gateway.take(std::move(message)); });
   ASSERT_TRUE(link.start().has_value());
   ASSERT_TRUE(accepts());

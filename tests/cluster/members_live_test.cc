@@ -19,7 +19,7 @@ using std::chrono::seconds;
 const std::string kOwn = "/mlcca/t/r/gw1/";
 
 /// Until one is committed, again and again; each with a number of its own.
-bool commits(const Loop& loop, Gateway& gateway, seconds patience = seconds(20)) {
+bool commits(const Loop& loop, Gateway& gateway, seconds patience = seconds(60)) {
   static std::uint64_t number = 1000;
   const auto start = std::chrono::steady_clock::now();
   while (std::chrono::steady_clock::now() - start < patience) {
@@ -51,13 +51,13 @@ TEST(ClusterMembers, OneOfThreeMayGoWhicheverItIs) {
   ASSERT_TRUE(commits(loop, gateway));
 
   store.kill(leader);
-  EXPECT_TRUE(commits(loop, gateway, seconds(10))) << bridged.log();
+  EXPECT_TRUE(commits(loop, gateway)) << bridged.log();
   EXPECT_NE(gateway.state.endpoint, store.endpoint(leader));
 
   // Two of three are too few: a member without a leader is nobody to ask.
   const bool asks_second = gateway.state.endpoint == store.endpoint(second);
   store.kill(asks_second ? third : second);
-  ASSERT_TRUE(loop.until([&] { return !gateway.state.reachable; }, seconds(10))) << bridged.log();
+  ASSERT_TRUE(loop.until([&] { return !gateway.state.reachable; })) << bridged.log();
   EXPECT_FALSE(commits(loop, gateway, seconds(1)));
   store.start(leader);
   store.start(asks_second ? third : second);
@@ -69,7 +69,7 @@ TEST(ClusterMembers, OneOfThreeMayGoWhicheverItIs) {
   std::size_t stopped = 0;
   while (store.endpoint(stopped) != asked) ++stopped;
   store.pause(stopped);
-  EXPECT_TRUE(commits(loop, gateway, seconds(10))) << bridged.log();
+  EXPECT_TRUE(commits(loop, gateway)) << bridged.log();
   EXPECT_TRUE(loop.until([&] { return gateway.state.reachable && gateway.synced != 0; }));
   EXPECT_NE(gateway.state.endpoint, asked);
   store.resume(stopped);
@@ -92,7 +92,7 @@ TEST(ClusterMembers, AFullStoreIsSaidToBeFull) {
   make_certificates(folder);
   const Store store(folder, 1, {"--quota-backend-bytes", "6000000"});
   const Loop loop;
-  const Bridged bridged(folder, "gw1", {store.endpoint(0)}, "timeout = 200\n");
+  const Bridged bridged(folder, "gw1", {store.endpoint(0)});
   Gateway gateway(loop.get(), bridged.socket(), {kOwn});
   ASSERT_TRUE(loop.until([&] { return gateway.state.reachable; })) << bridged.log();
   constexpr std::uint64_t most = 500;
@@ -106,7 +106,7 @@ TEST(ClusterMembers, AFullStoreIsSaidToBeFull) {
   }
   ASSERT_TRUE(full) << gateway.results[id].why;
   EXPECT_TRUE(loop.until([&] { return gateway.state.no_space; }));
-  EXPECT_TRUE(gateway.state.reachable);
+  EXPECT_TRUE(loop.until([&] { return gateway.state.reachable; }));
   EXPECT_GT(gateway.state.db_bytes, 4'000'000U);
   Txn deletion{.id = 9000,
                .compares = {},
@@ -125,7 +125,7 @@ TEST(ClusterMembers, AStoreThatWasRestoredHasGoneBackInASnapshotOfAnEarlierRevis
   make_certificates(folder);
   Store store(folder, 1);
   const Loop loop;
-  const Bridged bridged(folder, "gw1", {store.endpoint(0)}, "timeout = 300\n");
+  const Bridged bridged(folder, "gw1", {store.endpoint(0)});
   Gateway gateway(loop.get(), bridged.socket(), {kOwn});
   ASSERT_TRUE(loop.until([&] { return gateway.state.reachable && gateway.synced != 0; }))
       << bridged.log();
