@@ -54,6 +54,16 @@ bool is_gone(const View& view, std::size_t gateway, Value now) {
   return alive == Alive::absent || alive == Alive::fenced;
 }
 
+/// Of one that is called off. `work` demands that it has not come back when it is committed.
+bool is_off(const View& view, std::size_t gateway, Value now, Work& work) {
+  // Where no description is in force nobody has anything to leave.
+  if (view.records().current.mod == 0) return true;
+  if (!is_gone(view, gateway, now)) return false;
+  work.compares.push_back(
+      {.key = view.keys().member(gateway), .revision = view.records().members[gateway].mod});
+  return true;
+}
+
 bool is_among(const std::vector<std::string>& names, const std::string& name) {
   return std::ranges::find(names, name) != names.end();
 }
@@ -244,13 +254,7 @@ Rollouts::Tally Rollouts::tally(const View& view, const Next& next, Work& work, 
   for (std::size_t g = 0; g < view.keys().gateways(); ++g) {
     const std::string& name = view.keys().gateway_name(g);
     if (is_among(next.without, name)) {
-      // Where no description is in force nobody has anything to leave.
-      if (records.current.mod == 0) continue;
-      if (is_gone(view, g, now)) {
-        // It may be back before this is committed.
-        work.compares.push_back({.key = view.keys().member(g), .revision = records.members[g].mod});
-        continue;
-      }
+      if (is_off(view, g, now, work)) continue;
       tally.all = false;
       tally.refused = true;
       tally.objection = name + ": it was called off, and is there";
