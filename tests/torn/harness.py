@@ -206,8 +206,8 @@ class Daemon:
     def ctl(self, *words, seconds=PATIENCE):
         """mlccactl: exit status and output."""
         try:
-            done = subprocess.run([f"{BUILD}/mlccactl", *words], env=self.env, stdout=subprocess.PIPE,
-                                  stderr=subprocess.STDOUT, text=True, timeout=seconds, check=False)
+            done = subprocess.run([f"{BUILD}/mlccactl", "--timeout", str(seconds), *words], env=self.env, stdout=subprocess.PIPE,
+                                  stderr=subprocess.STDOUT, text=True, timeout=seconds + 5, check=False)
         except subprocess.TimeoutExpired:
             return 124, f"no answer in {seconds} s"
         return done.returncode, done.stdout
