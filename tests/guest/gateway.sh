@@ -118,7 +118,17 @@ heart_beat_system() {
 	echo '</System>'
 }
 
-# How many transfers a relay carries, which it prints at a SIGUSR1.
-transfers_of() { # transfers_of PID LOG
-	kill -USR1 "$1" && sleep 0.2 && grep -o '[0-9]* transfers\?' "$2" | tail -n 1 | cut -d ' ' -f 1
+# relay_is_asked PID: it would end by a SIGUSR1 before it waits for that.
+relay_is_asked() {
+	wait_for 20 grep -q 'SigBlk:.*4202' "/proc/$1/status"
 }
+
+# transfers_of PID LOG: how many transfers a relay carries, which it prints at a SIGUSR1; nothing when it does not. Never
+# what it has printed before.
+transfers_of() {
+	local before
+	before=$(prints_of_relay "$2")
+	has_printed() { [ "$(prints_of_relay "$1")" -gt "$before" ]; }
+	kill -USR1 "$1" && comes_true 2 has_printed "$2" && grep -o '^[0-9]* transfers\? on' "$2" | tail -n 1 | cut -d ' ' -f 1
+}
+prints_of_relay() { grep -c '^[0-9]* transfers\? on' "$1"; }

@@ -28,15 +28,33 @@ expect_eq() {
 # generous on a machine that does nothing else; on a busy one six times as much is waited for. What must happen within
 # a time is measured by the times at which it happened, never by this limit.
 wait_for() {
+	comes_true "$@" || fail "never came true: ${*:2}"
+}
+
+# comes_true SECONDS COMMAND...: the same; false when it never does.
+comes_true() {
 	local wait_up wait_end # COMMAND sees them: names that no case has
 	read -r wait_up _ </proc/uptime # hundredths of a second, and no clock that anybody sets
 	wait_end=$((10#${wait_up/./} + $1 * ${PATIENCE:-6} * 100))
 	shift
 	until "$@" >/dev/null 2>&1; do
 		read -r wait_up _ </proc/uptime
-		[ $((10#${wait_up/./})) -lt "$wait_end" ] || fail "never came true: $*"
+		[ $((10#${wait_up/./})) -lt "$wait_end" ] || return 1
 		sleep 0.02
 	done
+}
+
+# expect_becomes WHAT EXPECTED COMMAND...: what COMMAND prints, as soon as it is that. For counters and lines that
+# follow what they are about.
+expect_becomes() {
+	prints_expected() { [ "$("${@:2}")" = "$1" ]; }
+	comes_true 10 prints_expected "${@:2}" || expect_eq "$1" "$2" "$("${@:3}")"
+}
+
+# journal OPTION...: of journald, which reads what programs have written when it comes to it, with all of that.
+journal() {
+	journalctl --sync
+	journalctl -q "$@"
 }
 
 # exec_in_ns NAMESPACE COMMAND... &: for the background, so that $! is COMMAND itself.
@@ -124,10 +142,13 @@ frames() {
 }
 
 # expect_frames NAME COUNT: no more and no fewer. On a busy machine frames can wait in the kernel for long
-# while candump sleeps: too few are waited for.
+# while candump sleeps: too few are waited for, as long as some come.
 expect_frames() {
-	local seen end=$((${EPOCHREALTIME/./} + 20000000))
-	while seen=$(frames "$1") || exit 1; [ "$seen" -lt "$2" ] && [ "${EPOCHREALTIME/./}" -lt "$end" ]; do :; done
+	local seen=-1 before end=0
+	while before=$seen && seen=$(frames "$1") || exit 1; [ "$seen" -lt "$2" ]; do
+		[ "$seen" = "$before" ] || end=$((${EPOCHREALTIME/./} + 20000000))
+		[ "${EPOCHREALTIME/./}" -lt "$end" ] || break
+	done
 	expect_eq "frames at $1" "$2" "$seen"
 }
 

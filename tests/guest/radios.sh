@@ -37,13 +37,14 @@ watch() {
 }
 
 # await SECONDS CONDITION...: takes snapshots until the condition, a function that reads $line, is
-# true of one; fails the test when none is.
+# true of one; fails the test when none is. SECONDS are those of wait_for.
 await() {
-	local end=$((${EPOCHREALTIME/./} + $1 * 1000000)) line_before=$line
+	local left=$(($1 * ${PATIENCE:-6} * 1000000)) line_before=$line
+	local end=$((${EPOCHREALTIME/./} + left))
 	shift
-	while read -r -t 5 -u "$watched" line; do
+	while [ $left -gt 0 ] && read -r -t $((left / 1000000 + 1)) -u "$watched" line; do
 		! "$@" || return 0
-		[ "${EPOCHREALTIME/./}" -lt "$end" ] || break
+		left=$((end - ${EPOCHREALTIME/./}))
 	done
 	fail "never reported: $*; last: ${line:-$line_before}"
 }

@@ -62,7 +62,7 @@ start() { # start GATEWAY [OPTION of mlccad...]: daemon and relay
 	exec_in_ns "$1" setpriv --reuid $user --regid $user --clear-groups "$BUILD/mlcca-relay" \
 		--socket "/run/$1/control.sock" >>"/run/$1-relay.log" 2>&1 &
 	relay[$1]=$!
-	wait_for 20 grep -q 'SigBlk:.*4202' "/proc/${relay[$1]}/status" # it would end by a SIGUSR1 before that
+	relay_is_asked "${relay[$1]}"
 }
 carries() { [ "$(transfers_of "${relay[$1]}" "/run/$1-relay.log")" = "$2" ]; } # carries GATEWAY TRANSFERS
 
