@@ -208,13 +208,14 @@ TEST(ExporterPage, SaysHowTheGatewayStandsInItsCluster) {
   EXPECT_TRUE(has(page, "mlcca_cluster_store_up 1"));
   EXPECT_TRUE(has(page, "mlcca_cluster_description_same 0"));
   EXPECT_TRUE(has(page, R"(mlcca_cluster_member{gateway="gw2",state="silent"} 1)"));
+  EXPECT_TRUE(has(page, R"(mlcca_cluster_member{gateway="gw9",state="removed"} 1)"));
   EXPECT_TRUE(has(page, R"(mlcca_cluster_member_beat_age_seconds{gateway="gw2"} 75)"));
   EXPECT_TRUE(has(page, R"(mlcca_cluster_reservations{gateway="gw1",network="mesh"} 1)"));
   EXPECT_TRUE(
       has(page, R"(mlcca_cluster_reserved_bytes_per_second{gateway="gw1",network="mesh"} 400000)"));
   EXPECT_EQ(series(page, "mlcca_cluster_member_beat_age_seconds"), 2U) << "gw3 has none";
   EXPECT_EQ(series(page_of(answers, {.others = 1}), "mlcca_cluster_member"), 1U);
-  EXPECT_TRUE(has(page_of(answers, {.others = 1}), "mlcca_exporter_left_out{kind=\"gateways\"} 2"));
+  EXPECT_TRUE(has(page_of(answers, {.others = 1}), "mlcca_exporter_left_out{kind=\"gateways\"} 3"));
 }
 
 TEST(ExporterPage, SaysNothingOfAClusterThatTheGatewayIsNotIn) {
