@@ -17,7 +17,6 @@
 namespace mlcca::bench {
 
 inline constexpr std::uint16_t kPort = 9999;
-inline constexpr const char* kGroup = "239.66.0.1";
 inline constexpr std::size_t kHeader = 9;  ///< octets of a datagram before the event
 
 [[noreturn]] inline void give_up(const char* what) {
@@ -30,17 +29,35 @@ const sockaddr* generic_of(const Address& address) {
   return reinterpret_cast<const sockaddr*>(&address);  // NOLINT(*-reinterpret-cast)
 }
 
-/// In the group, on the interface of that address or name. What it sends is not received.
-inline Fd udp_socket(const std::string& own, const std::string& interface) {
+/// The group of a subject that is one character and seven octets of 0.
+inline sockaddr_in group(char subject = 'B') {
+  sockaddr_in out{};
+  out.sin_family = AF_INET;
+  out.sin_port = htons(kPort);
+  out.sin_addr.s_addr = htonl(239U << 24U | static_cast<std::uint32_t>(subject) << 16U | 1U);
+  return out;
+}
+
+/// A mebibyte, as the relay asks for and gets as much of as others; root gets more.
+inline void widen(const Fd& socket) {
+  constexpr int asked = 1 << 20;
+  constexpr int of_root = 16 << 20;
+  ::setsockopt(socket.get(), SOL_SOCKET, SO_RCVBUF, &asked, sizeof asked);
+  ::setsockopt(socket.get(), SOL_SOCKET, SO_RCVBUFFORCE, &of_root, sizeof of_root);
+}
+
+/// In the group, on the interface of that address or name. What it sends is not received there.
+inline Fd udp_socket(const std::string& own, const std::string& interface, char subject = 'B') {
   Fd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   const int on = 1;
   const int off = 0;
+  widen(socket);
   ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   if (!interface.empty())
     ::setsockopt(socket.get(), SOL_SOCKET, SO_BINDTODEVICE, interface.c_str(),
                  static_cast<socklen_t>(interface.size() + 1));
   ip_mreqn request{};
-  ::inet_pton(AF_INET, kGroup, &request.imr_multiaddr);
+  request.imr_multiaddr = group(subject).sin_addr;
   if (!own.empty()) ::inet_pton(AF_INET, own.c_str(), &request.imr_address);
   if (!interface.empty())
     request.imr_ifindex = static_cast<int>(::if_nametoindex(interface.c_str()));
@@ -53,14 +70,6 @@ inline Fd udp_socket(const std::string& own, const std::string& interface) {
   address.sin_port = htons(kPort);
   if (::bind(socket.get(), generic_of(address), sizeof address) != 0) give_up("bind");
   return socket;
-}
-
-inline sockaddr_in group() {
-  sockaddr_in out{};
-  out.sin_family = AF_INET;
-  out.sin_port = htons(kPort);
-  ::inet_pton(AF_INET, kGroup, &out.sin_addr);
-  return out;
 }
 
 inline void print(const char* what, std::vector<std::uint64_t>& ns, std::size_t sent) {
