@@ -64,7 +64,7 @@ Fd bus_socket(const char* interface) {
   const int off = 0;
   ::setsockopt(socket.get(), SOL_CAN_RAW, CAN_RAW_LOOPBACK, &off, sizeof off);
   widen(socket);
-  if (::bind(socket.get(), generic_of(address), sizeof address) != 0) give_up("bus");
+  if (!socket || ::bind(socket.get(), generic_of(address), sizeof address) != 0) give_up("bus");
   return socket;
 }
 
@@ -129,7 +129,8 @@ class Tunnel {
     address.sin_family = AF_INET;
     address.sin_port = htons(port);
     ::inet_pton(AF_INET, own.c_str(), &address.sin_addr);
-    if (::bind(socket_.get(), generic_of(address), sizeof address) != 0) give_up("bind");
+    if (!socket_ || ::bind(socket_.get(), generic_of(address), sizeof address) != 0)
+      give_up("bind");
     address.sin_addr.s_addr = htonl(ntohl(address.sin_addr.s_addr) - 1);
     if (::connect(socket_.get(), generic_of(address), sizeof address) != 0) give_up("connect");
   }

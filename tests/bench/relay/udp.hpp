@@ -68,7 +68,7 @@ inline Fd udp_socket(const std::string& own, const std::string& interface, char 
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(kPort);
-  if (::bind(socket.get(), generic_of(address), sizeof address) != 0) give_up("bind");
+  if (!socket || ::bind(socket.get(), generic_of(address), sizeof address) != 0) give_up("bind");
   return socket;
 }
 
