@@ -372,25 +372,6 @@ TEST(MlccactlTest, WithdrawsNothingWhereNoPersonCanBeAsked) {
   EXPECT_EQ(asked, 1U);
 }
 
-TEST(MlccactlTest, SaysWhatStopsOnlyWhereItIsWithdrawn) {
-  bool may = false;
-  Server server([&](const control::Request& request) {
-    if (std::holds_alternative<control::ExplainRequest>(request.body))
-      return Server::Answer{{granted_as_7()}};
-    if (may) return Server::Answer{{{0, control::Done{"withdrawn: a"}}}};
-    return Server::Answer{{error_of(control::ErrorKind::forbidden)}};
-  });
-  const Arguments withdraw = {"withdraw", "a", "--yes", "--socket", server.path()};
-  const auto refused = run_mlccactl(withdraw);
-  EXPECT_EQ(refused.status, 3);
-  EXPECT_EQ(refused.error, "mlccactl: this is wrong\n  here: so\n");
-  may = true;
-  const auto done = run_mlccactl(withdraw);
-  EXPECT_EQ(done.status, 0);
-  EXPECT_EQ(done.out, "withdrawn: a\n");
-  EXPECT_TRUE(done.error.starts_with("a, once it is withdrawn: ")) << done.error;
-}
-
 TEST(MlccactlTest, ExitsWith2WhenTheDaemonCannotUseTheInput) {
   for (const auto kind : {control::ErrorKind::invalid, control::ErrorKind::unreadable}) {
     const auto outcome = outcome_of({"reload"}, error_of(kind));

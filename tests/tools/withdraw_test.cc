@@ -25,5 +25,18 @@ TEST(WithdrawTest, SaysWhatStopsAlsoWhereNobodyIsAsked) {
   EXPECT_FALSE(outcome.error.contains("[y/N]")) << outcome.error;
 }
 
+TEST(WithdrawTest, SaysNotWhatStopsWhereItIsRefused) {
+  test::Server server([](const control::Request& request) {
+    if (std::holds_alternative<control::ExplainRequest>(request.body))
+      return test::Server::Answer{{{0, control::Channels{{test::granted_channel()}}}}};
+    return test::Server::Answer{
+        {{0, control::Error{control::ErrorKind::forbidden, "this is for members", {}}}}};
+  });
+  const auto outcome = test::run_mlccactl({"withdraw", "a", "--yes", "--socket", server.path()});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(outcome.error, "mlccactl: this is for members\n");
+}
+
 }  // namespace
 }  // namespace mlcca
