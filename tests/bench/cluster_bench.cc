@@ -4,21 +4,22 @@
 // mlcca-cluster (BUILD/bench/cluster_bench).
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "cluster/etcd.hpp"
 #include "cluster/http.hpp"
+#include "tests/bench/gateways/direct.hpp"
+#include "tests/bench/measure.hpp"
 #include "tests/cluster/gateway.hpp"
 #include "tests/cluster/store.hpp"
 
 namespace {
 
 using namespace mlcca;
+using bench::quantile;
 using core::cluster::Compare;
 using core::cluster::Outcome;
 using core::cluster::Txn;
@@ -30,10 +31,6 @@ constexpr std::size_t kInOne = 100;
 
 double since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-double quantile(std::vector<double> values, double part) {
-  std::ranges::sort(values);
-  return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
 }
 
 /// One comparison that holds, two values of 200 octets, one read.
@@ -55,38 +52,6 @@ Txn transaction(std::uint64_t id, const std::string& key, std::int64_t revision)
   fmt::print(stderr, "{}\n", why);
   std::exit(1);
 }
-
-class Bare {
- public:
-  Bare(const test::Loop& loop, const test::WorkFolder& folder, const std::string& endpoint)
-      : loop_(loop) {
-    cluster::Settings settings;
-    settings.ca = folder / "ca.pem";
-    settings.certificate = folder / "gw1.pem";
-    settings.key = folder / "gw1.key";
-    auto channel = cluster::open_http(loop.get(), settings, endpoint);
-    if (!channel) give_up(channel.error().text);
-    channel_ = std::move(*channel);
-  }
-  std::int64_t run(const Txn& txn) {
-    bool done = false;
-    std::string answer;
-    const auto call =
-        channel_->start({.method = cluster::etcd::kTxn,
-                         .message = cluster::etcd::txn_request(txn),
-                         .timeout_ms = 5000,
-                         .on_answer = [&](std::string octets) { answer = std::move(octets); },
-                         .on_end = [&](const cluster::End&) { done = true; }});
-    loop_.until([&] { return done; });
-    const auto read = cluster::etcd::read_txn(answer, txn.else_get);
-    if (!read || !read->succeeded) give_up("a bare transaction failed");
-    return read->header.revision;
-  }
-
- private:
-  const test::Loop& loop_;
-  std::unique_ptr<cluster::Channel> channel_;
-};
 
 std::int64_t run(const test::Loop& loop, test::Gateway& gateway, const Txn& txn) {
   gateway.link.send(txn);
@@ -123,7 +88,7 @@ int main() {
   const test::Bridged bridged(folder, "gw1", {store.endpoint(0)});
   test::Gateway gateway(loop.get(), bridged.socket());
   if (!loop.until([&] { return gateway.state.reachable; })) give_up(gateway.state.problem);
-  Bare bare(loop, folder, store.endpoint(0));
+  bench::Direct bare(loop, bench::settings_of(folder, "gw1"), store.endpoint(0));
 
   std::vector<double> directly;
   std::vector<double> bridged_times;

@@ -84,3 +84,11 @@ run-bench-learn-log: $O/mlccactl $O/mlcca-design
 $(eval $(call program,bench/cluster_bench,tests/bench/cluster_bench.cc $(addprefix tests/cluster/,gateway.cc processes.cc store.cc),$(CLUSTER_ARCHIVES),$(CLUSTER_LIBS) -lfmt))
 $O/bench/cluster_bench: | $O/mlcca-cluster
 BENCHES += $O/bench/cluster_bench
+
+# Several gateways on one store: an admission beside its transaction, many gateways, and who takes over.
+$(eval $(call program,bench/gateways_bench,$(wildcard tests/bench/gateways/*.cc) $(addprefix tests/cluster/,gateway.cc processes.cc store.cc),$(CLUSTER_ARCHIVES) $O/libclustercodec.a $O/libcontrol.a $O/libdescription.a $O/libcore.a,$(CLUSTER_LIBS) $(XML_LIBS) -lfmt -lpthread))
+$O/bench/gateways_bench: | $O/mlccad $O/mlcca-cluster $O/mlcca-relay
+BENCHES += $O/bench/gateways_bench
+run-bench-gateways: all $O/bench/gateways_bench
+	$(Q)$O/bench/gateways_bench $O/bench
+.PHONY: run-bench-gateways

@@ -43,6 +43,8 @@ Program::Program(const std::vector<std::string>& command, const std::string& log
   const int out = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
   ::dup2(out, STDOUT_FILENO);
   ::dup2(out, STDERR_FILENO);
+  // Those of libcurl stay open otherwise, and may be more than the program can have.
+  ::close_range(STDERR_FILENO + 1, ~0U, 0);
   ::execvp(arguments[0], arguments.data());
   ::_exit(127);
 }

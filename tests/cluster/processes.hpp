@@ -38,6 +38,7 @@ class Program {
   Program& operator=(const Program&) = delete;
   ~Program() { end(); }
 
+  [[nodiscard]] pid_t pid() const { return pid_; }
   void signal(int number) const;
   /// Killed, and waited for.
   void end();

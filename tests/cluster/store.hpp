@@ -22,6 +22,7 @@ class Store {
   [[nodiscard]] std::size_t count() const { return members_.size(); }
   [[nodiscard]] std::string endpoint(std::size_t member) const;
   [[nodiscard]] int port(std::size_t member) const { return members_[member].port; }
+  [[nodiscard]] pid_t pid(std::size_t member) const { return members_[member].program.pid(); }
   void start(std::size_t member);
   void kill(std::size_t member) { members_[member].program.end(); }
   void pause(std::size_t member);
