@@ -10,6 +10,20 @@ namespace {
 const std::string kDigest = "1f0c" + std::string(60, 'a');
 const std::string kOther = "2e1d" + std::string(60, 'b');
 
+ClusterMember without_beats(const char* name, const char* state) {
+  ClusterMember out;
+  out.name = name;
+  out.state = state;
+  return out;
+}
+
+ClusterMember removed() {
+  ClusterMember out = without_beats("gw9", "removed");
+  out.entries = 2;
+  out.removal = "etcdctl del /mlcca/robots/m/gw9 && etcdctl del /mlcca/robots/f/gw9";
+  return out;
+}
+
 }  // namespace
 
 Cluster full_cluster() {
@@ -84,39 +98,8 @@ ClusterMembers full_cluster_members() {
                        .carries = {},
                        .carries_left_out = 0,
                        .shares = {}},
-                      {.name = "gw3",
-                       .own = false,
-                       .state = "absent",
-                       .incarnation = 0,
-                       .beats = false,
-                       .beat_age_ns = 0,
-                       .lease_ns = 0,
-                       .lasts_ns = 0,
-                       .digest = {},
-                       .generation = 0,
-                       .other = false,
-                       .beside = {},
-                       .carries = {},
-                       .carries_left_out = 0,
-                       .shares = {}},
-                      {.name = "gw9",
-                       .own = false,
-                       .state = "removed",
-                       .incarnation = 0,
-                       .beats = false,
-                       .beat_age_ns = 0,
-                       .lease_ns = 0,
-                       .lasts_ns = 0,
-                       .digest = {},
-                       .generation = 0,
-                       .other = false,
-                       .beside = {},
-                       .carries = {},
-                       .carries_left_out = 0,
-                       .shares = {},
-                       .entries = 2,
-                       .removal = "etcdctl del /mlcca/robots/m/gw9 && "
-                                  "etcdctl del /mlcca/robots/f/gw9"}}};
+                      without_beats("gw3", "absent"),
+                      removed()}};
 }
 
 ClusterReservations full_cluster_reservations() {
