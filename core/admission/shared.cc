@@ -156,7 +156,16 @@ std::set<std::size_t> shared_ways(const Situation& s, std::size_t channel) {
 void State::set_foreign(std::size_t network, cluster::Foreign foreign) {
   if (foreign == world_.foreign[network]) return;
   world_.foreign[network] = std::move(foreign);
+  note_own_there(network);
   others_stale_.insert(network);
+}
+
+/// In numbers of this gateway: see note_reservations().
+void State::note_own_there(std::size_t network) {
+  own_there_[network] = permits_ != nullptr &&
+                        std::ranges::any_of(world_.foreign[network].rates, [&](const auto& rate) {
+                          return rate.gateway == permits_->self();
+                        });
 }
 
 void State::set_permits(const Permits* permits) {
@@ -166,8 +175,10 @@ void State::set_permits(const Permits* permits) {
   seen_shrunk_.assign(system_.networks.size(), 0);
   world_.elects = permits != nullptr;
   wished_.clear();
-  for (std::size_t n = 0; n < system_.networks.size(); ++n)
+  for (std::size_t n = 0; n < system_.networks.size(); ++n) {
+    note_own_there(n);
     if (world_.shared[n]) others_stale_.insert(n);
+  }
   invalidate_all();
 }
 
@@ -201,12 +212,8 @@ void State::note_permits() {
 /// The publisher of the admission comes or goes, and with it the flows that they are of.
 void State::note_reservations(AdmissionId id) {
   if (permits_ == nullptr) return;
-  const auto is_of_it = [&](const cluster::RatePart& rate) {
-    return rate.gateway == permits_->self() && rate.source.admission == id;
-  };
   for (std::size_t n = 0; n < system_.networks.size(); ++n)
-    if (permits_->has_reserved(n, id) || std::ranges::any_of(world_.foreign[n].rates, is_of_it))
-      others_stale_.insert(n);
+    if (own_there_[n] || permits_->has_reserved(n, id)) others_stale_.insert(n);
 }
 
 Others State::others_on(std::size_t network, const MeshView* view) const {

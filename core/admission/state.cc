@@ -53,7 +53,8 @@ State::State(System system)
       ledger_(empty_ledger(system_, world_)),
       decisions_(system_.channels.size()),
       ages_(system_.channels.size(), 0),
-      usage_(system_) {
+      usage_(system_),
+      own_there_(system_.networks.size(), false) {
   for (std::size_t c = 0; c < system_.channels.size(); ++c) {
     if (system_.channels[c].name.empty()) continue;
     channel_of_name_.emplace(system_.channels[c].name, c);

@@ -249,6 +249,7 @@ class State {
   }
   [[nodiscard]] std::map<std::size_t, Obstacle> barred_to_wishes(std::size_t channel);
   void note_reservations(AdmissionId id);
+  void note_own_there(std::size_t network);
   void note_permits();
   [[nodiscard]] bool are_permits_seen() const;
   /// What each hop of a granted delivery gives now. Leaves the ledger as it was.
@@ -292,6 +293,7 @@ class State {
   const Permits* permits_ = nullptr;
   std::vector<std::uint64_t> seen_grown_;  // of the permits, by network
   std::vector<std::uint64_t> seen_shrunk_;
+  std::vector<bool> own_there_;         // by network: among what others hold is this gateway's own
   std::set<std::size_t> others_stale_;  // networks of which others hold something else now
   std::vector<bool> others_complete_;   // by network: all is known that others hold
   mutable std::set<std::size_t>

@@ -121,6 +121,7 @@ void leave_out_same(const cc::Part& decided, std::size_t gateway, cc::Foreign& a
 void SharedNetworks::name_carried(cc::Foreign& all, std::size_t network,
                                   const core::Members& members) const {
   std::map<Whose, cc::Source> ours;
+  std::set<std::size_t> gateways;
   for (const auto& [number, held] : held_) {
     const cc::Part* const here = part_on(held.footprint, network);
     const cc::Part* const there = part_on(held.theirs, network);
@@ -128,10 +129,12 @@ void SharedNetworks::name_carried(cc::Foreign& all, std::size_t network,
     for (std::size_t i = 0; i < there->rates.size(); ++i)
       if (members.admitted(here->rates[i].source.admission).publisher)
         ours.emplace(Whose(held.gateway, there->rates[i].source), here->rates[i].source);
+    gateways.insert(held.gateway);
   }
   if (ours.empty()) return;
   const auto name = [&](auto& parts) {
     for (auto& part : parts) {
+      if (!gateways.contains(part.gateway)) continue;
       const auto known = ours.find({part.gateway, part.source});
       if (known == ours.end()) continue;
       part.gateway = self_;
