@@ -136,9 +136,13 @@ void Reserving::put_in_force(const Open& open) {
   held_.insert_or_assign(
       open.number, Held{.channel = open.wish.asked.channel, .admissions = ids_of(open.wish.asked)});
   parts_.networks.hold(open.number, open.wish.footprint);
+  // Its publisher may come with it.
+  parts_.networks.leave_out(open.number);
   static_cast<void>(parts_.bring_in_line());
   const bool withdrawn = !open.withdrawn.empty();
-  if (!withdrawn && !open.abandoned && open.job.granted()) return;
+  const bool used = !withdrawn && !open.abandoned && open.job.granted();
+  parts_.networks.leave_out(std::nullopt);
+  if (used) return;
   give_back(open.number);
   if (withdrawn && !open.abandoned)
     open.job.refused("what was reserved for it was withdrawn: " + open.withdrawn);

@@ -146,6 +146,26 @@ void SharedNetworks::name_carried(cc::Foreign& all, std::size_t network,
   name(all.paths);
 }
 
+/// What is held counts with its publisher. One that has gone may have left frames in queues, and
+/// the store has it until it is given back.
+void SharedNetworks::add_without_publisher(cc::Foreign& all, std::size_t network,
+                                           const core::Members& members) const {
+  const auto append = [&](const auto& here, const auto& there, std::size_t gateway, auto& to) {
+    for (std::size_t i = 0; i < here.size(); ++i) {
+      const core::AdmissionId id = here[i].source.admission;
+      if (id != 0 && !members.admitted(id).publisher) to.emplace_back(there[i]).gateway = gateway;
+    }
+  };
+  for (const auto& [number, held] : held_) {
+    const cc::Part* const here = part_on(held.footprint, network);
+    const cc::Part* const there = part_on(held.theirs, network);
+    if (number == left_out_ || here == nullptr || there == nullptr) continue;
+    append(here->rates, there->rates, held.gateway, all.rates);
+    append(here->bus, there->bus, held.gateway, all.bus);
+    append(here->paths, there->paths, held.gateway, all.paths);
+  }
+}
+
 /// What is to replace something, or brings a publisher that is not there yet.
 void SharedNetworks::leave_out_decided(cc::Foreign& all, std::size_t network) const {
   if (!left_out_) return;
@@ -176,6 +196,7 @@ cc::Foreign SharedNetworks::foreign(std::size_t network, const core::Members& me
     if (const cc::Part* const part = part_on(counted.footprint, network))
       cc::add(all, *part, counted.gateway);
   }
+  add_without_publisher(all, network, members);
   leave_out_decided(all, network);
   name_carried(all, network, members);
   return all;

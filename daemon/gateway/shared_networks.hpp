@@ -64,6 +64,8 @@ class SharedNetworks {
   void touch(const core::cluster::Footprint& footprint);
   [[nodiscard]] core::cluster::Foreign foreign(std::size_t network, const core::Members& members,
                                                const core::cluster::View& view) const;
+  void add_without_publisher(core::cluster::Foreign& all, std::size_t network,
+                             const core::Members& members) const;
   void leave_out_decided(core::cluster::Foreign& all, std::size_t network) const;
   void name_carried(core::cluster::Foreign& all, std::size_t network,
                     const core::Members& members) const;

@@ -136,6 +136,26 @@ TEST_F(MembersCount, WhatIsAskedForAgain) {
   expect_once();
 }
 
+/// Nothing is given back while what is leased is closed: what needs it cannot be known then.
+TEST_F(MembersCount, WhatIsReleasedCountsUntilItIsGivenBack) {
+  ASSERT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");
+  expect_once();
+  link(0).answers = false;
+  for (int n = 0; n < 100 && passes(0, 3); ++n) pass(kStepNs);
+  ASSERT_FALSE(passes(0, 3));
+  release("c3own0");
+  run();
+  EXPECT_EQ(entries("r/shared/g0"), 1U);
+  EXPECT_EQ(messages(0), 2U) << "its last frames, and what the store has";
+  link(0).answers = true;
+  for (int n = 0; n < 60; ++n) {
+    pass(kStepNs);
+    EXPECT_GE(messages(0), 1U + entries("r/shared/g0")) << n;
+  }
+  EXPECT_EQ(entries("r/shared/g0"), 0U);
+  EXPECT_EQ(messages(0), 1U);
+}
+
 TEST_F(MembersCount, TheReportOfMembersHasItOnce) {
   ASSERT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");
   const auto share = [this] {
