@@ -6,7 +6,7 @@ import { kStates } from "./model.js";
 
 const fact = (name, text) => (text === "" || text === null || text === undefined ? [] : [h("dt", {}, name), h("dd", {}, text)]);
 export const table = (caption, names, rows) => h("div", { class: "wide", tabindex: 0, role: "region", "aria-label": caption },
-  h("table", { "data-names": names[2] === "Required" }, h("caption", {}, caption), h("thead", {}, h("tr", {}, names.map((n) => h("th", { scope: "col" }, n)))),
+  h("table", { "data-names": names[2] === "Required" && "true" }, h("caption", {}, caption), h("thead", {}, h("tr", {}, names.map((n) => h("th", { scope: "col" }, n)))),
     h("tbody", {}, rows)));
 
 export const verdict = (state) => h("span", { class: `verdict ${state}` },

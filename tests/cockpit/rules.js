@@ -64,6 +64,18 @@ for (const e of all("button, input:not([type=checkbox]), select")) {
   if (Math.max(border, ratio(ground(e), behind)) < 3 && !e.textContent.trim()) wrong.push(`a control that is not seen: ${outline(e)}`);
 }
 
+// --- words --------------------------------------------------------------------------------------
+
+const object = /.{0,40}\[object .{0,40}/.exec(document.body.innerText);
+if (object) wrong.push(`a value that is no text: ${object[0]}`);
+for (const e of document.querySelectorAll("[title], [aria-label]"))
+  if (/\[object /.test(`${e.title}${e.ariaLabel}`)) wrong.push(`a value that is no text: ${outline(e)}`);
+// A text of several letters is not one letter wide.
+for (const e of all("dd, dt, td, th")) {
+  const { width } = e.getBoundingClientRect();
+  if (e.textContent.length > 3 && width < 1.5 * parseFloat(getComputedStyle(e).fontSize)) wrong.push(`${Math.round(width)} px for ${e.textContent.slice(0, 40)}`);
+}
+
 // --- structure ----------------------------------------------------------------------------------
 
 const kOperated = "button, input, select, textarea, summary, a[href], [role=button], [role=tab], [role=gridcell][tabindex]";
