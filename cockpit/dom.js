@@ -17,4 +17,9 @@ export const h = (name, attributes = {}, ...children) =>
   fill(document.createElement(name), attributes, children);
 export const svg = (name, attributes = {}, ...children) =>
   fill(document.createElementNS(kSvg, name), attributes, children);
+/** A text whose end is seen, too, where there is no room for all of it (style.css). */
+export function cut(text, end = 12) {
+  const letters = [...text];
+  return h("span", { class: "cut" }, h("span", {}, letters.slice(0, -end).join("")), h("span", {}, letters.slice(-end).join("")));
+}
 export const by = (id) => document.getElementById(id);

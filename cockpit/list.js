@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A grid of which only the rows in sight are elements, so that 1,000 of them cost what 30 do.
+// A grid of which only the rows in sight are elements, so that 1,000 of them cost what 30 do. On paper, and in a file
+// that a browser searches, all are.
 import { h } from "./dom.js";
 
 const kBeyond = 6; // rows above and below what is in sight
 
 export class List {
-  /** `cells(row)`: the cells of a row; `columns`: their names. */
-  constructor({ label, columns, cells, open, height = 48 }) {
-    Object.assign(this, { columns, cells, open, height, rows: [], at: 0, shown: new Map() });
+  /** `cells(row)`: the cells of a row; `columns`: the class of each and its name; `every`: all rows are elements. */
+  constructor({ label, columns, cells, open, height = 48, every = false }) {
+    Object.assign(this, { columns, cells, open, height, every, rows: [], at: 0, shown: new Map() });
     this.body = h("div", { class: "rows", role: "presentation" });
     this.scroller = h("div", { class: "scroller", role: "rowgroup", onscroll: () => this.later() }, this.body);
     this.element = h("div", { class: "list", role: "grid", "aria-label": label, onkeydown: (e) => this.key(e) },
       h("div", { class: "row head", role: "row", "aria-rowindex": 1 },
-        columns.map((name) => h("div", { role: "columnheader" }, name))),
+        columns.map(([look, name]) => h("div", { role: "columnheader", class: look }, name))),
       this.scroller);
     new ResizeObserver(() => this.later()).observe(this.scroller);
   }
@@ -20,7 +21,8 @@ export class List {
     this.rows = rows;
     this.at = Math.min(this.at, Math.max(0, rows.length - 1));
     this.element.setAttribute("aria-rowcount", rows.length + 1);
-    this.body.style.height = `${rows.length * this.height}px`;
+    this.element.classList.toggle("every", this.every);
+    this.body.style.height = this.every ? "" : `${rows.length * this.height}px`;
     const focused = this.body.contains(document.activeElement);
     this.clear();
     this.paint();
@@ -30,12 +32,19 @@ export class List {
     this.body.replaceChildren();
     this.shown.clear();
   }
+  /** All rows are elements from now on, or those in sight. */
+  all(every) {
+    this.every = every;
+    this.show(this.rows);
+  }
   /** What the rows say may be another thing; they are the same ones. */
   update() {
     for (const [i, element] of this.shown)
       this.cells(this.rows[i]).forEach((cell, n) => {
         const there = element.children[n];
-        if (there.textContent !== (cell.textContent ?? cell)) there.replaceChildren(cell);
+        if (there.textContent === (cell.textContent ?? cell)) return;
+        there.replaceChildren(cell);
+        there.title = there.textContent;
       });
   }
   later() {
@@ -46,8 +55,8 @@ export class List {
   }
   paint() {
     const top = this.scroller.scrollTop;
-    const first = Math.max(0, Math.floor(top / this.height) - kBeyond);
-    const last = Math.min(this.rows.length, Math.ceil((top + (this.scroller.clientHeight || 480)) / this.height) + kBeyond);
+    const first = this.every ? 0 : Math.max(0, Math.floor(top / this.height) - kBeyond);
+    const last = this.every ? this.rows.length : Math.min(this.rows.length, Math.ceil((top + (this.scroller.clientHeight || 480)) / this.height) + kBeyond);
     for (const [i, element] of this.shown)
       if ((i < first || i >= last) && i !== this.at) {
         element.remove();
@@ -59,15 +68,15 @@ export class List {
   add(i) {
     const row = h("div", { class: `row ${this.rows[i].state ?? ""}`, role: "row", "aria-rowindex": i + 2,
       tabindex: i === this.at ? 0 : -1, onclick: () => this.choose(i, true) },
-    this.cells(this.rows[i]).map((cell) => h("div", { role: "gridcell" }, cell)));
-    row.style.transform = `translateY(${i * this.height}px)`;
+    this.cells(this.rows[i]).map((cell, n) => h("div", { role: "gridcell", class: this.columns[n][0], title: cell.textContent ?? cell }, cell)));
+    if (!this.every) row.style.transform = `translateY(${i * this.height}px)`;
     this.shown.set(i, row);
     this.body.append(row);
   }
   choose(i, open) {
     this.shown.get(this.at)?.setAttribute("tabindex", -1);
     this.at = i;
-    const y = i * this.height;
+    const y = this.every ? this.shown.get(i).offsetTop : i * this.height;
     const { scrollTop, clientHeight } = this.scroller;
     if (y < scrollTop) this.scroller.scrollTop = y;
     else if (y + this.height > scrollTop + clientHeight) this.scroller.scrollTop = y + this.height - clientHeight;

@@ -6,11 +6,11 @@ import { admit, changeMode, reinstate, release, reload, withdraw } from "./chang
 import { clusterParts } from "./cluster.js";
 import { Counters } from "./counters.js";
 import { asOf, channelDetail, channelFacts, placeDetail, placeFacts, silence, verdict } from "./detail.js";
-import { by, h, svg } from "./dom.js";
+import { by, cut, h, svg } from "./dom.js";
 import { draw } from "./drawing.js";
 import { count, many, moment, passed, percent } from "./format.js";
 import { List } from "./list.js";
-import { Counted, graphOf, key, kStates, sorted, used } from "./model.js";
+import { Counted, graphOf, key, kStates, marginOf, sorted, used } from "./model.js";
 
 const kFindings = 200; // that are shown
 const kEntries = 200; // of the history that are shown, and that are asked for where nothing is searched
@@ -120,8 +120,11 @@ function openChannel(c, keep = false) {
 
 const filter = { text: "", state: "all" };
 const list = new List({
-  label: "Deliveries", columns: ["Verdict", "Channel", "Way", "Why", "Passed", "Dropped", "Events"], open: (c) => openChannel(c),
-  cells: (c) => [verdict(c.state), c.name, `${c.from} › ${c.to}`, c.troubles[0] ?? c.reason, passed(c), count(c.dropped), silence(c)],
+  label: "Deliveries", open: (c) => openChannel(c), every: !kLive,
+  columns: [["state", "Verdict"], ["name", "Channel"], ["ends", "Way"], ["why", "Why"], ["margin", "Margin"], ["number passed", "Passed"], ["number dropped", "Dropped"],
+    ["number would", "Would drop"], ["events", "Events"]],
+  cells: (c) => [verdict(c.state), cut(c.name), h("span", {}, cut(c.from, 8), " › ", cut(c.to, 8)), c.troubles[0] ?? c.reason, marginOf(c), passed(c), count(c.dropped),
+    c.would_drop ? count(c.would_drop) : "", silence(c)],
 });
 
 function showChannels() {

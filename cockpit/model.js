@@ -21,6 +21,13 @@ export const kStates = {
   granted: { mark: "✓", rank: 5 },
 };
 
+/** How near the requirement that its reason is about is to what is provided. */
+export function marginOf(c) {
+  const unfit = c.rows.find((row) => row.outcome !== "fit");
+  const said = unfit ?? c.rows.find((row) => c.reason.startsWith(`${row.attribute} `) && c.reason.endsWith(`(${row.margin})`));
+  return said?.margin ?? "";
+}
+
 export function sorted(channels) {
   return channels.map((c) => ({ ...c, state: stateOf(c) })).sort((a, b) =>
     kStates[a.state].rank - kStates[b.state].rank || a.name.localeCompare(b.name) || a.to.localeCompare(b.to));
