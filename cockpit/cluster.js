@@ -2,7 +2,7 @@
 // The gateways that share networks by a store, as `mlccactl cluster` reports them.
 import { table } from "./detail.js";
 import { h } from "./dom.js";
-import { count, duration, many, rate } from "./format.js";
+import { count, duration, elapsed, many, rate } from "./format.js";
 
 const kShownReservations = 200;
 const kDigits = 12; // of a digest
@@ -28,7 +28,7 @@ function standing(cluster) {
 }
 function gatewayTable(members) {
   return table("Gateways", ["State", "Gateway", "Latest beat", "Lasts", "Description", "Reserved", "Carries"], members.map((m) => cells(
-    stateWord(m.state, kWell.includes(m.state)), m.own ? `${m.name} (this one)` : m.name, m.beats ? `${duration(m.beat_age_ns)} ago` : "",
+    stateWord(m.state, kWell.includes(m.state)), m.own ? `${m.name} (this one)` : m.name, m.beats ? `${elapsed(m.beat_age_ns)} ago` : "",
     m.lasts_ns ? duration(m.lasts_ns) : "", m.digest ? `${m.digest.slice(0, kDigits)}${m.other ? ": another one" : ""}` : "",
     m.shares.map((s) => `${s.network}: ${count(s.reservations)}`).join(", "),
     `${m.carries.join(", ")}${m.carries_left_out ? ` and ${count(m.carries_left_out)} more` : ""}`)));

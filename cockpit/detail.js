@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The story of a decision, as `mlccactl explain` reports it, and what a place is.
 import { h } from "./dom.js";
-import { bits, count, duration, many, moment, percent, rate, value } from "./format.js";
+import { bits, count, duration, elapsed, forPeople, many, moment, percent, rate, value } from "./format.js";
 import { kStates } from "./model.js";
 
 const fact = (name, text) => (text === "" || text === null || text === undefined ? [] : [h("dt", {}, name), h("dd", {}, text)]);
@@ -15,8 +15,8 @@ export const verdict = (state) => h("span", { class: `verdict ${state}` },
 export function silence(c) {
   if (!c.watch) return "";
   const { watch } = c;
-  if (watch.missing_now) return `nothing for ${duration(watch.since_last_ns)}`;
-  return watch.events ? `every ${duration(watch.period_ns)}, latest ${duration(watch.since_last_ns)} ago` : "none yet";
+  if (watch.missing_now || c.state === "silent") return `nothing for ${elapsed(watch.since_last_ns)}`;
+  return watch.events ? `latest ${elapsed(watch.since_last_ns)} ago, every ${duration(watch.period_ns)}` : "none yet";
 }
 
 function story(c) {
@@ -48,7 +48,7 @@ export function channelFacts(c) {
 export function channelDetail(c, actions, taken) {
   return [
     h("p", { class: "lead" }, verdict(c.state), h("br"), c.reason),
-    ...c.troubles.map((t) => h("p", { class: "trouble" }, t)),
+    ...c.troubles.map((t) => h("p", { class: "trouble" }, forPeople(t))),
     asOf(taken),
     c.description ? h("p", {}, c.description) : null,
     h("ol", { class: "hops", "aria-label": "Route" }, c.route.map((place) => h("li", {}, place))),

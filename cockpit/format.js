@@ -14,6 +14,27 @@ export function duration(ns) {
   return scaled(ns, [[86400e9, "d"], [3600e9, "h"], [60e9, "min"],
     [1e9, "s"], [1e6, "ms"], [1e3, "µs"], [1, "ns"]]);
 }
+const kSecond = 1e9;
+const kParts = [["d", 86400], ["h", 3600], ["min", 60], ["s", 1]];
+
+/** A time that has passed: "104 ms", "11 s", "1 min 23 s", "2 h 5 min". */
+export function elapsed(ns) {
+  const seconds = Math.floor(ns / kSecond);
+  if (seconds < 1) return duration(ns);
+  const first = kParts.findIndex(([, size]) => seconds >= size);
+  const [unit, size] = kParts[first];
+  const [less, part] = kParts[first + 1] ?? ["", 1];
+  const rest = Math.floor((seconds % size) / part);
+  return `${Math.floor(seconds / size)} ${unit}${less && rest ? ` ${rest} ${less}` : ""}`;
+}
+
+const kUnits = { s: 1, min: 60, h: 3600, d: 86400 };
+const kSilence = /(nothing has come for|nothing has come since the gate lets it in,|the latest) (\d+(?:\.\d+)?) (s|min|h|d)(?![a-z/])/g;
+/** A line of mlccad's health, with times as a person reads them. */
+export const forPeople = (line) => line.replace(kSilence, (_, words, number, unit) => `${words} ${elapsed(number * kUnits[unit] * kSecond)}`);
+/** Whether it says that nothing comes. */
+export const saysSilent = (line) => /nothing has come (?:for|since)/.test(line);
+
 export const rate = (bytes) => scaled(bytes, [[1e9, "GB/s"], [1e6, "MB/s"], [1e3, "kB/s"], [1, "B/s"]]);
 export const bits = (bit) => scaled(bit, [[1e9, "Gbit/s"], [1e6, "Mbit/s"], [1e3, "kbit/s"], [1, "bit/s"]]);
 export const percent = (part) => `${shortened(part * 100)} %`;

@@ -8,7 +8,7 @@ import { Counters } from "./counters.js";
 import { asOf, channelDetail, channelFacts, placeDetail, placeFacts, silence, verdict } from "./detail.js";
 import { by, cut, h, svg } from "./dom.js";
 import { draw } from "./drawing.js";
-import { count, many, moment, passed, percent } from "./format.js";
+import { count, forPeople, many, moment, passed, percent } from "./format.js";
 import { List } from "./list.js";
 import { Counted, graphOf, key, kStates, marginOf, sorted, used } from "./model.js";
 
@@ -17,7 +17,7 @@ const kEntries = 200; // of the history that are shown, and that are asked for w
 const kSearched = 10000; // that are asked for else: as many as mlccactl gives
 const kSamples = 240; // of what is reserved and used, for as long as the page is open
 const kLoud = ["withdrawn", "revoked", "network-down", "removed", "refused", "missing", "lapsed", "drift", "bypass", "mode", "trouble"];
-const now = { status: null, networks: [], channels: [], reservations: [], routes: { links: [] }, history: [], audit: null, cluster: null, members: null, taken_there: null, live: false, taken: 0,
+const now = { status: null, networks: [], channels: [], reservations: [], routes: { links: [] }, history: [], audit: null, cluster: null, members: null, taken_there: null, live: false, taken: 0, health_taken: 0, health_asked: false,
   counted: new Counted() };
 const samples = new Map();
 const kSettles = 5e9; // ns from which on the difference of two counters says how much is used
@@ -44,6 +44,7 @@ function showHealth(problem) {
     put("verdict", h("span", { class: "mark", "aria-hidden": "true" }, "✕"), "No daemon answers");
     put("reasons", h("li", {}, problem));
     by("reasons").hidden = false;
+    by("health-taken").hidden = true;
     return put("figures");
   }
   const [look, mark, text] = kHealth[status.health.state];
@@ -51,10 +52,11 @@ function showHealth(problem) {
   header.querySelector("h1").textContent = `${status.gateway} of ${status.system}`;
   const verdictText = `${mark}${text}`;
   if (by("verdict").textContent !== verdictText) put("verdict", h("span", { class: "mark", "aria-hidden": "true" }, mark), text);
-  const reasons = status.health.reasons.map((r) => h("li", {}, r));
+  const reasons = status.health.reasons.map((r) => h("li", {}, forPeople(r)));
   if (status.health.left_out) reasons.push(h("li", {}, `and ${count(status.health.left_out)} more`));
-  put("reasons", reasons);
-  by("reasons").hidden = !reasons.length;
+  if (by("reasons").textContent !== reasons.map((r) => r.textContent).join("")) put("reasons", reasons);
+  by("reasons").hidden = by("health-taken").hidden = !reasons.length;
+  by("health-taken").textContent = `as of ${moment(now.health_taken)}`;
   const silent = now.channels.filter((c) => c.state === "silent").length;
   const figure = (name, text_, look_ = "", id = null) => h("div", { class: look_ }, h("dt", {}, name), h("dd", { id }, text_));
   put("figures", figure("granted", count(status.channels_granted)),
@@ -123,7 +125,7 @@ const list = new List({
   label: "Deliveries", open: (c) => openChannel(c), every: !kLive,
   columns: [["state", "Verdict"], ["name", "Channel"], ["ends", "Way"], ["why", "Why"], ["margin", "Margin"], ["number passed", "Passed"], ["number dropped", "Dropped"],
     ["number would", "Would drop"], ["events", "Events"]],
-  cells: (c) => [verdict(c.state), cut(c.name), h("span", {}, cut(c.from, 8), " › ", cut(c.to, 8)), c.troubles[0] ?? c.reason, marginOf(c), passed(c), count(c.dropped),
+  cells: (c) => [verdict(c.state), cut(c.name), h("span", {}, cut(c.from, 8), " › ", cut(c.to, 8)), forPeople(c.troubles[0] ?? c.reason), marginOf(c), passed(c), count(c.dropped),
     c.would_drop ? count(c.would_drop) : "", silence(c)],
 });
 
@@ -308,6 +310,7 @@ async function refresh() {
   asking = true;
   try {
     now.status = await ask("status");
+    now.health_taken = kLive ? Date.now() * 1e6 : now.status.taken_unix_ns;
     showHealth();
     const taken = kLive ? Date.now() * 1e6 : now.status.taken_unix_ns;
     const parts = await Promise.all([ask("channels"), ask("networks"), ask("routes"), ask("reservations"), ask("history", "--limit", pastAsked()), ask("audit", "report"),
@@ -339,6 +342,27 @@ async function refresh() {
   soon(again ? 300 : now.channels.length > 200 ? 30000 : 5000);
   again = false;
 }
+const kHealthEvery = [1000, 5000]; // ms at least, from answer to answer, and of more than 200 channels
+const withoutTimes = (health) => JSON.stringify(health.reasons).replace(/\d+/g, "");
+/** The reasons say how long it is so: they are asked as often as counters come, where there are any or a counter has changed. */
+async function refreshHealth(changed) {
+  const every = kHealthEvery[Number(now.channels.length > 200)] * 1e6;
+  if (asking || now.health_asked || Date.now() * 1e6 - now.health_taken < every || !(changed || now.status.health.reasons.length)) return;
+  now.health_asked = true;
+  try {
+    const fresh = await ask("status");
+    if (now.status && !asking) {
+      const other = withoutTimes(fresh.health) !== withoutTimes(now.status.health);
+      now.status = { ...fresh, interfaces: now.status.interfaces }; // counters go on in these
+      now.health_taken = Date.now() * 1e6;
+      showHealth();
+      if (other) soon(300);
+    }
+  } catch {
+    soon(300); // which says what is wrong
+  }
+  now.health_asked = false;
+}
 function soon(ms) {
   clearTimeout(due);
   if (!cockpit.hidden) due = setTimeout(refresh, ms);
@@ -366,6 +390,7 @@ followCounters((line) => {
   now.taken = Date.now() * 1e6;
   if (known) showCounters();
   else soon(300);
+  refreshHealth(line.counters.length > 0 || line.interfaces.length > 0);
 }, () => counters.lost());
 follow((event) => {
   if (kLoud.includes(event.kind)) say(event.message);

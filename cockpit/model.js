@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What follows from the answers of mlccactl. Nothing here draws.
+import { saysSilent } from "./format.js";
 import { inWords } from "./place.js";
 
 export const key = (c) => [c.subject, c.publisher, c.admission, c.from, c.to].join("\n");
@@ -8,7 +9,7 @@ export const key = (c) => [c.subject, c.publisher, c.admission, c.from, c.to].jo
 export function stateOf(c) {
   if (c.withdrawn) return "withdrawn";
   if (!c.granted) return "refused";
-  if (c.watch?.missing_now) return "silent";
+  if (c.watch?.missing_now || c.troubles.some(saysSilent)) return "silent";
   if (c.troubles.length) return "trouble";
   return c.set > 0 ? "degraded" : "granted";
 }
