@@ -77,7 +77,7 @@ class Writer {
     for (auto& network : networks_) {
       for (auto& message : network.messages) {
         const auto name = channels.take(name_from(message.name), network.name);
-        renamed(network, message.line, message.name, name);
+        renamed(network, message, message.name, name);
         message.name = name;
         auto subject = subject_of(network.name, message);
         while (subject == 0 || !subjects.insert(subject).second) ++subject;
@@ -85,17 +85,17 @@ class Writer {
       }
       for (auto& node : network.nodes) {
         const auto name = components.take(name_from(node.name), network.name);
-        renamed(network, 0, node.name, name);
+        renamed(network, {}, node.name, name);
         node.name = name;
       }
     }
   }
 
-  static void renamed(ImportedNetwork& network, int line, const std::string& before,
-                      const std::string& now) {
+  static void renamed(ImportedNetwork& network, const ImportedMessage& of,
+                      const std::string& before, const std::string& now) {
     if (before != now)
-      network.lacks.add("renamed", "a name is taken, or is none of a description", line,
-                        fmt::format("{} is called {}", before, now));
+      add_lack(network, "renamed", "a name is taken, or is none of a description", of,
+               fmt::format("{} is called {}", before, now));
   }
 
   void remark(std::string_view indent, std::string_view text) {

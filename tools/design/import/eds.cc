@@ -49,6 +49,7 @@ class EdsMeaning {
     const auto& called = eds_.node_name.empty() ? eds_.product : eds_.node_name;
     out_.nodes.push_back({fmt::format("{}-{}", called.empty() ? "node" : called, node_),
                           eds_.product, std::nullopt});
+    sync_period_ = number_or(0x1006, 0, 0, "time between SYNC messages");
     for (const auto* kind : {&kSent, &kReceived})
       for (std::uint32_t i = 0; i < kPdos; ++i) pdo(*kind, i);
     heartbeat();
@@ -61,6 +62,18 @@ class EdsMeaning {
  private:
   [[nodiscard]] std::optional<std::uint32_t> number(std::uint32_t index, std::uint32_t sub) const {
     return eds_.number(index, sub, node_);
+  }
+  /// The same of what is nothing unless it is stated; what is no number is listed.
+  std::uint32_t number_or(std::uint32_t index, std::uint32_t sub, std::uint32_t otherwise,
+                          const std::string& what) {
+    const auto value = number(index, sub);
+    if (!value && line_of(index, sub) != 0) unreadable(index, sub, what);
+    return value.value_or(otherwise);
+  }
+  void unreadable(std::uint32_t index, std::uint32_t sub, const std::string& what) {
+    const auto& entry = eds_.objects.at({index, sub});
+    lack("no-number", "is no number: taken as not stated", entry.line,
+         fmt::format("{}: '{}'", what, entry.value));
   }
   [[nodiscard]] int line_of(std::uint32_t index, std::uint32_t sub) const {
     const auto found = eds_.objects.find({index, sub});
@@ -77,7 +90,9 @@ class EdsMeaning {
     const auto name = fmt::format("{}-{}{}", out_.nodes.front().name, kind.name, i + 1);
     const int line = line_of(index, 1);
     if (!cob) {
-      if (line != 0) lack("no-cob-id", "is no number: left out", line, name);
+      if (line != 0)
+        lack("no-cob-id", "is no number: left out", line,
+             fmt::format("{}: '{}'", name, eds_.objects.at({index, 1}).value));
       return;
     }
     if ((*cob & kInvalid) != 0) return lack("unused", "a PDO that is switched off", line, name);
@@ -98,12 +113,23 @@ class EdsMeaning {
     add(std::move(next));
   }
 
-  /// Of what is mapped; 8 where the file does not say.
+  /// Of what is mapped; 8 where the file does not say, or says what cannot be read.
   Value bytes(std::uint32_t mapping, int line, const std::string& name) {
-    const auto count = std::min(number(mapping, 0).value_or(0), kMostMapped);
+    bool readable = true;
+    const auto mapped = [&](std::uint32_t sub) {
+      const auto value = number(mapping, sub);
+      if (!value && line_of(mapping, sub) != 0) {
+        readable = false;
+        const auto& entry = eds_.objects.at({mapping, sub});
+        lack("mapping", "is no number: 8 bytes are assumed", entry.line,
+             fmt::format("{}: '{}'", name, entry.value));
+      }
+      return value.value_or(0);
+    };
+    const auto count = std::min(mapped(0), kMostMapped);
     std::uint32_t bits = 0;
-    for (std::uint32_t sub = 1; sub <= count; ++sub)
-      bits += number(mapping, sub).value_or(0) & 0xffU;
+    for (std::uint32_t sub = 1; sub <= count; ++sub) bits += mapped(sub) & 0xffU;
+    if (!readable) return kPdoBytes;
     if (bits == 0 || bits > 8 * kPdoBytes) {
       lack("no-mapping", "no mapping of 1 to 64 bits is stated: 8 bytes are assumed", line, name);
       return kPdoBytes;
@@ -113,10 +139,10 @@ class EdsMeaning {
 
   void period(std::uint32_t index, int line, ImportedMessage& to) {
     constexpr std::uint32_t last_synchronous = 240;
-    const auto type = number(index, 2).value_or(0xff);
-    const auto inhibit = number(index, 3).value_or(0) * kTenthOfMs;
-    const auto timer = number(index, 5).value_or(0) * kMs;
-    const auto sync = number(0x1006, 0).value_or(0) * Value{1000};  // ns of us
+    const auto type = number_or(index, 2, 0xff, to.name + ", transmission type");
+    const auto inhibit = number_or(index, 3, 0, to.name + ", inhibit time") * kTenthOfMs;
+    const auto timer = number_or(index, 5, 0, to.name + ", event timer") * kMs;
+    const auto sync = sync_period_ * Value{1000};  // ns of us
     Value least = 0;
     if (type >= 1 && type <= last_synchronous)
       least = sync * type;
@@ -145,13 +171,19 @@ class EdsMeaning {
   }
 
   void heartbeat() {
-    const auto time = number(0x1017, 0).value_or(0);
+    const bool unknown = !number(0x1017, 0) && line_of(0x1017, 0) != 0;
+    if (unknown)
+      lack("heartbeat",
+           fmt::format("its time is no number: Period {} is assumed (--default-period)",
+                       print_duration(options_.default_period)),
+           line_of(0x1017, 0), fmt::format("'{}'", eds_.objects.at({0x1017, 0}).value));
+    const auto time = unknown ? options_.default_period : number(0x1017, 0).value_or(0) * kMs;
     if (time == 0) return;
     ImportedMessage next;
     next.name = out_.nodes.front().name + "-heartbeat";
     next.line = line_of(0x1017, 0);
     next.id = kHeartbeat + node_;
-    next.attributes.set(Attribute::max_payload, 1).set(Attribute::period, time * kMs);
+    next.attributes.set(Attribute::max_payload, 1).set(Attribute::period, time);
     next.senders.push_back({0, std::nullopt, {}});
     add(std::move(next));
   }
@@ -160,7 +192,8 @@ class EdsMeaning {
   /// can turn into an Omission.
   void consumers() {
     // Some files leave out how many there are.
-    const auto count = std::min(number(0x1016, 0).value_or(kMostNode), kMostNode);
+    const auto count =
+        std::min(number_or(0x1016, 0, kMostNode, "number of heart-beats to wait for"), kMostNode);
     for (std::uint32_t sub = 1; sub <= kMostNode; ++sub) {
       if (sub > count) {
         if (const int line = line_of(0x1016, sub); line != 0)
@@ -168,7 +201,8 @@ class EdsMeaning {
                line, fmt::format("[1016sub{:x}]", sub));
         continue;
       }
-      const auto value = number(0x1016, sub).value_or(0);
+      const auto value =
+          number_or(0x1016, sub, 0, fmt::format("heart-beat to wait for, [1016sub{:x}]", sub));
       const auto node = (value >> 16U) & 0xffU;
       if (node == 0 || node > kMostNode || node == node_ || (value & 0xffffU) == 0) continue;
       ImportedMessage next;
@@ -219,6 +253,7 @@ class EdsMeaning {
   EdsFile eds_;
   const ImportOptions& options_;
   unsigned node_;
+  std::uint32_t sync_period_ = 0;  ///< us
   ImportedNetwork out_;
 };
 

@@ -22,6 +22,11 @@ std::string in_small(std::string_view text) {
   return out;
 }
 
+/// Files have comments behind a value as well, though CiA 306 has them in lines of their own.
+std::string_view without_comment(std::string_view value) {
+  return without_blanks(value.substr(0, value.find(';')));
+}
+
 /// "0x1f", "037" (octal, as CiA 306 has it) or "31".
 std::optional<std::uint32_t> constant(std::string_view text) {
   constexpr int octal = 8;
@@ -70,13 +75,13 @@ class EdsReader {
       return wrong("must be [SECTION], NAME=VALUE or a comment behind ';'");
     const auto name = in_small(without_blanks(line.substr(0, equals)));
     const auto value = without_blanks(line.substr(equals + 1));
-    if (values_of_) return compact_value(name, value);
-    if (object_) return entry(name, value);
+    if (values_of_) return compact_value(name, without_comment(value));
+    if (object_) return entry(name, without_comment(value));
     if (section_ == "deviceinfo" && name == "productname") out_.product = value;
     if (section_ == "devicecomissioning" || section_ == "devicecommissioning") {
       if (name == "nodename") out_.node_name = value;
-      if (name == "nodeid") out_.node = constant(value);
-      if (name == "baudrate") out_.kilobits = constant(value);
+      if (name == "nodeid") out_.node = constant(without_comment(value));
+      if (name == "baudrate") out_.kilobits = constant(without_comment(value));
     }
     return {};
   }

@@ -84,8 +84,8 @@ void name_senders(ImportedNetwork& network) {
     // There nobody can say what number it would have.
     if (network.kind == core::NetworkKind::can && core::has_nodes(network.profile)) {
       if (network.is_part)
-        network.lacks.add("no-sender", "no file has the node that publishes it: add a Publisher",
-                          message.line, message.name);
+        add_lack(network, "no-sender", "no file has the node that publishes it: add a Publisher",
+                 message, message.name);
       continue;
     }
     if (!unnamed) {
@@ -94,12 +94,30 @@ void name_senders(ImportedNetwork& network) {
     }
     message.senders.push_back({*unnamed, std::nullopt, {}});
     message.remark = "Assumed: no file says who sends this, nor how often.";
-    network.lacks.add("no-sender", "no sender is named: published by unnamed-sender", message.line,
-                      message.name);
+    add_lack(network, "no-sender", "no sender is named: published by unnamed-sender", message,
+             message.name);
   }
 }
 
+/// What is of one file names it from now on.
+void name_file(ImportedNetwork& network) {
+  if (network.is_merged) return;
+  network.is_merged = true;
+  for (auto& message : network.messages) message.file = network.file;
+  Lacks named;
+  for (const auto& lack : network.lacks.all()) named.add(lack, network.file);
+  network.lacks = std::move(named);
+}
+
 }  // namespace
+
+void add_lack(ImportedNetwork& network, std::string_view kind, std::string_view what,
+              const ImportedMessage& message, const std::string& item) {
+  if (message.file.empty() || message.line == 0)
+    network.lacks.add(kind, what, message.line, item);
+  else
+    network.lacks.add(kind, what, 0, fmt::format("{}:{}: {}", message.file, message.line, item));
+}
 
 bool is_bindable(ImportedNetwork& network, const ImportedMessage& message) {
   constexpr Value frame = 8;
@@ -163,8 +181,9 @@ void Joiner::add(ImportedMessage message, std::string_view file) {
   }
   auto& same = network_.messages[known->second];
   if (!same.senders.empty() && !message.senders.empty() && !may_have_senders(network_)) {
-    network_.lacks.add("repeated", "another message has the identifier: left out", message.line,
-                       file.empty() ? message.name : fmt::format("{} of {}", message.name, file));
+    add_lack(network_, "repeated", "another message has the identifier: left out", message,
+             file.empty() || !message.file.empty() ? message.name
+                                                   : fmt::format("{} of {}", message.name, file));
     return;
   }
   // Who sends it knows what it is.
@@ -174,8 +193,8 @@ void Joiner::add(ImportedMessage message, std::string_view file) {
 
 void Joiner::join(ImportedMessage& into, ImportedMessage from) {
   if (!into.type.empty() && !from.type.empty() && into.type != from.type)
-    network_.lacks.add("types", "ends of one channel state different types", from.line,
-                       fmt::format("{}: {} and {}", into.name, into.type, from.type));
+    add_lack(network_, "types", "ends of one channel state different types", from,
+             fmt::format("{}: {} and {}", into.name, into.type, from.type));
   if (into.format != from.format && !from.senders.empty()) into.format = core::FrameFormat::any;
   if (into.priority != from.priority && !from.senders.empty()) into.priority.reset();
   for (auto& sender : from.senders) {
@@ -183,8 +202,8 @@ void Joiner::join(ImportedMessage& into, ImportedMessage from) {
       return other.node == sender.node && other.number == sender.number;
     };
     if (std::ranges::any_of(into.senders, same)) {
-      network_.lacks.add("repeated-sender", "a node sends it already: left out", from.line,
-                         fmt::format("{} of {}", from.name, network_.nodes[sender.node].name));
+      add_lack(network_, "repeated-sender", "a node sends it already: left out", from,
+               fmt::format("{} of {}", from.name, network_.nodes[sender.node].name));
       continue;
     }
     into.senders.push_back(with_own(sender, from.attributes, into.attributes));
@@ -194,6 +213,8 @@ void Joiner::join(ImportedMessage& into, ImportedMessage from) {
 
 void merge(ImportedNetwork& into, ImportedNetwork from) {
   const auto places = join_nodes(into, from);
+  name_file(into);
+  for (auto& message : from.messages) message.file = from.file;
   Joiner joiner(into);
   for (auto& message : from.messages) {
     for (auto& sender : message.senders) sender.node = places[sender.node];

@@ -36,6 +36,7 @@ struct ImportedMessage {
   std::string description;
   std::string type;  ///< of its data; empty: the format knows none
   int line = 0;
+  std::string file;      ///< where the line is; empty: the file of the network
   std::uint32_t id = 0;  ///< as of core::Binding
   bool extended = false;
   std::string topic;  ///< what it is known by where there is no Binding
@@ -66,7 +67,12 @@ struct ImportedNetwork {
   std::vector<ImportedNode> nodes;
   std::vector<ImportedMessage> messages;
   Lacks lacks;
+  bool is_merged = false;  ///< of several files
 };
+
+/// Adds to the lacks of the network, with the line of the message in its file.
+void add_lack(ImportedNetwork& network, std::string_view kind, std::string_view what,
+              const ImportedMessage& message, const std::string& item);
 
 /// Of a text that does not say how it is encoded: `read` gets it in UTF-8, and what it was is
 /// listed.

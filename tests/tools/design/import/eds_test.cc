@@ -88,6 +88,46 @@ TEST_F(EdsImportTest, HeartBeatsThatItWaitsForNeedNoNumberOfThem) {
   EXPECT_EQ(lacking(fewer, "consumer-count"), 1U);
 }
 
+/// kDrive with one text instead of another.
+std::string drive_with(const std::string& instead_of, const std::string& text) {
+  std::string out = kDrive;
+  return out.replace(out.find(instead_of), instead_of.size(), text);
+}
+
+TEST_F(EdsImportTest, AMappingThatIsNoNumberIsEightBytesAndListed) {
+  const auto out = json("drive.dcf", drive_with("0x606c0020", "qq"), {});
+  EXPECT_NE(part("name=\"left-5-TPDO1\"", "</EventChannel>").find("maxPayload=\"8\""),
+            std::string::npos)
+      << draft_;
+  EXPECT_EQ(lacking(out, "mapping"), 1U) << out.dump();
+  const auto text = import("drive.dcf", drive_with("0x606c0020", "qq")).error;
+  EXPECT_NE(text.find("drive.dcf:34: left-5-TPDO1: 'qq'"), std::string::npos) << text;
+}
+
+TEST_F(EdsImportTest, ATimeThatIsNoNumberIsListed) {
+  const auto beat = json("drive.dcf", drive_with("ParameterValue=100", "ParameterValue=abc"), {});
+  EXPECT_EQ(lacking(beat, "heartbeat"), 1U) << beat.dump();
+  EXPECT_TRUE(has("left-5-heartbeat")) << "it is sent, at some time";
+  const auto inhibit = json("drive.dcf", drive_with("DefaultValue=50", "DefaultValue=??"), {});
+  EXPECT_EQ(lacking(inhibit, "no-number"), 1U) << inhibit.dump();
+  const auto timer = json("drive.dcf", drive_with("DefaultValue=20", "DefaultValue=zzz"), {});
+  EXPECT_EQ(lacking(timer, "no-number"), 1U) << timer.dump();
+  const auto waited = json("master.eds",
+                           "[DeviceInfo]\nProductName=PLC\n[1800sub1]\nDefaultValue=0x281\n"
+                           "[1016sub1]\nDefaultValue=soon\n",
+                           {"--node", "1"});
+  EXPECT_EQ(lacking(waited, "no-number"), 1U) << waited.dump();
+}
+
+TEST_F(EdsImportTest, ACommentMayStandBehindAValue) {
+  const auto out = json(
+      "drive.dcf", drive_with("ParameterValue=100", "ParameterValue=100 ; ms, as CiA says"), {});
+  EXPECT_NE(part("name=\"left-5-heartbeat\"", "</EventChannel>").find("period=\"100ms\""),
+            std::string::npos)
+      << draft_;
+  EXPECT_EQ(lacking(out, "heartbeat"), 0U);
+}
+
 /// CiA 306: CompactSubObj and a section of values.
 TEST_F(EdsImportTest, ObjectsInTheCompactFormAreRead) {
   json("compact.eds",
@@ -116,6 +156,17 @@ TEST_F(EdsImportTest, FilesOfOneNetworkAreItsNodes) {
             std::string::npos)
       << draft_;
   EXPECT_FALSE(has("unnamed-sender"));
+}
+
+TEST_F(EdsImportTest, OfSeveralFilesEachLineNamesItsOwn) {
+  const auto master = folder_.write("master.eds", kMaster);
+  const auto text =
+      import("drive.dcf", kDrive,
+             {master, "--network", "can", "--network", "can", "--node", "5", "--node", "10"})
+          .error;
+  EXPECT_NE(text.find("drive.dcf:40: left-5-RPDO1"), std::string::npos) << text;
+  EXPECT_NE(text.find("drive.dcf:11: SYNC"), std::string::npos) << text;
+  EXPECT_EQ(text.find("master.eds:40"), std::string::npos) << text;
 }
 
 TEST_F(EdsImportTest, AnEdsNeedsTheNumberOfItsNode) {
