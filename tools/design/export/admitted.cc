@@ -7,8 +7,11 @@
 #include <map>
 #include <set>
 #include <span>
+#include <utility>
 
 #include "core/design/inspect.hpp"
+#include "core/gates/plan.hpp"
+#include "core/model/text.hpp"
 
 namespace mlcca::tools::design {
 namespace {
@@ -37,7 +40,7 @@ class FramesOnNetwork {
     if (frames_.size() == before)
       lacks_.add("not-admitted",
                  "the channel is bound on the network, and nobody is admitted to it", 0,
-                 system_.channels[channel].name);
+                 fmt::format("{} on {}", system_.channels[channel].name, network_.name));
   }
 
   std::vector<AdmittedFrames> take() { return std::move(frames_); }
@@ -78,6 +81,18 @@ class FramesOnNetwork {
   std::map<std::size_t, std::size_t> known_;  ///< frames of a publisher
 };
 
+/// Deliveries that would pass the gateway, and those that have no way at all.
+void list_refused(const Admitted& admitted, const core::Decision& decision, core::Place gateway,
+                  Lacks& lacks) {
+  const auto& system = admitted.system();
+  for (const core::Verdict& v : decision.verdicts)
+    if (!v.granted && (v.route.empty() || std::ranges::find(v.route, gateway) != v.route.end()))
+      lacks.add(
+          "refused", "is not admitted: left out", 0,
+          fmt::format("{} of {} to {}", system.channels[v.channel].name,
+                      admitted.members().publisher(v.publisher).name, core::name_of(system, v.to)));
+}
+
 }  // namespace
 
 Admitted::Admitted(const core::System& system)
@@ -97,6 +112,28 @@ std::vector<AdmittedFrames> frames_on(const Admitted& admitted, std::size_t netw
   for (std::size_t c = 0; c < admitted.decisions().size(); ++c)
     frames.add(c, admitted.decisions()[c]);
   return frames.take();
+}
+
+void list_not_carried(const Admitted& admitted, std::size_t gateway, Lacks& lacks) {
+  const auto& system = admitted.system();
+  const auto& ports = system.gateways[gateway].ports;
+  const auto is_can = [&](std::size_t port) {
+    return system.networks[ports[port].network].kind == core::NetworkKind::can;
+  };
+  for (std::size_t c = 0; c < admitted.decisions().size(); ++c) {
+    const core::Decision& decision = admitted.decisions()[c];
+    list_refused(admitted, decision, {core::Place::Kind::gateway, gateway}, lacks);
+    std::set<std::pair<std::size_t, std::size_t>> ways;  // ports
+    for (const core::Passage& passage :
+         core::passages(system, admitted.members(), c, decision.verdicts, gateway))
+      if (passage.in && passage.out && !(is_can(passage.in->port) && is_can(passage.out->port)))
+        ways.emplace(passage.in->port, passage.out->port);
+    for (const auto& [in, out] : ways)
+      lacks.add("relay", "is carried by mlcca-relay alone: left out", 0,
+                fmt::format("{} from {} to {}", system.channels[c].name,
+                            system.networks[ports[in].network].name,
+                            system.networks[ports[out].network].name));
+  }
 }
 
 }  // namespace mlcca::tools::design

@@ -50,6 +50,10 @@ struct AdmittedFrames {
 /// In the order of the channels. What is not admitted on the network is added to `lacks`.
 std::vector<AdmittedFrames> frames_on(const Admitted& admitted, std::size_t network, Lacks& lacks);
 
+/// What rules of the kernel do not carry over a gateway: what is refused, and what crosses by
+/// mlcca-relay alone.
+void list_not_carried(const Admitted& admitted, std::size_t gateway, Lacks& lacks);
+
 Exported export_dbc(const Admitted& admitted, std::size_t network);
 /// Shell scripts. Refused where a port does not state the name of its interface.
 Result<Exported> export_can_gw(const Admitted& admitted, std::size_t gateway);

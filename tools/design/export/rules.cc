@@ -60,6 +60,7 @@ class CanGwWriter {
       for (const auto& transit : core::transits(system_, admitted_.members(), c,
                                                 admitted_.decisions()[c].verdicts, number_))
         if (auto done = add(c, transit); !done) return std::unexpected(done.error());
+    list_not_carried(admitted_, number_, out_.lacks);
     if (rules_.empty()) out_.text += "# Nothing is admitted from one CAN bus to another.\n";
     return std::move(out_);
   }
@@ -170,6 +171,7 @@ Result<Exported> export_em_canid(const Admitted& admitted, std::size_t number) {
           "tc filter add dev {} egress pref {} protocol all basic match 'canid({})' action ok\n",
           *name, preference++, matches_of(identities, from));
   }
+  list_not_carried(admitted, number, out.lacks);
   return out;
 }
 

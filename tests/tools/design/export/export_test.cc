@@ -104,7 +104,7 @@ TEST_F(ExportTest, ADbcFileHasWhatIsAdmittedOnTheNetwork) {
   EXPECT_TRUE(has(dbc, "BA_ \"GenMsgCycleTime\" BO_ 291 50;")) << dbc;
   EXPECT_TRUE(has(dbc, "CM_ BO_ 291 \"a 'beat'\";")) << dbc;
   EXPECT_TRUE(has(said_, "not-admitted")) << said_;
-  EXPECT_TRUE(has(said_, "    strict\n")) << said_;
+  EXPECT_TRUE(has(said_, "    strict on second\n")) << said_;
   const auto first = exported({"dbc", "--network", "first"});
   EXPECT_TRUE(has(first, "BO_ 294 wide: 48 switch\n")) << first;
   EXPECT_TRUE(has(first, "BA_ \"VFrameFormat\" BO_ 294 14;")) << first;
@@ -133,6 +133,19 @@ TEST_F(ExportTest, CanGwHasARuleForWhatCrosses) {
       << script;
   EXPECT_FALSE(has(script, "strict")) << script;
   EXPECT_FALSE(has(script, "wide")) << script;
+}
+
+TEST_F(ExportTest, RulesListWhatIsRefusedAndWhatARelayAloneCarries) {
+  for (const char* format : {"can-gw", "em_canid"}) {
+    exported({format});
+    EXPECT_TRUE(has(said_, "refused: is not admitted: left out (1)\n    strict of ")) << said_;
+    EXPECT_FALSE(has(said_, "relay:")) << said_;
+    const auto rover = test::run({"export", "examples/rover/system.xml", "--format", format});
+    EXPECT_EQ(rover.status, 0) << rover.error;
+    EXPECT_TRUE(has(rover.error, "relay: is carried by mlcca-relay alone: left out ("))
+        << format << rover.error;
+    EXPECT_TRUE(has(rover.error, "    drive from air to drive-bus\n")) << rover.error;
+  }
 }
 
 TEST_F(ExportTest, EmCanidLetsOutWhatIsAdmitted) {
