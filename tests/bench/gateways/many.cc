@@ -420,7 +420,7 @@ ip link set far up
     const auto measure = [&](std::size_t first, std::size_t last, const char* where) {
       const double daemon = processor_seconds(real.daemon());
       const double bridge = processor_seconds(real.bridge());
-      const std::size_t each = kFollowed / (last - first);
+      const std::size_t each = kFollowed / std::max<std::size_t>(last - first, 1);
       for (std::size_t m = first; m < last; ++m) media_[m]->in_turn(each);
       until_done();
       const auto made = static_cast<double>(each * (last - first));
@@ -434,6 +434,7 @@ ip link set far up
     measure(0, 1, "on its own one");
     auto client = real.connect();
     std::vector<double> own;
+    own.reserve(kAdmitted);
     for (std::size_t c = 0; c < kAdmitted; ++c)
       own.push_back(admit(client, fmt::format("c{}", c), "real", "n0"));
     std::size_t there = 0;
