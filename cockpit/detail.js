@@ -39,7 +39,7 @@ export function channelFacts(c) {
       m.nodes.length ? `path ${m.nodes.join(" › ")}` : "", m.available ? `${rate(m.available)} left` : ""].filter(Boolean).join("; "))),
     fact("Frames", c.crosses_no_gate ? "not counted: they cross no gate of this gateway" :
       `${count(c.passed)} passed, ${count(c.dropped)} dropped, ${count(c.excess)} in excess`),
-    fact("Audit mode let through", c.would_drop ? count(c.would_drop) : ""),
+    fact("Would drop", c.would_drop ? `${count(c.would_drop)} that passed in audit mode` : ""),
     fact("Events", w ? `${count(w.events)} came, ${count(w.missing)} did not; ${silence(c)}` : ""),
     fact("Jitter", w && w.last_gap_ns && !w.shared ? duration(w.jitter_ns) : ""),
     fact("Admission", c.admission ? `number ${c.admission}, at run time` : "described"));
@@ -71,7 +71,7 @@ export function placeFacts(p, resources) {
         i.profile === "none" ? (i.attached ? "CLOSED: no profile" : "no gate by design") : i.attached ? `gate on ${i.hook}, ${many(i.slots, "slot")}` : "NO GATE",
         i.problem, i.drift].filter(Boolean).join(", ")),
       ["ingress", "egress"].map((way) => fact(way === "ingress" ? "Came in" : "Went out",
-        `${count(i[way].passed)} passed, ${count(i[way].dropped)} dropped${Object.entries(i[way].reasons)
+        `${count(i[way].passed)} passed, ${count(i[way].dropped)} dropped${i[way].would_drop ? `, ${count(i[way].would_drop)} would drop in enforce mode` : ""}${Object.entries(i[way].reasons)
           .map(([why, n]) => `; ${why}: ${count(n)}`).join("")}`))]));
 }
 

@@ -246,14 +246,20 @@ function openTab(name, focus) {
   showTab();
   if (name === "cluster" && now.cluster?.system && !now.taken_there) refresh();
 }
-function showTab() {
-  const [, panel, show] = kTabs[tab];
+function showTab(name = tab) {
+  const [, panel, show] = kTabs[name];
   if (show) return show();
-  const open = [...by(`panel-${tab}`).querySelectorAll("details")].map((d) => d.open);
-  if (by(`panel-${tab}`).contains(document.activeElement)) return undefined; // who reads there is not disturbed
-  put(`panel-${tab}`, panel());
-  by(`panel-${tab}`).querySelectorAll("details").forEach((d, i) => { d.open = open[i] ?? false; });
+  const open = [...by(`panel-${name}`).querySelectorAll("details")].map((d) => d.open);
+  if (by(`panel-${name}`).contains(document.activeElement)) return undefined; // who reads there is not disturbed
+  put(`panel-${name}`, panel());
+  by(`panel-${name}`).querySelectorAll("details").forEach((d, i) => { d.open = open[i] ?? false; });
   return undefined;
+}
+/** On paper nothing can be opened or scrolled. */
+function forPaper() {
+  for (const name of Object.keys(kTabs)) if (now.status) showTab(name);
+  list.all(true);
+  for (const d of document.querySelectorAll("details")) d.open = true;
 }
 function makeTabs() {
   const names = Object.keys(kTabs);
@@ -262,7 +268,7 @@ function makeTabs() {
       const step = { ArrowRight: 1, ArrowLeft: -1 }[e.key];
       if (step) openTab(names[(i + step + names.length) % names.length], true);
     } }, kTabs[name][0])));
-  put("panels", names.map((name) => h("section", { role: "tabpanel", id: `panel-${name}`, "aria-labelledby": `tab-${name}`, class: "card" },
+  put("panels", names.map((name) => h("section", { role: "tabpanel", id: `panel-${name}`, "aria-labelledby": `tab-${name}`, class: "card", "data-title": kTabs[name][0] },
     kTabs[name][2] ? kTabs[name][1]() : [])));
   openTab("channels");
 }
@@ -329,7 +335,7 @@ async function refresh() {
     settle();
     showHealth();
     showMap();
-    showTab();
+    for (const name of kLive ? [tab] : Object.keys(kTabs)) showTab(name);
     const open = now.channels.find((c) => key(c) === chosen);
     if (open && !by("detail").contains(document.activeElement.closest?.(".buttons, .wide") ?? null)) openChannel(open, true);
   } catch (problem) {
@@ -379,6 +385,8 @@ window.addEventListener("storage", followCockpitStyle);
 window.addEventListener("cockpit-style", followCockpitStyle);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", followCockpitStyle);
 makeTabs();
+addEventListener("beforeprint", forPaper);
+addEventListener("afterprint", () => list.all(!kLive));
 document.addEventListener("keydown", (e) => { if (e.key === "Escape" && !by("detail").hidden && !by("dialog").open) closeDetail(); });
 let width = 0;
 new ResizeObserver(() => { if (by("map").clientWidth !== width) { width = by("map").clientWidth; if (now.status) showMap(); } }).observe(by("map"));

@@ -3,10 +3,10 @@
 import { bits, many, rate } from "./format.js";
 
 /** "can, 500 kbit/s": the `slowest` of a mesh's `links` in bit/s, `capacity` in bytes/s. */
-export function carries(kind, { bitrate, links, slowest, capacity }) {
+export function carries(kind, { bitrate, links, slowest, capacity, unknown = "no rate stated" }) {
   return `${kind}, ${bitrate ? bits(bitrate)
     : links ? `${many(links, "link")}, ${bits(slowest)} or more`
-      : capacity ? rate(capacity) : "no rate stated"}`;
+      : capacity ? rate(capacity) : unknown}`;
 }
 
 function condition(p) {
@@ -27,6 +27,8 @@ export function inWords(p) {
     subtitle: carries(p.network.kind, {
       bitrate: p.interfaces.find((i) => i.bitrate)?.bitrate, capacity: p.network.capacity,
       links: rates.length, slowest: Math.min(...rates),
+      // The rate that is described is not in what mlccad says: an interface that is absent, or is a vcan, has none.
+      unknown: p.network.kind === "can" ? "rate not known" : undefined,
     }),
     note: condition(p),
     ill: !p.network.available || p.interfaces.some((i) => !i.ifindex || !i.up || i.problem || (!i.attached && i.profile !== "none")),
