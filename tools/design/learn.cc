@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -27,6 +28,7 @@
 #include "description/read.hpp"
 #include "tools/design/learn_deadlines.hpp"
 #include "tools/design/learn_merge.hpp"
+#include "tools/design/learn_silence.hpp"
 #include "tools/design/mistakes.hpp"
 #include "tools/design/new/plan.hpp"
 #include "tools/design/safe_file.hpp"
@@ -76,13 +78,12 @@ class Learn {
   Exit run() {
     if (const auto refused = prepare()) return say(*refused, context_.json);
     if (const auto refused = observe()) return say(*refused, context_.json);
+    if (const auto refused = note_silence()) return say(*refused, context_.json);
     observer_.finish(interfaces_.names().size(), interfaces_.media());
     note_profiles();
     const learn::Draft draft = draft_that_holds(observer_, interfaces_.names(), a_.draft);
     if (draft.channels.empty())
-      notes_.emplace_back(
-          listened_ ? "no events were seen: is there traffic, and are the interfaces up?"
-                    : "no events were seen: what is recorded needs no channel of the profile");
+      notes_.emplace_back("no events were seen: what was there needs no channel of the profile");
     if (described_) return report_merged(draft);
     if (const auto refused = mistakes_in(draft.xml, "draft", description::Users::any))
       return say(*refused, context_.json);
@@ -187,8 +188,25 @@ class Learn {
       }
     }
     if (auto refused = refuse_absent(live)) return refused;
-    listened_ = !live.empty();
-    return listened_ ? listen(live) : std::nullopt;
+    live_ = std::move(live);
+    return live_.empty() ? std::nullopt : listen(live_);
+  }
+
+  /// Why nothing came on interfaces; without any frame there is nothing to draft.
+  std::optional<Refusal> note_silence() {
+    std::vector<std::string> silent;
+    for (const std::string& name : live_) {
+      const auto number = interfaces_.number_of(name, learn::Medium::unknown);
+      if (number >= observer_.interfaces().size() || observer_.interfaces()[number].frames == 0)
+        silent.push_back(name);
+    }
+    if (silent.empty()) return std::nullopt;
+    const auto status = status_of_daemon(context_.socket);
+    for (std::string& name : silent) name = reason_of_silence(name, learn::is_up(name), status);
+    if (std::ranges::none_of(observer_.interfaces(), [](const auto& of) { return of.frames != 0; }))
+      return Refusal{Exit::usage, "no frame was seen; nothing was drafted", std::move(silent)};
+    std::ranges::move(silent, std::back_inserter(notes_));
+    return std::nullopt;
   }
 
   /// Options that name an interface of which nothing is read.
@@ -231,6 +249,7 @@ class Learn {
       const learn::Rates rates = learn::rates_of(name);
       if (rates.bitrate != 0) a_.draft.bitrates.try_emplace(name, rates.bitrate);
       if (rates.data_bitrate != 0) a_.draft.data_bitrates.try_emplace(name, rates.data_bitrate);
+      if (rates.queue_length != 0) a_.draft.queue_lengths.try_emplace(name, rates.queue_length);
     }
     const auto listener = learn::Listener::open(live, interfaces_);
     if (!listener) return Refusal{Exit::world, listener.error().text, {}};
@@ -244,9 +263,15 @@ class Learn {
       fmt::print(stderr,
                  "listening to {} for {}; Ctrl-C ends it earlier, and drafts what was seen\n",
                  fmt::join(live, ", "), print_duration(time_));
+    Listening progress(time_);
     const auto listened = (*listener)->listen(
-        time_, [] { return stop_asked != 0; },
+        time_,
+        [&] {
+          progress.show();
+          return stop_asked != 0;
+        },
         [&](const learn::Frame& frame) {
+          progress.count();
           carried.copies_of(frame, observer_.add(frame),
                             [this](const learn::Frame& copy) { observer_.add(copy); });
         });
@@ -406,7 +431,7 @@ class Learn {
   learn::Interfaces interfaces_;
   learn::Observer observer_;
   std::vector<std::string> notes_;
-  bool listened_ = false;  ///< to interfaces, and not only read recordings
+  std::vector<std::string> live_;  ///< interfaces that are listened to
 };
 
 }  // namespace
@@ -447,6 +472,9 @@ void add_learn(CLI::App& app, Context& context) {
   verb->add_option("--user", a->draft.user, "user of programs here that send")
       ->capture_default_str();
   verb->add_flag("--no-local", a->no_local, "no program on this gateway receives anything");
+  verb->footer(
+      "Exit status: 0 drafted, 1 with --merge: there are differences, 2 usage, unreadable input or "
+      "no frame,\n3 the outside world failed.");
   verb->callback([a, &context] { context.exit = Learn(*a, context).run(); });
 }
 

@@ -10,6 +10,7 @@
 
 #include "core/design/inspect.hpp"
 #include "description/read.hpp"
+#include "tools/design/queue_lengths.hpp"
 
 namespace mlcca::tools::design {
 namespace {
@@ -78,8 +79,20 @@ learn::Draft draft_that_holds(const learn::Observer& observer,
     if (!system) return draft;
     system->sort_bindings();
   }
+  const auto lengthen = [&] {
+    const auto lengths = lengthen_queues(*system);
+    for (const auto& [network, frames] : lengths) options.waiting[names[network]] = frames;
+    return !lengths.empty();
+  };
+  const bool longer = lengthen();
   options.deadlines = deadlines_that_hold(*system);
-  return options.deadlines.empty() ? draft : learn::draft_of(observer, names, options);
+  if (!longer && options.deadlines.empty()) return draft;
+  draft = learn::draft_of(observer, names, options);
+  system = description::read_memory(draft.xml, "draft", {}, description::Users::any);
+  if (!system) return draft;
+  system->sort_bindings();
+  // What is in time now is granted, and waits, too.
+  return lengthen() ? learn::draft_of(observer, names, options) : draft;
 }
 
 }  // namespace mlcca::tools::design

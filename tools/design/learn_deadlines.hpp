@@ -22,7 +22,8 @@ namespace mlcca::tools::design {
 /// Period says, with the pauses that it may make between packets.
 [[nodiscard]] std::set<std::string> too_often_for_transport(const core::System& system);
 
-/// As draft_of(), with Periods of few events and with Deadlines that can be kept.
+/// As draft_of(), with Periods of few events, Deadlines that can be kept, and queues that lose
+/// nothing.
 [[nodiscard]] learn::Draft draft_that_holds(const learn::Observer& observer,
                                             const std::vector<std::string>& names,
                                             learn::DraftOptions options);

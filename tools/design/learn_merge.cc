@@ -52,6 +52,40 @@ const core::Binding* binding_of(const core::Network& network, std::uint32_t numb
   return found == network.bindings.end() ? nullptr : &*found;
 }
 
+void replace_all(std::string& text, const std::string& before, const std::string& after) {
+  for (std::size_t at = 0; (at = text.find(before, at)) != std::string::npos; at += after.size())
+    text.replace(at, before.size(), after);
+}
+
+/// The drafted channel under another name, and perhaps another subject.
+learn::DraftChannel called(learn::DraftChannel row, const std::string& name,
+                           std::uint64_t subject) {
+  const auto channel = [](const std::string& of) { return "channel=\"" + of + "\""; };
+  replace_all(row.channel_xml, "<EventChannel name=\"" + row.name + "\"",
+              "<EventChannel name=\"" + name + "\"");
+  replace_all(row.channel_xml, fmt::format("<SubjectUID>0x{:016x}<", row.drafted_subject),
+              fmt::format("<SubjectUID>0x{:016x}<", subject));
+  for (auto& [interface, text] : row.binding_xml)
+    replace_all(text, channel(row.name), channel(name));
+  for (learn::DraftPublisher& publisher : row.publishers)
+    replace_all(publisher.xml, channel(row.name), channel(name));
+  replace_all(row.subscriber_xml, channel(row.name), channel(name));
+  row.name = name;
+  row.drafted_subject = subject;
+  return row;
+}
+
+/// `name`, or with a number behind it, as long as a name may be, and then taken.
+std::string free_name(const std::string& name, std::set<std::string>& taken) {
+  constexpr std::size_t longest = 63;
+  std::string out = name;
+  for (unsigned n = 2; !taken.insert(out).second; ++n) {
+    const std::string end = fmt::format("-{}", n);
+    out = name.substr(0, longest - end.size()) + end;
+  }
+  return out;
+}
+
 /// Text that is put into a file behind some byte.
 struct Insertion {
   std::size_t at = 0;
@@ -77,13 +111,19 @@ std::size_t before_end_tag(const Markup& markup, const Node& node) {
 class Merge {
  public:
   Merge(const core::System& system, const learn::DraftOptions& options)
-      : system_(system), options_(options) {}
+      : system_(system), options_(options) {
+    for (const core::EventChannel& channel : system.channels) {
+      names_.insert(channel.name);
+      subjects_.insert(channel.subject);
+    }
+    for (const core::Publisher& publisher : system.publishers) publishers_.insert(publisher.name);
+  }
 
   Result<Merged> run(const learn::Draft& draft) {
     for (const learn::DraftChannel& row : draft.channels) {
       if (!network_of(row.interface)) return fail(missing(row.interface));
       const auto known = channel_of(row);
-      if (const auto done = known ? compare(row, *known) : add(row); !done)
+      if (const auto done = known ? compare(row, *known) : add(distinct(row)); !done)
         return std::unexpected(done.error());
     }
     note_unseen(draft);
@@ -131,7 +171,41 @@ class Merge {
     }
     for (const auto& [interface, text] : row.binding_xml)
       if (const auto* binding = bound(row, interface)) return binding->channel;
+    return unbound(row);
+  }
+
+  /// The described one that has the name or the subject and no identifier yet where this one has.
+  [[nodiscard]] std::optional<std::size_t> unbound(const learn::DraftChannel& row) const {
+    for (std::size_t c = 0; !row.subject && c < system_.channels.size(); ++c) {
+      const core::EventChannel& channel = system_.channels[c];
+      if (channel.name != row.name && channel.subject != row.drafted_subject) continue;
+      if (std::ranges::none_of(row.binding_xml, [&](const auto& one) {
+            const auto network = network_of(one.first);
+            return network && is_bound(*network, c);
+          }))
+        return c;
+    }
     return std::nullopt;
+  }
+  [[nodiscard]] bool is_bound(std::size_t network, std::size_t channel) const {
+    const auto& bindings = system_.networks[network].bindings;
+    return std::ranges::find(bindings, channel, &core::Binding::channel) != bindings.end();
+  }
+
+  /// What is new, under a name and a subject that no other channel has.
+  [[nodiscard]] learn::DraftChannel distinct(const learn::DraftChannel& row) {
+    const std::string name = free_name(row.name, names_);
+    std::uint64_t subject = row.drafted_subject;
+    for (std::string text = name; !row.subject && !subjects_.insert(subject).second; text += '+')
+      subject = tools::subject_of(text);
+    return name == row.name && subject == row.drafted_subject ? row : called(row, name, subject);
+  }
+  /// The publisher, under a name that no other has.
+  [[nodiscard]] std::string distinct(const learn::DraftPublisher& publisher) {
+    std::string text = publisher.xml;
+    replace_all(text, "<Publisher name=\"" + publisher.name + "\"",
+                "<Publisher name=\"" + free_name(publisher.name, publishers_) + "\"");
+    return text;
   }
 
   Result<void> add(const learn::DraftChannel& row) {
@@ -139,7 +213,7 @@ class Merge {
       if (!network_of(interface)) return fail(missing(interface));
     channels_ += row.channel_xml;
     for (const auto& [interface, text] : row.binding_xml) bindings_[*network_of(interface)] += text;
-    for (const learn::DraftPublisher& publisher : row.publishers) ends_ += publisher.xml;
+    for (const learn::DraftPublisher& publisher : row.publishers) ends_ += distinct(publisher);
     ends_ += row.subscriber_xml;
     return {};
   }
@@ -147,11 +221,8 @@ class Merge {
   /// Of the drafted channel, for the described one.
   static std::string renamed(const learn::DraftChannel& row, const core::EventChannel& channel,
                              std::string text) {
-    const std::string drafted = "channel=\"" + row.name + "\"";
-    const auto at = text.find(drafted);
-    return at == std::string::npos
-               ? text
-               : text.replace(at, drafted.size(), "channel=\"" + channel.name + "\"");
+    replace_all(text, "channel=\"" + row.name + "\"", "channel=\"" + channel.name + "\"");
+    return text;
   }
 
   /// What is described, and was seen otherwise; senders that are not described are proposed.
@@ -172,8 +243,11 @@ class Merge {
         continue;
       }
       merged_.differs.push_back(who + undescribed(publisher, *network));
-      ends_ += renamed(row, channel, publisher.xml);
+      ends_ += renamed(row, channel, distinct(publisher));
     }
+    if (std::ranges::find(system_.subscribers, number, &core::Subscriber::channel) ==
+        system_.subscribers.end())
+      ends_ += renamed(row, channel, row.subscriber_xml);
     return {};
   }
 
@@ -184,6 +258,12 @@ class Merge {
       const auto network = network_of(interface);
       const auto* binding = bound(row, interface);
       if (!network || (binding != nullptr && binding->channel == number)) continue;
+      if (binding == nullptr && is_bound(*network, number)) {
+        merged_.differs.push_back(
+            fmt::format("{}: is on {} by another identifier than it is bound to there",
+                        channel.name, interface));
+        continue;
+      }
       merged_.differs.push_back(
           binding == nullptr
               ? fmt::format("{}: is on {}, and not bound there", channel.name, interface)
@@ -309,6 +389,9 @@ class Merge {
 
   const core::System& system_;
   const learn::DraftOptions& options_;
+  std::set<std::string> names_;  ///< of channels, of the description and of what is proposed
+  std::set<std::uint64_t> subjects_;
+  std::set<std::string> publishers_;  ///< their names
   std::string channels_;
   std::string ends_;
   std::map<std::size_t, std::string> bindings_;         ///< by network

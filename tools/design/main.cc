@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
   CLI::App app("Checks and describes systems, and generates code for them.", "mlccactl");
   app.set_version_flag("--version", fmt::format("mlccactl {}", kVersion), "print the version");
   app.set_help_flag("-h,--help", "print this help");
-  // Only rollout asks mlccad.
+  // Rollout asks mlccad, and learn where nothing came.
   app.add_option("--socket", context.socket)->envname("MLCCA_SOCKET")->group("");
   app.add_option("--timeout", context.timeout_s)->check(CLI::Range(0.001, 86400.0))->group("");
   app.add_flag("--json", context.json, "print JSON");

@@ -207,7 +207,7 @@ class New {
   }
 
   std::optional<Refusal> write() {
-    const auto text = description_of(plan_, random_number);
+    const auto text = description_that_holds(plan_, random_number);
     if (auto refused = mistakes_in(text, a_.file)) return refused;
     if (!a_.dry_run)
       if (const auto written = create_file(a_.file, text); !written)

@@ -13,7 +13,7 @@ namespace mlcca::tools::design {
 struct Context {
   bool json = false;
   bool no_color = false;                           ///< as asked for; see color_of()
-  std::string socket = "/run/mlcca/control.sock";  ///< of mlccad, for the verb that asks it
+  std::string socket = "/run/mlcca/control.sock";  ///< of mlccad, for verbs that ask it
   double timeout_s = 10;                           ///< for one answer of it
   Exit exit = Exit::fine;
 };

@@ -182,10 +182,11 @@ class Drafter {
       deadline = fmt::format(R"( deadline="{}")", tools::time_words(rounded_up(needed->second)));
       comment += "; the Deadline is what its bus can keep with all of this on it, + 25 %";
     }
+    row.drafted_subject = subject_for(channel, row.name);
     row.channel_xml = fmt::format(
         "  <!-- {} -->\n  <EventChannel name=\"{}\">\n    <SubjectUID>0x{:016x}</SubjectUID>\n"
         "    <Attributes period=\"{}\"{}{} maxPayload=\"{}\"/>\n  </EventChannel>\n",
-        comment, row.name, subject_for(channel, row.name), tools::time_words(row.period), deadline,
+        comment, row.name, row.drafted_subject, tools::time_words(row.period), deadline,
         row.periodic ? fmt::format(R"( omission="{}")", row.omission) : "",
         std::max(row.bytes, 1U));
     for (const auto& [interface, place] : channel.places) {
@@ -396,6 +397,22 @@ class Drafter {
     return shortest_period_ == UINT64_MAX ? kAssumedLatency : shortest_period_;
   }
 
+  void write_port(std::uint32_t number, const std::string& interface) {
+    std::string length;
+    if (const auto waiting = options_.waiting.find(names_[number]);
+        waiting != options_.waiting.end()) {
+      const auto own = options_.queue_lengths.find(names_[number]);
+      const std::uint32_t fit = own == options_.queue_lengths.end() ? 0 : own->second;
+      if (fit < waiting->second)
+        out_.xml += fmt::format(
+            "    <!-- So many frames may wait there: ip link set {} txqueuelen {} -->\n",
+            tools::in_comment(interface), waiting->second);
+      length = fmt::format(" queue-length=\"{}\"", std::max(fit, waiting->second));
+    }
+    out_.xml += fmt::format("    <Port network=\"{}\"{}><Interface name=\"{}\"/></Port>\n",
+                            networks_[number], length, interface);
+  }
+
   void write_gateway() {
     const std::uint64_t latency =
         longest_crossing_ == 0 ? kAssumedLatency : with_margin(longest_crossing_, 50);
@@ -417,8 +434,7 @@ class Drafter {
       // Names of a recording that are none of interfaces may become alike.
       for (unsigned number = 2; !used.insert(interface).second; ++number)
         interface = fmt::format("{}-{}", tools::interface_like(names_[i]).substr(0, stem), number);
-      xml += fmt::format("    <Port network=\"{}\"><Interface name=\"{}\"/></Port>\n", networks_[i],
-                         interface);
+      write_port(i, interface);
     }
     xml += "  </Gateway>\n";
   }

@@ -18,6 +18,9 @@ struct DraftOptions {
   std::string gateway = "gateway";
   std::map<std::string, std::uint32_t> bitrates = {};       ///< bit/s, by interface
   std::map<std::string, std::uint32_t> data_bitrates = {};  ///< the same of the FD data phase
+  std::map<std::string, std::uint32_t> queue_lengths = {};  ///< frames that fit, by interface
+  /// Frames that may wait there, by interface: where more than fit a queue by default.
+  std::map<std::string, std::uint32_t> waiting = {};
   /// Names of networks that are described already, by interface.
   std::map<std::string, std::string> networks = {};
   /// Names of channels that state a Deadline, ns; see deadlines_that_hold().
@@ -64,6 +67,7 @@ struct DraftChannel {
   std::vector<std::string> crosses_to;           ///< interfaces
   std::map<std::string, std::uint64_t> numbers;  ///< see Event, by interface
   std::optional<std::uint64_t> subject;          ///< that was seen on Ethernet
+  std::uint64_t drafted_subject = 0;             ///< the same, or one that was made for it
   // The elements of the description, each in lines of its own:
   std::string channel_xml;
   std::map<std::string, std::string> binding_xml = {};  ///< by interface of CAN

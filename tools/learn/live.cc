@@ -202,16 +202,25 @@ std::optional<std::span<const std::uint8_t>> attribute(std::span<const std::uint
   return std::nullopt;
 }
 
-std::uint32_t rate_in(std::span<const std::uint8_t> data, std::uint16_t type) {
-  const auto timing = attribute(data, type);
-  std::uint32_t rate = 0;  // the first member of struct can_bittiming
-  if (timing && timing->size() >= sizeof rate) std::memcpy(&rate, timing->data(), sizeof rate);
-  return rate;
+/// The first four bytes of an attribute: a number, or the rate in a struct can_bittiming.
+std::uint32_t number_in(std::span<const std::uint8_t> data, std::uint16_t type) {
+  const auto found = attribute(data, type);
+  std::uint32_t number = 0;
+  if (found && found->size() >= sizeof number) std::memcpy(&number, found->data(), sizeof number);
+  return number;
 }
 
 }  // namespace
 
 bool is_interface(const std::string& name) { return index_of(name) != 0; }
+
+bool is_up(const std::string& interface) {
+  const Fd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  ifreq request{};
+  interface.copy(request.ifr_name, sizeof request.ifr_name - 1);
+  return ::ioctl(socket.get(), SIOCGIFFLAGS, &request) == 0 &&
+         (static_cast<unsigned>(request.ifr_flags) & IFF_UP) != 0;
+}
 
 Rates rates_of(const std::string& interface) {
   const Fd socket(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE));
@@ -235,10 +244,13 @@ Rates rates_of(const std::string& interface) {
   std::memcpy(&head, reply.data(), sizeof head);
   if (head.nlmsg_type != RTM_NEWLINK) return {};
   const auto all = std::span<const std::uint8_t>(reply).first(static_cast<std::size_t>(n));
+  Rates out{.queue_length = number_in(all.subspan(heads), IFLA_TXQLEN)};
   const auto info = attribute(all.subspan(heads), IFLA_LINKINFO);
-  const auto data = info ? attribute(*info, IFLA_INFO_DATA) : std::nullopt;
-  if (!data) return {};
-  return {rate_in(*data, IFLA_CAN_BITTIMING), rate_in(*data, IFLA_CAN_DATA_BITTIMING)};
+  if (const auto data = info ? attribute(*info, IFLA_INFO_DATA) : std::nullopt) {
+    out.bitrate = number_in(*data, IFLA_CAN_BITTIMING);
+    out.data_bitrate = number_in(*data, IFLA_CAN_DATA_BITTIMING);
+  }
+  return out;
 }
 
 Result<std::unique_ptr<Listener>> Listener::open(const std::vector<std::string>& interfaces,

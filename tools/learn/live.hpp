@@ -14,16 +14,18 @@
 
 namespace mlcca::learn {
 
-/// Rates that a driver states, bit/s; 0: none.
+/// What the kernel says of an interface of CAN; 0: nothing.
 struct Rates {
-  std::uint32_t bitrate = 0;
+  std::uint32_t bitrate = 0;  ///< bit/s; a virtual one has none
   std::uint32_t data_bitrate = 0;
+  std::uint32_t queue_length = 0;  ///< frames
 };
-/// Of a CAN interface; none of a virtual one.
 [[nodiscard]] Rates rates_of(const std::string& interface);
 
 /// There is an interface of that name.
 [[nodiscard]] bool is_interface(const std::string& name);
+/// It is there, and up.
+[[nodiscard]] bool is_up(const std::string& interface);
 
 class Listener {
  public:

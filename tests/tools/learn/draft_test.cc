@@ -68,12 +68,35 @@ TEST(Draft, IsADescriptionOfWhichEverythingIsGranted) {
     EXPECT_EQ(refused_in(drafted(two_buses(seed, 30))), 0U);
 }
 
+/// More frames than a queue holds by default wait there where so many channels cross.
+TEST(Draft, QueuesHoldWhatCrosses) {
+  for (const std::uint32_t channels : {10U, 11U, 12U, 40U}) {
+    Traffic traffic(channels);
+    for (std::uint32_t n = 0; n < channels; ++n)
+      traffic.periodic(0, 0x100 + n, (20 + n % 4 * 10) * kMs, kMs / 3, 8, 20)
+          .forwarded(0, 0x100 + n, 1);
+    const Draft draft = drafted(traffic.sent());
+    EXPECT_EQ(refused_in(draft), 0U) << draft.xml;
+    EXPECT_EQ(
+        draft.xml.contains("<!-- So many frames may wait there: ip link set can1 txqueuelen "),
+        channels > 10)
+        << draft.xml;
+    EXPECT_TRUE(channels != 11 ||
+                draft.xml.contains("queue-length=\"11\"><Interface name=\"can1\"/>"))
+        << draft.xml;
+    EXPECT_FALSE(draft.xml.contains("ip link set can0")) << "nothing crosses to it";
+    const Draft live = drafted(traffic.sent(), {.queue_lengths = {{"can1", 1000}}});
+    EXPECT_EQ(live.xml.contains("queue-length=\"1000\""), channels > 10) << live.xml;
+    EXPECT_FALSE(live.xml.contains("txqueuelen")) << "it is long enough as it is";
+  }
+}
+
 /// A required Period without a Deadline asks for one of the Period, which a bus need not keep where
 /// others send bursts.
 TEST(Draft, BurstsOfManySendersAreGrantedWithDeadlinesThatTheBusCanKeep) {
   Traffic traffic(3);
   for (std::uint32_t n = 0; n < 12; ++n)
-    traffic.bursts(0, (0x18f00000 + n) | kExtended, 8, 300'000, kSecond / 4, 60);
+    traffic.bursts(0, (0x18f00000 + (n % 2 << 8U) + n) | kExtended, 8, 300'000, kSecond / 4, 60);
   traffic.periodic(0, 0x1ff00000 | kExtended, 5 * kMs, kMs / 10, 8, 60);
   const Draft draft = drafted(traffic.sent(), {.bitrates = {{"can0", 500'000}}}, {"can0"});
   EXPECT_EQ(refused_in(draft), 0U) << draft.xml;

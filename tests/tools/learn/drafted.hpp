@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/admission/state.hpp"
+#include "core/design/inspect.hpp"
 #include "core/gates/plan.hpp"
 #include "description/read.hpp"
 #include "tests/tools/learn/traffic.hpp"
@@ -23,14 +24,6 @@ namespace mlcca::learn::test {
 
 inline const std::vector<std::string> kNames = {"can0", "can1"};
 
-inline Draft drafted(const std::vector<Sent>& sent, DraftOptions options = {},
-                     std::vector<std::string> names = kNames) {
-  Observer observer;
-  for (const Sent& one : sent) observer.add(one.frame());
-  observer.finish(names.size());
-  return tools::design::draft_that_holds(observer, names, options);
-}
-
 inline core::System described(const Draft& draft) {
   auto system = description::read_memory(draft.xml, "draft.xml", {}, description::Users::any);
   if (!system) {
@@ -39,6 +32,24 @@ inline core::System described(const Draft& draft) {
     return {};
   }
   return std::move(*system);
+}
+
+/// What is drafted passes a check.
+inline void expect_no_errors(const Draft& draft) {
+  auto system = described(draft);
+  system.sort_bindings();
+  for (const core::Finding& f : core::inspect(system).findings)
+    EXPECT_NE(core::info(f.id).severity, core::Severity::error) << f.text << "; " << f.hint;
+}
+
+inline Draft drafted(const std::vector<Sent>& sent, DraftOptions options = {},
+                     std::vector<std::string> names = kNames) {
+  Observer observer;
+  for (const Sent& one : sent) observer.add(one.frame());
+  observer.finish(names.size());
+  Draft draft = tools::design::draft_that_holds(observer, names, options);
+  expect_no_errors(draft);
+  return draft;
 }
 
 /// Deliveries that are refused.

@@ -12,11 +12,13 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "base/handle.hpp"
 #include "tests/support/require.hpp"
+#include "tests/tools/design/describe/program.hpp"
 #include "tests/tools/learn/traffic.hpp"
 #include "tools/learn/live.hpp"
 
@@ -142,6 +144,18 @@ TEST_F(ListenLive, OtherInterfacesAreRefused) {
   ASSERT_FALSE(lo.has_value());
   EXPECT_EQ(lo.error().text, "lo: is neither a CAN nor an Ethernet interface");
   EXPECT_FALSE(Listener::open({"none0"}, interfaces).has_value());
+}
+
+TEST_F(ListenLive, WithoutAnyFrameNothingIsDrafted) {
+  shell_command("ip link add down0 type veth peer name down1");
+  const mlcca::test::Folder folder;
+  const auto draft = folder.path("draft.xml");
+  const auto ran = mlcca::test::run({"learn", "eth0", "down0", "--for", "0s", "--output", draft});
+  EXPECT_EQ(ran.status, 2) << ran.out;
+  EXPECT_TRUE(ran.error.contains("no frame was seen; nothing was drafted")) << ran.error;
+  EXPECT_TRUE(ran.error.contains("eth0: nothing came while it was listened to")) << ran.error;
+  EXPECT_TRUE(ran.error.contains("down0: it is down, so nothing comes")) << ran.error;
+  EXPECT_FALSE(std::filesystem::exists(draft));
 }
 
 TEST_F(ListenLive, WithoutTheCapabilityItSaysWhatIsMissing) {

@@ -108,6 +108,61 @@ TEST_F(LearnVerb, WhatIsNewIsAPatchThatMakesADescription) {
   EXPECT_EQ(run({"learn", log, "--merge", path}).status, 0) << "it is all described now";
 }
 
+/// `text` with something instead of what stands there.
+std::string with(std::string text, const std::string& instead_of, const std::string& other) {
+  const auto at = text.find(instead_of);
+  EXPECT_NE(at, std::string::npos) << instead_of << " in " << text;
+  return at == std::string::npos ? text : text.replace(at, instead_of.size(), other);
+}
+
+TEST_F(LearnVerb, WhatIsProposedForAChannelThatIsThereIsADescriptionThatCheckAccepts) {
+  const auto log =
+      folder.write("two.log", frames("can0", "123", 4, 60) + frames("can0", "2F0", 4, 60));
+  const auto path = folder.path("system.xml");
+  ASSERT_EQ(run({"learn", log, "--output", path}).status, 0);
+  const std::string all = content_of(path);
+  const std::string binding =
+      "    <Binding channel=\"can0-2F0\"><Identifier form=\"standard\">0x2f0</Identifier>"
+      "</Binding>\n";
+  const std::string unbound = with(all, binding, "");
+  const std::string otherwise = with(all, "0x2f0", "0x2f1");
+  const auto publisher = unbound.find("  <Publisher name=\"can0-2F0\"");
+  ASSERT_NE(publisher, std::string::npos);
+  const std::string without_ends =
+      unbound.substr(0, publisher) + unbound.substr(unbound.find("</System>"));
+  const auto subject_at = otherwise.find("<SubjectUID>", otherwise.find("name=\"can0-2F0\""));
+  const std::pair<std::string, std::vector<std::string>> cases[] = {
+      {without_ends,
+       {"+" + binding, "+  <Publisher name=\"can0-2F0\" channel=\"can0-2F0\"",
+        "+  <Subscriber channel=\"can0-2F0\" gateway=\"gateway\"/>"}},
+      {otherwise,
+       {"+  <EventChannel name=\"can0-2F0-2\">", "+    <Binding channel=\"can0-2F0-2\">",
+        "+  <Publisher name=\"can0-2F0-2\" channel=\"can0-2F0-2\""}},
+      // Of the same name with another subject, and of another name with the same.
+      {std::string(otherwise).replace(subject_at + 12, 4, "0x1f"), {"name=\"can0-2F0-2\""}},
+      {with(with(with(otherwise, "<EventChannel name=\"can0-2F0\"", "<EventChannel name=\"other\""),
+                 "<Binding channel=\"can0-2F0\"", "<Binding channel=\"other\""),
+            "channel=\"can0-2F0\" network", "channel=\"other\" network"),
+       {}}};
+  int number = 0;
+  for (const auto& [text, proposed] : cases) {
+    std::string described = text;
+    if (proposed.empty())
+      described =
+          with(described, "<Subscriber channel=\"can0-2F0\"", "<Subscriber channel=\"other\"");
+    const auto changed = folder.write("changed" + std::to_string(++number) + ".xml", described);
+    const Ran ran = run({"learn", log, "--merge", changed});
+    EXPECT_EQ(ran.status, 1) << ran.error;
+    for (const std::string& line : proposed) EXPECT_TRUE(ran.out.contains(line)) << ran.out;
+    const Ran patched = run_program({"patch", changed, folder.write("change.patch", ran.out)});
+    ASSERT_EQ(patched.status, 0) << patched.out;
+    const Ran checked = run({"check", changed});
+    EXPECT_NE(checked.status, 2) << checked.error;
+    EXPECT_FALSE(checked.out.contains(" error MLCCA")) << number << checked.out;
+    EXPECT_EQ(run({"learn", log, "--merge", changed}).out, "") << "it is all described now";
+  }
+}
+
 TEST_F(LearnVerb, WhatIsNotAsItIsDescribedIsSaid) {
   const auto path = drafted();
   const auto longer = folder.write("longer.log", frames("can0", "123", 8, 60));

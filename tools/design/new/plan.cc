@@ -12,8 +12,10 @@
 #include "base/ascii.hpp"
 #include "base/number.hpp"
 #include "core/model/words.hpp"
+#include "description/read.hpp"
 #include "description/values.hpp"
 #include "tools/design/attribute_list.hpp"
+#include "tools/design/queue_lengths.hpp"
 #include "tools/values.hpp"
 
 namespace mlcca::tools::design {
@@ -152,7 +154,9 @@ class PlanWriter {
     put("  <Gateway name=\"{}\">\n    <!-- Assumed. -->\n", plan_.gateway);
     out_ += attribute_list("Provision", gives, "    ");
     for (const auto& network : plan_.networks)
-      put("    <Port network=\"{}\"><Interface name=\"{}\"/></Port>\n", network.name,
+      put("    <Port network=\"{}\"{}><Interface name=\"{}\"/></Port>\n", network.name,
+          network.queue_length == 0 ? ""
+                                    : fmt::format(" queue-length=\"{}\"", network.queue_length),
           network.interface);
     out_ += "  </Gateway>\n";
   }
@@ -268,6 +272,16 @@ Result<void> add_channel(Plan& plan, std::string_view text) {
 
 std::string description_of(const Plan& plan, std::uint64_t (*random)()) {
   return PlanWriter(plan, random).write();
+}
+
+std::string description_that_holds(Plan& plan, std::uint64_t (*random)()) {
+  std::string text = description_of(plan, random);
+  auto system = description::read_memory(text, "draft", {}, description::Users::any);
+  if (!system) return text;  // who asked for it says why it cannot be read
+  system->sort_bindings();
+  const auto queues = lengthen_queues(*system);
+  for (const auto& [network, frames] : queues) plan.networks[network].queue_length = frames;
+  return queues.empty() ? text : description_of(plan, random);
 }
 
 }  // namespace mlcca::tools::design

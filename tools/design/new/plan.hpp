@@ -17,7 +17,8 @@ struct PlannedNetwork {
   std::string name;
   core::NetworkKind kind{};
   std::string interface;
-  std::uint32_t bitrate = 0;  ///< bit/s, of a CAN bus
+  std::uint32_t bitrate = 0;       ///< bit/s, of a CAN bus
+  std::uint32_t queue_length = 0;  ///< frames, of the gateway's port on it; 0: as by default
 };
 
 struct PlannedChannel {
@@ -49,5 +50,7 @@ Result<void> add_channel(Plan& plan, std::string_view text);
 
 /// The XML. `random`: gives the subject of a channel, never 0.
 std::string description_of(const Plan& plan, std::uint64_t (*random)());
+/// The same, and the queues of the gateway hold what may wait there.
+std::string description_that_holds(Plan& plan, std::uint64_t (*random)());
 
 }  // namespace mlcca::tools::design

@@ -40,6 +40,19 @@ TEST_F(NewTest, OptionsMakeADescriptionThatFits) {
   EXPECT_NE(checked.out.find("robot: 2 channels: 2 fit"), std::string::npos) << checked.out;
 }
 
+TEST_F(NewTest, TheQueueOfThePortHoldsWhatCrosses) {
+  std::vector<std::string> options{"--gateway",  "g",         "--network",
+                                   "a:can:can0", "--network", "b:can:can1"};
+  for (int n = 1; n <= 12; ++n) {
+    options.emplace_back("--channel");
+    options.push_back("c" + std::to_string(n) + ":100ms:8:a:b");
+  }
+  ASSERT_EQ(make(options).status, 0);
+  EXPECT_TRUE(has("<Port network=\"b\" queue-length=\"12\"><Interface name=\"can1\"/>")) << made();
+  const auto checked = test::run({"check", path_});
+  EXPECT_EQ(checked.status, 0) << checked.out;
+}
+
 TEST_F(NewTest, AMeshIsDecidedAtRunTime) {
   ASSERT_EQ(make({"--gateway", "laptop", "--network", "bus:can:can0", "--network", "air:mesh:mesh0",
                   "--channel", "speed:50ms:8:bus:air"})
