@@ -71,7 +71,7 @@ export function placeFacts(p, resources) {
         i.profile === "none" ? (i.attached ? "CLOSED: no profile" : "no gate by design") : i.attached ? `gate on ${i.hook}, ${many(i.slots, "slot")}` : "NO GATE",
         i.problem, i.drift].filter(Boolean).join(", ")),
       ["ingress", "egress"].map((way) => fact(way === "ingress" ? "Came in" : "Went out",
-        `${count(i[way].passed)} passed, ${count(i[way].dropped)} dropped${i[way].would_drop ? `, ${count(i[way].would_drop)} would drop in enforce mode` : ""}${Object.entries(i[way].reasons)
+        `${count(i[way].passed)} passed, ${count(i[way].dropped)} dropped${i[way].would_drop ? `, ${count(i[way].would_drop)} would have been dropped` : ""}${Object.entries(i[way].reasons).filter(([why]) => why !== "passed")
           .map(([why, n]) => `; ${why}: ${count(n)}`).join("")}`))]));
 }
 
