@@ -203,7 +203,7 @@ std::optional<std::span<const std::uint8_t>> attribute(std::span<const std::uint
 }
 
 /// The first four bytes of an attribute: a number, or the rate in a struct can_bittiming.
-std::uint32_t number_in(std::span<const std::uint8_t> data, std::uint16_t type) {
+std::uint32_t first_number(std::span<const std::uint8_t> data, std::uint16_t type) {
   const auto found = attribute(data, type);
   std::uint32_t number = 0;
   if (found && found->size() >= sizeof number) std::memcpy(&number, found->data(), sizeof number);
@@ -244,11 +244,11 @@ Rates rates_of(const std::string& interface) {
   std::memcpy(&head, reply.data(), sizeof head);
   if (head.nlmsg_type != RTM_NEWLINK) return {};
   const auto all = std::span<const std::uint8_t>(reply).first(static_cast<std::size_t>(n));
-  Rates out{.queue_length = number_in(all.subspan(heads), IFLA_TXQLEN)};
+  Rates out{.queue_length = first_number(all.subspan(heads), IFLA_TXQLEN)};
   const auto info = attribute(all.subspan(heads), IFLA_LINKINFO);
   if (const auto data = info ? attribute(*info, IFLA_INFO_DATA) : std::nullopt) {
-    out.bitrate = number_in(*data, IFLA_CAN_BITTIMING);
-    out.data_bitrate = number_in(*data, IFLA_CAN_DATA_BITTIMING);
+    out.bitrate = first_number(*data, IFLA_CAN_BITTIMING);
+    out.data_bitrate = first_number(*data, IFLA_CAN_DATA_BITTIMING);
   }
   return out;
 }
