@@ -30,7 +30,7 @@ inline std::uint64_t drops_of(const enforce::PortGate& gate) {
 /// the gates on the way have dropped.
 template <class Drops, class Send, class Receive>
 Fate fate_of(const Fd& to, const Drops& drops, const Send& send, const Receive& receive) {
-  constexpr std::chrono::seconds patience{1};
+  constexpr std::chrono::seconds patience{5};  // where others use the processors, too
   const std::uint64_t before = drops();
   const auto end = std::chrono::steady_clock::now() + patience;
   send();
