@@ -114,7 +114,7 @@ bool Store::control(const std::string& command) const {
   for (std::size_t i = 0; i < count(); ++i) endpoints += (i == 0 ? "" : ",") + endpoint(i);
   return run_script(
       "export ETCDCTL_API=3\nROOT='--cacert=ca.pem --cert=root.pem --key=root.key"
-      " --dial-timeout=10s --command-timeout=10s --endpoints=" +
+      " --dial-timeout=60s --command-timeout=60s --endpoints=" +
           endpoints + "'\netcdctl $ROOT " + command,
       folder_.path());
 }
