@@ -48,15 +48,10 @@ void enter_namespaces(const WorkFolder& folder) {
 ip link set lo up
 mkdir -p /run/netns
 mount -t tmpfs none /run/netns
-for n in 1 2; do
-	ip netns add gw$n
-	ip link add lan0 netns gw$n type veth peer name far$n
-	ip -n gw$n link set lan0 up
-	ip link set far$n up
-done
 )",
                        folder.path()),
-            "links");
+            "a folder of namespaces");
+    require(make_gateway_links(folder), "links");
     entered = true;
   }
   for (const char* name : {"bpf1", "bpf2"}) {

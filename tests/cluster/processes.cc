@@ -70,6 +70,18 @@ bool run_script(const std::string& script, const std::string& folder) {
   return false;
 }
 
+bool make_gateway_links(const WorkFolder& folder) {
+  return run_script(R"(
+for n in 1 2; do
+	ip netns add gw$n
+	ip link add lan0 netns gw$n type veth peer name far$n
+	ip -n gw$n link set lan0 up
+	ip link set far$n up
+done
+)",
+                    folder.path());
+}
+
 int free_port() {
   const Fd socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
   sockaddr_in address{};

@@ -51,6 +51,8 @@ class Program {
 
 /// Runs a script of sh in a folder; false: it failed, and what it said was printed.
 bool run_script(const std::string& script, const std::string& folder);
+/// Namespaces gw1 and gw2, each with a link lan0 whose other end, far1 or far2, is here.
+bool make_gateway_links(const WorkFolder& folder);
 /// A port of the loopback that nobody uses now.
 int free_port();
 void write_file(const std::string& path, const std::string& text);

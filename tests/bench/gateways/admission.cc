@@ -69,16 +69,7 @@ class Pair {
     grant(store_, "gw2", "readwrite", "/mlcca/");
     test::write_file(folder_ / "t.xml", pair_xml("t"));
     test::write_file(folder_ / "bare.xml", pair_xml("bare"));
-    require(test::run_script(R"(
-for n in 1 2; do
-	ip netns add gw$n
-	ip link add lan0 netns gw$n type veth peer name far$n
-	ip -n gw$n link set lan0 up
-	ip link set far$n up
-done
-)",
-                             folder_.path()),
-            "links");
+    require(test::make_gateway_links(folder_), "links");
     described_ = std::make_unique<Described>(folder_ / "bare.xml");
     const auto settings = settings_of(folder_, "gw2");
     Direct direct(loop_, settings, store_.endpoint(0));
