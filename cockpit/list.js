@@ -13,7 +13,7 @@ export class List {
     this.scroller = h("div", { class: "scroller", role: "rowgroup", onscroll: () => this.later() }, this.body);
     this.element = h("div", { class: "list", role: "grid", "aria-label": label, onkeydown: (e) => this.key(e) },
       h("div", { class: "row head", role: "row", "aria-rowindex": 1 },
-        columns.map(([look, name]) => h("div", { role: "columnheader", class: look }, name))),
+        columns.map(([kind, name]) => h("div", { role: "columnheader", class: kind }, name))),
       this.scroller);
     new ResizeObserver(() => this.later()).observe(this.scroller);
   }

@@ -111,7 +111,7 @@ def examine(driver, state):
     assert not wrong, f"{state}: " + "\n".join(wrong)
 
 
-def look(driver, pictures, name):
+def take_picture(driver, pictures, name):
     if pictures:
         driver.save_screenshot(f"{pictures}/{name}.png")
 
