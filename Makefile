@@ -163,6 +163,11 @@ test-all:
 
 lint: check-layers check-format cppcheck tidy ## layering, clang-format-19, cppcheck and clang-tidy-19
 
+# Nothing here needs a compiler: seconds before every commit.
+check-quick: check-layers check-format ## what a commit breaks most easily: layers, names, format, form and dates of documents
+	$(Q)tests/docs/form
+	$(Q)tests/bench/age check
+
 check-layers: ## who may include whom, and no name that means another thing in a bundle
 	$(Q)tests/support/check-layers
 	$(Q)tests/support/check-bundles
@@ -258,4 +263,4 @@ help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 	@echo "  variables      O=build V=1 SAN=address,undefined DESTDIR= PREFIX=/usr/local CXX= CXXFLAGS="
 
-.PHONY: all demo test test-all lint check-layers check-format format cppcheck tidy analyse bench install uninstall check-install check-reproducible check-reproducible-packages clean help
+.PHONY: all demo test test-all lint check-quick check-layers check-format format cppcheck tidy analyse bench install uninstall check-install check-reproducible check-reproducible-packages clean help
