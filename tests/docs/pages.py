@@ -50,7 +50,7 @@ def read(path):
 def all_pages():
     examples = sorted((ROOT / "examples").glob("*/README.md"))
     docs = sorted((ROOT / "docs").rglob("*.md"))
-    return [read(path) for path in [ROOT / "README.md", *docs, *examples]]
+    return [read(path) for path in [ROOT / "README.md", ROOT / "CHANGELOG.md", *docs, *examples]]
 
 
 def anchors(page):
