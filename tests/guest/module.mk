@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # Tests on Debian's kernel in QEMU, each in a guest of its own.
 # GUEST_TESTS run from init, GUEST_SYSTEMD_TESTS as a service of systemd. What they need built is a
-# prerequisite of check-guest. Those that take longest are first: at the end no processor waits for one.
+# prerequisite of check-guest. Those that take longest run first, so that at the end no processor waits
+# for one of them.
 GUEST_TESTS :=
 GUEST_SYSTEMD_TESTS :=
+GUEST_LONGEST = $(addprefix tests/guest/cases/,kills nth-call subscriptions-travel)
 GUEST_JOBS ?= 2
 GUEST_READY := $O/guest/ready
 
@@ -17,7 +19,8 @@ check-guest: all $(GUEST_READY) $O/tests/nth_call.so $O/tests/speak ## the produ
 	$(Q)for case in $(filter-out $(GUEST_TESTS) $(GUEST_SYSTEMD_TESTS),$(wildcard tests/guest/cases/*)); do \
 		echo "$$case is in no list of guest tests"; exit 1; done
 	$(Q)BUILD=$(abspath $O) GUEST_IMAGE=$(abspath $O)/guest tests/guest/run-tests -j $(GUEST_JOBS) \
-		$O/guest/log --systemd $(GUEST_SYSTEMD_TESTS) --init $(GUEST_TESTS)
+		$O/guest/log --systemd $(GUEST_SYSTEMD_TESTS) --init $(GUEST_LONGEST) \
+		$(filter-out $(GUEST_LONGEST),$(GUEST_TESTS))
 
 # Of what is built: no file is compiled for them. The pages that they carry may be older than those of the tree.
 PACKAGES_READY := $O/packages/ready
