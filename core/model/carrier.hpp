@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Who carries events from one network to another at a gateway.
+// Decides who carries events from one network to another at a gateway: the kernel or a program.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -9,9 +9,9 @@
 
 namespace mlcca::core {
 
-/// The kernel carries events of the one network to the other at the gateway: can-gw between CAN
-/// networks, a bridge or multicast routing between Ethernet-like ones, where the gateway leaves
-/// that to it. Else a program does: sender_at().
+/// Whether the kernel carries events between the two networks at this gateway: can-gw between CAN
+/// networks; a bridge or multicast routing between Ethernet-like ones, unless the gateway uses the
+/// relay. If it returns false, the program of sender_at() carries them.
 [[nodiscard]] inline bool are_joined_by_kernel(const Gateway& gateway, const Network& from,
                                                const Network& to) {
   const bool from_can = from.kind == NetworkKind::can;
@@ -20,7 +20,8 @@ namespace mlcca::core {
   return from_can == to_can && (from_can || gateway.forwarder != Forwarder::relay);
 }
 
-/// Frames come to the hop of a way as they leave the bus before: the kernel carries them.
+/// Whether the kernel forwards frames from a CAN bus to `hops[hop]`, so that they arrive as they
+/// left that bus. `hops` is the route as hops_of() gives it.
 [[nodiscard]] inline bool is_forwarded(const System& system, std::span<const Place> hops,
                                        std::size_t hop) {
   if (hop < 2 || hops[hop].kind != Place::Kind::network ||
@@ -32,7 +33,8 @@ namespace mlcca::core {
                               system.networks[hops[hop].index]);
 }
 
-/// The user whose program sends at the port what the kernel does not carry there; none: nobody may.
+/// The user ID of the program that may send on this port what the kernel does not carry there;
+/// nullopt: no program may.
 [[nodiscard]] inline std::optional<std::uint32_t> sender_at(const Gateway& gateway,
                                                             const Port& port) {
   if (port.sender) return port.sender;

@@ -7,7 +7,7 @@
 namespace mlcca::core {
 namespace {
 
-/// Payload bytes of a frame that are the event's, when it is in one frame.
+/// Payload bytes of the event in a frame that carries it unfragmented.
 unsigned room(const Network& network, const Binding& binding) {
   const Fragmentation* const several = fragmentation_of(network, binding);
   return frame_bytes(binding) - (several == nullptr ? 0 : several->tail);

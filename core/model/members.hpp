@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Who publishes and who subscribes: the described ends and those admitted at run time.
+// The endpoints of all channels: those that the description lists and those that were admitted at
+// run time.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -12,11 +13,12 @@
 
 namespace mlcca::core {
 
-/// Id of a run-time admission; 0 means described.
+/// Identifies a run-time admission. 0 stands for an endpoint of the description, which has none.
 using AdmissionId = std::uint64_t;
 
-/// The admissions of a publisher and of subscribers, each once, where no two of the subscribers are
-/// of the same one. The work is linear: a channel may have thousands.
+/// Returns the admissions to which a publisher and its subscribers belong, without duplicates.
+/// Described endpoints (Id{}) are left out. No two of the subscribers may belong to the same
+/// admission; this keeps the work linear, as a channel may have thousands of subscribers.
 template <class Id, class IdOf>
 std::vector<Id> each_once(Id of_publisher, std::span<const std::size_t> subscribers,
                           const IdOf& id_of) {
@@ -32,20 +34,22 @@ std::vector<Id> each_once(Id of_publisher, std::span<const std::size_t> subscrib
   return ids;
 }
 
-/// Described ends have the numbers that they have in the System, which must outlive this; those
-/// admitted at run time follow. Numbers stay valid while a member is there; a removed member's may
-/// be used again.
+/// Numbers all endpoints and finds them by channel and by admission. A described endpoint keeps the
+/// index that it has in the System, which must outlive this object; those admitted at run time get
+/// the indices behind. An index stays valid as long as its endpoint is a member and may be used
+/// again after remove().
 class Members {
  public:
   explicit Members(const System& system);
 
-  /// At most one publisher and one subscriber for each admission.
+  /// Adds an endpoint and returns its index. An admission may add at most one publisher and one
+  /// subscriber.
   std::size_t add(Publisher publisher, AdmissionId admission);
   std::size_t add(Subscriber subscriber, AdmissionId admission);
-  /// What an admission brings in.
+  /// Adds the publisher, the subscriber or both that an admission consists of.
   void add(AdmissionId admission, std::optional<Publisher>&& publisher,
            std::optional<Subscriber>&& subscriber);
-  /// Removes what the admission brought in.
+  /// Removes the endpoints of an admission; does nothing if there are none.
   void remove(AdmissionId admission);
 
   [[nodiscard]] const Publisher& publisher(std::size_t i) const { return publishers_[i]; }
@@ -63,7 +67,7 @@ class Members {
   [[nodiscard]] const std::vector<std::size_t>& subscribers_of(std::size_t channel) const {
     return by_channel_[channel].subscribers;
   }
-  /// What an admission brought in.
+  /// The indices of the endpoints that an admission added.
   struct Admitted {
     std::optional<std::size_t> publisher;
     std::optional<std::size_t> subscriber;
@@ -72,13 +76,14 @@ class Members {
     const auto found = admitted_.find(admission);
     return found == admitted_.end() ? Admitted{} : found->second;
   }
-  /// Pairs of a publisher and a subscriber of a channel that there would not be without admissions.
+  /// The number of (publisher, subscriber) pairs in one channel in which at least one of the two
+  /// was admitted at run time. Quotas limit it, since the work of a decision grows with it.
   [[nodiscard]] std::size_t admitted_pairs() const { return admitted_pairs_; }
   [[nodiscard]] std::size_t channels() const { return by_channel_.size(); }
 
  private:
-  /// Ends of one kind: the described ones, then a slot for each that was admitted. One that is
-  /// empty is in `free`.
+  /// The endpoints of one kind: the described ones, followed by a slot for each admitted one.
+  /// `free_` lists the empty slots (as indices of endpoints).
   template <class End>
   class Ends {
    public:

@@ -4,10 +4,10 @@
 
 namespace mlcca::core {
 
-/// The file of what was not described but came at run time.
+/// Stands for "no file": the thing came at run time and is not in the description.
 inline constexpr std::uint32_t kNoFile = 0xffffffff;
 
-/// Where something was declared, for error texts.
+/// Where something was declared, for messages about errors.
 struct Origin {
   std::uint32_t file = kNoFile;  ///< index into System::files
   int line = 0;

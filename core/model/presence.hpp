@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Gateways that announce themselves to each other, so that another one takes the place of one that
+// Gateways that announce their presence to each other, so that another one takes over when one
 // fails.
 #pragma once
 #include <cstddef>
@@ -9,20 +9,21 @@
 
 namespace mlcca::core {
 
-/// Messages of a gateway that may be lost, one after the other, before it has failed.
+/// The number of consecutive announcements that may be lost before a gateway counts as failed.
 inline constexpr Value kPresenceLosses = 3;
 
-/// The networks over which two gateways know each other's presence: those of both that have
-/// Subscriptions. None where one of them does not announce itself.
+/// The networks over which two gateways observe each other's presence: those where both have a port
+/// and that accept subscriptions. Empty if one of the two does not announce itself.
 [[nodiscard]] std::vector<std::size_t> presence_networks(const System& system, std::size_t gateway,
                                                          std::size_t other);
 
-/// A longer grace of a gateway counts as this one, ns: an hour.
+/// Upper limit, in ns, of the grace that counts: one hour. A longer grace of a gateway counts as
+/// this one.
 inline constexpr Value kLongestPresenceGrace = 3'600'000'000'000;
 
-/// For how long one message of a gateway says that it is there, ns: for kPresenceLosses intervals
-/// and its grace, since its gates stay as they are for so long when its daemon dies. For example
-/// 0.5 s and a grace of 2 s give 3.5 s.
+/// How long one announcement is valid, in ns: kPresenceLosses intervals plus the sender's grace,
+/// since its gates keep their verdicts for the grace after its daemon has died. For example, an
+/// interval of 0.5 s and a grace of 2 s give 3.5 s.
 [[nodiscard]] Value presence_lasts(Value interval, Value grace);
 
 }  // namespace mlcca::core

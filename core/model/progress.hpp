@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What goes through very many channels, rules or slots says now and then that it goes on.
+// Progress reports from long computations, so that the heart-beat goes on while they run.
 #pragma once
 #include <functional>
 #include <utility>
 
 namespace mlcca::core {
 
-/// While it lives, `on_step` is called on this thread as made() and step() say. It must not touch
-/// what is being worked on.
+/// While an object of this class lives, made() and step() on the same thread call `on_step`. It
+/// must not touch the data of the computation. Objects nest; the innermost one is called.
 class Progress {
  public:
   explicit Progress(std::function<void()> on_step)
@@ -18,15 +18,15 @@ class Progress {
   Progress& operator=(Progress&&) = delete;
   ~Progress() { current_ = before_; }
 
-  /// After what takes as long as the decision of a channel.
+  /// Reports a unit of work that takes as long as the decision of a channel.
   static void made() {
     if (current_ != nullptr) current_->on_step_();
   }
-  /// After what takes a microsecond or less: so many of these are reported as one.
+  /// Reports a unit of work that takes a microsecond or less. Only every kSteps-th is passed on.
   static void step() {
     if (current_ != nullptr && ++current_->steps_ % kSteps == 0) current_->on_step_();
   }
-  /// A projection for algorithms that compare: each read of an element is a step.
+  /// A projection for algorithms that compare elements: each read of an element counts as a step.
   template <auto Member>
   struct At {
     const auto& operator()(const auto& element) const {

@@ -15,7 +15,7 @@ constexpr unsigned kOctet = 8;
 constexpr unsigned kWord = 16;
 constexpr std::string_view kDigits = "0123456789abcdef";
 
-/// `octets` numbers of that base, each followed by the separator but the last, and nothing else.
+/// Reads exactly `octets` numbers of base `base` with separators between them, and nothing behind.
 std::optional<std::uint64_t> read(std::string_view text, unsigned octets, char separator, int base,
                                   std::size_t most_digits) {
   std::uint64_t out = 0;
@@ -39,7 +39,7 @@ std::uint8_t octet(std::uint64_t bits, unsigned from_last) {
   return static_cast<std::uint8_t>(bits >> (kOctet * from_last));
 }
 
-/// "0xbeef".
+/// Takes four hexadecimal digits after "0x" off the text, such as "0xbeef".
 std::optional<std::uint16_t> take_word(std::string_view& text) {
   constexpr std::size_t digits = 4;
   if (!text.starts_with("0x") && !text.starts_with("0X")) return std::nullopt;
@@ -49,7 +49,7 @@ std::optional<std::uint16_t> take_word(std::string_view& text) {
   return before - text.size() == digits ? word : std::nullopt;
 }
 
-/// "0xbeef:0x0001".
+/// Reads a PAN and a short address, such as "0xbeef:0x0001".
 std::optional<Station> short_address(std::string_view text) {
   const auto pan = take_word(text);
   if (!pan || !text.starts_with(':')) return std::nullopt;
@@ -66,7 +66,7 @@ void add_hexadecimal(std::string& to, std::uint64_t bits, unsigned octets) {
   }
 }
 
-/// Octets with colons between them.
+/// Formats octets with colons between them.
 std::string colons(std::uint64_t bits, unsigned octets) {
   std::string text;
   for (unsigned n = octets; n-- > 0;) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Who sends on a network whose frames carry the subject, as they show it.
+// The address of a sender on a network whose frames carry the subject, in the form in which gates
+// see it.
 #pragma once
 #include <compare>
 #include <cstdint>
@@ -11,29 +12,30 @@ namespace mlcca::core {
 
 enum class NetworkKind : std::uint8_t;
 
-/// An IPv4 address (datagrams) or a MAC address (events in AWDS packets); on 802.15.4 an extended
-/// address, or a PAN and a short address; 0: the wildcard.
+/// A source address: IPv4 (datagrams), MAC (events in AWDS packets), or on 802.15.4 an extended
+/// address or a PAN with a short address. 0 is the wildcard for any sender.
 struct Station {
-  /// As in bpf/ether.h. IPv4: below 2^32. MAC: 2^48 and its 48 bits. Short: 2^49, PAN and address.
-  /// Extended: its 64 bits, and in them 2^56, which is the bit of a group.
+  /// Encoded as in bpf/ether.h. IPv4: the address, below 2^32. MAC: bit 48 and its 48 bits. Short:
+  /// bit 49, PAN and address. Extended: its 64 bits with bit 56 set; that is the group bit, which
+  /// is clear in every address of a single node.
   std::uint64_t bits = 0;
 
   [[nodiscard]] bool is_wildcard() const { return bits == 0; }
-  /// Of 802.15.4.
+  /// Whether it is an address of 802.15.4.
   [[nodiscard]] bool is_wpan() const { return bits >> 49U != 0; }
   auto operator<=>(const Station&) const = default;
 };
 
-/// "192.0.2.7" or "02:00:00:00:00:01"; of 802.15.4 "02:00:00:00:00:00:00:01", or PAN and short
-/// address "0xbeef:0x0001"; in either case. Nothing for anything else, and for addresses that no
-/// station sends from: 0.0.0.0, those of groups, 255.255.255.255, 00:00:00:00:00:00, short ones
-/// from 0xfffe on.
+/// Parses "192.0.2.7" or "02:00:00:00:00:01"; for 802.15.4 "02:00:00:00:00:00:00:01" or PAN and
+/// short address "0xbeef:0x0001". Digits may be of either case. Returns nullopt for anything else
+/// and for addresses that are never a source: 0.0.0.0, 255.255.255.255, 00:00:00:00:00:00, loopback
+/// and group addresses, and short addresses from 0xfffe on.
 [[nodiscard]] std::optional<Station> station_of(std::string_view text);
-/// The same of a network of that kind alone.
+/// Parses only the forms that a network of this kind uses.
 [[nodiscard]] std::optional<Station> station_on(NetworkKind kind, std::string_view text);
-/// What to state there, with an example.
+/// Describes the form of an address on such a network, with an example, for messages about errors.
 [[nodiscard]] std::string_view station_words(NetworkKind kind);
-/// As station_of() reads it; "" for the wildcard.
+/// Formats an address as station_of() reads it; "" for the wildcard.
 [[nodiscard]] std::string to_text(Station station);
 
 }  // namespace mlcca::core

@@ -26,11 +26,11 @@ constexpr std::array<Unit, 1> kPercent{{{10000000, " %"}}};
 constexpr std::array<Unit, 1> kBytes{{{1, " bytes"}}};
 constexpr std::array<Unit, 1> kCount{{{1, ""}}};
 
-/// How a person reads values whose own unit is that of the table.
+/// How values of the attributes with one unit of the table are shown to a person.
 struct Reading {
   std::string_view unit;
   std::span<const Unit> units;
-  const char* excess;  ///< what is more than required, or less where larger is better
+  const char* excess;  ///< follows the amount by which a requirement is missed
 };
 constexpr std::array<Reading, 5> kReadings{{{"ns", kTime, " too long"},
                                             {"bytes/s", kRate, " short"},
@@ -54,7 +54,8 @@ const Unit& unit_of(Attribute attribute, Value value) {
   return units.back();
 }
 
-/// Thousandths, or the last digit that a percentage of 1e-9 parts can have; or so much less.
+/// The rounding step: a thousandth of the unit divided by `finer`, at least 1. A percentage keeps
+/// the last digit that parts of 1e-9 can have.
 Value step_of(const Unit& unit, Value finer) {
   return unit.name == " %" ? 1 : std::max<Value>(unit.size / 1000 / finer, 1);
 }
@@ -97,7 +98,7 @@ std::string compared(const System& system, const Row& row, const std::string& pl
   return text + " (" + format_margin(system, row) + ")";
 }
 
-/// Which frames with a data phase a channel has on a bus.
+/// Which frames with a data phase the channel may have on the bus.
 std::string_view forms_of(const System& system, const Verdict& v) {
   const Binding* binding = system.networks[v.obstacle_at.index].binding_of(v.channel);
   if (binding != nullptr && binding->format == FrameFormat::xl) return "are XL frames";
@@ -105,7 +106,8 @@ std::string_view forms_of(const System& system, const Verdict& v) {
   return "may be FD frames";
 }
 
-/// Why longer events are not carried in several frames, where others are.
+/// Why longer events of this channel are not fragmented although the profile can do so; empty
+/// otherwise.
 std::string why_in_one_frame(const System& system, const Verdict& v) {
   const Network& network = system.networks[v.obstacle_at.index];
   const Binding* const binding = network.binding_of(v.channel);
@@ -115,7 +117,8 @@ std::string why_in_one_frame(const System& system, const Verdict& v) {
   return why.empty() ? "" : ": " + std::string(why);
 }
 
-/// "a frame of can0"; of networks of datagrams with the limit, which no binding states.
+/// Names what the event does not fit, "a frame of can0". For networks of datagrams the limit is
+/// added, since no binding states it.
 std::string what_is_too_short(const System& system, const Verdict& v) {
   const Network& network = system.networks[v.obstacle_at.index];
   const bool one_frame = !network.carries_subjects() || network.kind == NetworkKind::ieee802154;
@@ -125,7 +128,7 @@ std::string what_is_too_short(const System& system, const Verdict& v) {
   return what;
 }
 
-/// What the description would have to say, so that gateways can count what they hold together.
+/// What the description lacks, so that gateways cannot compute what they hold together.
 std::string why_unknown(const System& system, const Verdict& v) {
   const Network& network = system.networks[v.obstacle_at.index];
   if (network.kind == NetworkKind::can && network.bus.bitrate == 0)
@@ -246,7 +249,7 @@ BoundWords format_bound(Attribute attribute, Value bound, Value limit) {
     return rounded(bound, step_of(of_bound, finer)) != rounded(limit, step_of(of_limit, finer));
   };
   Value finer = 1;
-  while (!differ(finer)) finer *= 10;  // each step ends at 1
+  while (!differ(finer)) finer *= 10;  // ends at the latest when steps have become 1
   return {with_unit(bound, of_bound, finer), with_unit(limit, of_limit, finer)};
 }
 
@@ -296,7 +299,7 @@ UserAttribute of_unit(std::string_view name) {
   UserAttribute out;
   out.unit = name;
   if (!name.starts_with("1e")) return out;
-  constexpr int most = 30;  // of a description
+  constexpr int most = 30;  // the range that descriptions allow
   const std::size_t end = std::min(name.find(' '), name.size());
   const auto magnitude = number_in<int>(name.substr(2, end - 2));
   if (!magnitude || *magnitude < -most || *magnitude > most) return out;
@@ -406,7 +409,7 @@ std::string names_of(const Members& members, const std::vector<std::size_t>& pub
 
 namespace {
 
-/// Of which bus, and whose.
+/// Names the frames of a schedule row: their bus, and the publisher or gateway they belong to.
 std::string frames_of(const System& system, const Members& members, const Row& row) {
   if ((row.end & Row::kOfGateway) != 0)
     return "the frames taken by gateway " + system.gateways[row.end & ~Row::kOfGateway].name +

@@ -40,7 +40,7 @@ const std::vector<Route>& Topology::routes(Place from, Place to) const {
   return it->second;
 }
 
-/// Steps from each place to one of them.
+/// The number of steps from each place to one destination.
 class Topology::Distances {
  public:
   Distances(const Topology& topology, Place to)
@@ -69,8 +69,9 @@ class Topology::Distances {
   std::vector<std::size_t> of_gateway_;
 };
 
-/// Depth first, one length after the other, and never to where `to` is too far away to be reached
-/// in time: the cost is that of the routes that there are, not of the ways that lead nowhere.
+/// Finds routes depth first, one length after the other. It never goes to a place from which `to`
+/// cannot be reached in the remaining steps, so the cost depends on the routes that exist and not
+/// on dead ends.
 class Topology::Search {
  public:
   Search(const Topology& topology, Place from, Place to)
@@ -79,7 +80,7 @@ class Topology::Search {
   }
 
   std::vector<Route> run() {
-    // Networks and gateways alternate: two places have an odd or an even distance on every route.
+    // Networks and gateways alternate, so all routes between two places have the same parity.
     for (std::size_t steps = steps_to_.at(route_.front()); steps <= kMostSteps && !enough();
          steps += 2)
       extend(steps);
@@ -93,7 +94,7 @@ class Topology::Search {
     return found_.size() == kMaxRoutes || explored_ == kMaxExplored;
   }
 
-  /// Finds every route that goes on from here with exactly so many steps.
+  /// Finds every way to continue the route to `to` in exactly that many steps.
   void extend(std::size_t steps) {
     ++explored_;
     if (steps == 0) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which way from one place to another: networks and gateways as a graph, routes by fewest hops.
+// Finds routes: networks and gateways form a graph, in which routes with the fewest hops come
+// first.
 #pragma once
 #include <map>
 #include <span>
@@ -10,25 +11,27 @@
 
 namespace mlcca::core {
 
-/// Places in order of travel, alternating networks and gateways, both ends included. A gateway at
-/// an end is where a local program sits; elsewhere it forwards.
+/// Places in the order of travel, networks and gateways alternating, both ends included. A gateway
+/// at an end hosts a local program; elsewhere it forwards.
 using Route = std::vector<Place>;
 
-/// The part of a route that an event travels through: a gateway at an end is not a hop.
+/// The part of a route that events travel through. A gateway at either end is not a hop.
 [[nodiscard]] std::span<const Place> hops_of(const Route& route);
 
+/// Finds the routes between two places of a System, and keeps what it has found. The System is read
+/// by the constructor only. Not safe for use by several threads, since routes() fills a cache.
 class Topology {
  public:
   explicit Topology(const System& system);
 
-  /// The declared route, where there is one. Otherwise routes without a loop, fewest hops first, at
-  /// most kMaxRoutes; equal lengths in the order of the description. Empty when there is none
-  /// within kMaxHops.
+  /// Returns the declared route if there is one. Otherwise the loop-free routes with the fewest
+  /// hops first, at most kMaxRoutes; those of equal length in the order of the description. Empty
+  /// if there is none within kMaxHops.
   [[nodiscard]] const std::vector<Route>& routes(Place from, Place to) const;
 
-  /// Alternatives that are tried for one pair of places.
+  /// The most alternative routes for one pair of places.
   static constexpr std::size_t kMaxRoutes = 16;
-  /// Partial routes that one search may extend, so that a dense graph stays cheap.
+  /// The most partial routes that one search extends. It limits the cost in a dense graph.
   static constexpr std::size_t kMaxExplored = 65536;
 
  private:

@@ -15,7 +15,8 @@ const UserValue* find(const UserValues& values, std::uint32_t attribute) {
   return it != values.end() && it->attribute == attribute ? &*it : nullptr;
 }
 
-/// What a gateway gives where it states nothing.
+/// What a gateway provides where it states nothing: no limit, for compositions that have such a
+/// value.
 std::optional<Value> no_limit(Composition composition) {
   Value value = 0;
   if (!unlimited_by_gateway(composition, &value)) return std::nullopt;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// User-defined attributes through the same rules as the built-in ones: the harder of two
-// requirements, the provision of a route, the comparison.
+// The rules for user-defined attributes. They are those of the built-in attributes: union of two
+// requirements, composition along a route, comparison.
 #pragma once
 #include <span>
 
@@ -9,21 +9,24 @@
 
 namespace mlcca::core {
 
-/// The union of two requirements: of an attribute that both state, the harder value.
+/// The strictest union of two requirements: all attributes that either states, with the harder
+/// value where both do.
 [[nodiscard]] UserValues strictest(const System& system, const UserValues& a, const UserValues& b);
 
-/// What one hop provides, and whether it is a gateway: one that does not state an attribute
-/// composed by maximum or minimum does not limit it.
+/// One hop of a route for composed(). If a gateway does not state an attribute that is composed by
+/// maximum or minimum, it does not limit it.
 struct UserHop {
   const UserValues* provision = nullptr;
   bool gateway = false;
-  unsigned frames = 1;  ///< of one event, for composition survival
+  unsigned frames = 1;  ///< frames of one event, used by composition survival
 };
 
-/// What a route of at most kMaxHops hops provides; what a hop does not state, it does not.
+/// Composes the provisions of a route of at most kMaxHops hops. An attribute that some hop does not
+/// provide is missing in the result.
 [[nodiscard]] UserValues composed(const System& system, std::span<const UserHop> hops);
 
-/// A requirement against a provision. The attribute of the Comparison has no meaning.
+/// Compares a requirement with a provision. The field `attribute` of the result has no meaning; the
+/// caller knows which user-defined attribute it passed.
 [[nodiscard]] Comparison compare(const System& system, const UserValue& required,
                                  const UserValues& provision);
 

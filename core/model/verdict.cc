@@ -9,21 +9,22 @@
 namespace mlcca::core {
 namespace {
 
-/// As a rule what is carried is exactly what the publisher offers; what a person wants to know is
-/// how near time and loss are.
+/// Whether the row says nothing about the quality of a grant: as a rule exactly the offered payload
+/// and rate are carried. A person wants to know the margins of time and loss.
 bool is_met_by_rule(const Comparison& c) {
   return c.attribute == Attribute::max_payload ||
          (c.attribute == Attribute::period && c.provided == c.required);
 }
 
-/// What is left of the time of a mesh is less than what its way could carry alone.
+/// Whether the row states the bandwidth of a path alone, while another row states the free medium
+/// time, which is less.
 bool is_said_of_the_medium(const Verdict& verdict, const Row& row) {
   return !row.is_user() && row.comparison.attribute == Attribute::bandwidth &&
          std::ranges::any_of(
              verdict.rows, [](const Row& other) { return other.against == Against::medium_time; });
 }
 
-/// What cannot fit before what is not known yet.
+/// The row that refuses: the first that is unfit, otherwise the first that is unknown.
 const Row* refusing_row(const Verdict& verdict) {
   const Row* unknown = nullptr;
   for (const Row& row : verdict.rows) {
@@ -77,7 +78,7 @@ const Row* deciding_row(const Verdict& verdict) {
     if (tightest == nullptr || slack(row.comparison) < slack(tightest->comparison)) tightest = &row;
   }
   if (tightest != nullptr) return tightest;
-  // What does not fit of something that is granted is what others could have in its place.
+  // An unfit row of a grant belongs to an alternative that would be available to others.
   const auto fit = std::ranges::find_if_not(verdict.rows, is_unfit);
   return fit == verdict.rows.end() ? nullptr : &*fit;
 }
@@ -88,7 +89,7 @@ AttributeSet reaction_terms(const Verdict& verdict) {
     if (verdict.requirement.has(a)) terms.set(a, verdict.requirement[a]);
   for (const Attribute a : {Attribute::latency, Attribute::jitter})
     if (verdict.provision.has(a)) terms.set(a, verdict.provision[a]);
-  // A Jitter that is not stated is at most the Latency.
+  // A Jitter that is not stated is bounded by the Latency.
   if (!terms.has(Attribute::jitter) && terms.has(Attribute::latency))
     terms.set(Attribute::jitter, terms[Attribute::latency]);
   return terms;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The words of enumerations, as descriptions, files of links and people have them.
+// The texts of enumerators as they appear in descriptions, files of links and outputs.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -13,7 +13,8 @@
 
 namespace mlcca::core {
 
-/// In the order of the enumeration. Where a description says nothing, the first is meant.
+/// One text per enumerator, in the order of the enumeration. The first is the default of a
+/// description that states nothing.
 template <class Enum, std::size_t N>
 struct Words : std::array<std::string_view, N> {
   [[nodiscard]] constexpr std::string_view of(Enum value) const {
