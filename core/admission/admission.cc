@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which route, and which of a channel's attribute sets.
+// Chooses the route of each delivery, and decides a channel in one of its attribute sets.
 #include "core/admission/admission.hpp"
 
 #include <algorithm>
@@ -21,8 +21,8 @@ bool passes(const Route& route, auto gateway_is) {
   return false;
 }
 
-/// The ways that a delivery may take, the one to be preferred first. Most have one alone: nothing
-/// is allocated for that.
+/// Iterates over the routes that a delivery may take, the preferred one first. Most deliveries have
+/// a single one; nothing is allocated for them.
 class Ways {
  public:
   Ways(const Situation& s, const std::vector<Route>& routes) : s_(s), routes_(routes) {
@@ -30,12 +30,13 @@ class Ways {
     const auto announces = [&s](std::size_t g) { return s.system.gateways[g].presence != 0; };
     elected_ = s.world.elects ||
                std::ranges::any_of(routes, [&](const Route& r) { return passes(r, announces); });
-    // Nobody takes the place of a gateway on the only way.
+    // A failed gateway on the only possible routes has no replacement.
     avoids_failed_ =
         elected_ && !std::ranges::all_of(routes, [&](const auto& r) { return fails(r); });
   }
 
-  /// All gateways that join the same networks choose the same one of them, whatever came before.
+  /// Whether the gateways on the routes are elected, so that the choice must not depend on the
+  /// past: all gateways that join the same networks choose the same one.
   [[nodiscard]] bool elected() const { return elected_; }
   [[nodiscard]] bool several() const { return behind(first()) != routes_.end(); }
 
@@ -60,10 +61,10 @@ class Ways {
   bool avoids_failed_ = false;
 };
 
-/// Decides the deliveries of a channel, one after the other.
+/// Decides the deliveries of one channel, one after the other.
 class Deliveries {
  public:
-  /// `before`: as of decide_in(). `barred`: gateways that carry nothing of what they would take
+  /// `before`: see decide_in(). `barred`: gateways that may forward nothing that they would take
   /// from any sender.
   Deliveries(const Situation& s, Ledger& ledger, const std::vector<Target>& targets,
              const Decision* before, const std::vector<std::size_t>& barred)
@@ -78,7 +79,7 @@ class Deliveries {
     const Verdict* const old = before_ != nullptr ? same_delivery(*before_, start) : nullptr;
     const bool kept = old != nullptr && old->granted;
     const Ledger::Mark mark = ledger_.mark();
-    // Of what was granted before a restart the way is not known any more.
+    // After a restart the former route is unknown.
     const Route* const way = kept && !old->route.empty() ? &old->route : nullptr;
     Verdict v = decide(std::move(start), way);
     if (v.granted && before_ != nullptr && !kept) {
@@ -88,7 +89,7 @@ class Deliveries {
     return v;
   }
 
-  /// What is granted, so that those decided later know its senders.
+  /// Records the senders of a granted delivery for the decisions that follow.
   void note_granted(const Verdict& v) { senders_.add(v.publisher, v.route); }
 
  private:
@@ -184,8 +185,8 @@ Decision decide_in(const Situation& situation, std::size_t channel, std::size_t 
     const std::size_t tried = situation.tried == nullptr ? 0 : situation.tried->size();
     Decision decision = decide_all(situation, channel, set,
                                    Deliveries(situation, ledger, targets, before, barred), targets);
-    // With each round one more gateway takes nothing from any sender; where none does, there is no
-    // echo.
+    // Each round bars one more gateway from taking events from any sender. It ends because there is
+    // no echo when all are barred.
     const auto echo = find_echo(situation.system, situation.members, decision.verdicts);
     if (!echo) return decision;
     ledger.roll_back(mark);

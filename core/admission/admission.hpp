@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The decision about one channel: which publisher may reach which place, given what is described,
-// what is promised already and what the networks can do now. Pure: same input, same answer.
+// The decision about one channel: which publisher may reach which place, given the description, the
+// reservations so far and the present state of the networks. Pure: same input, same answer.
 #pragma once
 #include <cstddef>
 #include <functional>
@@ -18,8 +18,8 @@
 
 namespace mlcca::core {
 
-/// The message of a flow on a bus, the hop of that number of its route; nothing where the
-/// description does not say enough.
+/// The message that a delivery would have on a bus. `hop` is its position on the route; `message`
+/// is nullopt if the description lacks what the message depends on.
 struct TriedMessage {
   std::size_t hop = 0;
   std::optional<can::Message> message;
@@ -27,13 +27,13 @@ struct TriedMessage {
 
 class Permits;
 
-/// Whether the best cases hold that a delivery depends on, in the attribute set and on the way of
+/// Whether the best cases hold that a delivery depends on, in the attribute set and on the route of
 /// the verdict.
 using BestCasesHold = std::function<bool(const Verdict& verdict)>;
 
-/// What is decided as if everything were reserved that is needed.
+/// Makes a decision assume that this gateway could reserve in the store whatever it needs.
 struct Wish {
-  /// Shared networks of which nothing can be reserved now, and why.
+  /// Shared networks on which nothing can be reserved at present, with the reason.
   std::map<std::size_t, Obstacle> barred;
 };
 
@@ -43,39 +43,43 @@ struct Situation {
   const Topology& topology;
   const Members& members;
   const World& world;
-  const std::vector<bool>& withdrawn;  ///< per channel: by an operator
-  /// At design time a best case passes: it is decided at run time, where it does not.
+  const std::vector<bool>& withdrawn;  ///< per channel: an operator has withdrawn it
+  /// Design time: a best case does not refuse, since it is decided at run time. At run time it
+  /// refuses.
   bool best_cases_pass = false;
-  /// Then: asked of each delivery that would be granted at best; null: all hold.
+  /// Design time: called for each delivery that depends on best cases; false refuses it. Null: all
+  /// best cases hold.
   const BestCasesHold* hold = nullptr;
-  /// Verdicts have their hops, as at design time.
+  /// Whether granted verdicts keep their hops (Verdict::hops), as at design time.
   bool keeps_hops = false;
-  /// Gets what is tried on buses, also where an obstacle stands in the way.
+  /// If not null, receives the messages tried on buses, also if an obstacle prevents a grant.
   std::vector<TriedMessage>* tried = nullptr;
-  /// What may be held of networks that gateways share; null: whatever fits.
+  /// What this gateway may hold on shared networks; null: whatever fits.
   const Permits* permits = nullptr;
   const Wish* wish = nullptr;
-  /// Gets the channels of which something is refused for want of a permit alone.
+  /// If not null, receives the channels of which a delivery is refused only because a permit is
+  /// missing.
   std::set<std::size_t>* wished = nullptr;
 };
 
-/// Decides a channel in an attribute set and reserves what is granted. The ledger holds nothing of
-/// its publishers. With `before`: nothing is granted that was not granted there, and what was keeps
-/// its way if that is still possible and no gateway on any way announces itself.
+/// Decides a channel in one attribute set and reserves what is granted. On entry the ledger must
+/// hold nothing of the channel's publishers. With `before`, only deliveries are granted that were
+/// granted there; each keeps its route if that is still possible, unless gateways on its routes are
+/// elected or announce their presence (then the preferred route is chosen again).
 [[nodiscard]] Decision decide_in(const Situation& situation, std::size_t channel, std::size_t set,
                                  Ledger& ledger, const Decision* before = nullptr);
 
-/// Once everything is decided at design time: what is granted with the response times of the final
-/// schedules, which messages that were decided later have made longer.
+/// Design time, after all channels have been decided: updates the response times of a decision to
+/// those of the final schedules. Messages that were decided later have made them longer.
 void renew_responses(const Situation& situation, Ledger& ledger, Decision& decision);
 
-/// The number of attribute sets of a channel.
+/// The number of attribute sets of a channel, at least 1.
 [[nodiscard]] std::size_t sets_of(const System& system, std::size_t channel);
 
-/// Every delivery that was granted in `before` is granted in `after`.
+/// Whether every delivery that `before` grants is granted in `after`.
 [[nodiscard]] bool keeps_grants(const Decision& before, const Decision& after);
 
-/// The verdict about the same publisher and place; null if there is none.
+/// The verdict of `decision` about the same publisher and place; null if there is none.
 [[nodiscard]] const Verdict* same_delivery(const Decision& decision, const Verdict& verdict);
 
 }  // namespace mlcca::core

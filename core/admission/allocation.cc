@@ -24,7 +24,7 @@ void Allocation::take_out(std::size_t channel) {
 
 void Allocation::put(std::size_t channel, Decision decision) {
   if (former_ != nullptr) former_->try_emplace(channel, std::move(decisions_[channel]));
-  // Kept for as long as it is in force, with no more than it needs.
+  // A decision is stored for long, so it keeps no spare memory.
   for (Verdict& v : decision.verdicts) v.rows.shrink_to_fit();
   decisions_[channel] = std::move(decision);
   Progress::step();
@@ -44,7 +44,8 @@ bool Allocation::keep(const std::vector<std::size_t>& channels) {
     const Ledger::Mark mark = ledger_.mark();
     Decision now = decide_in(s_, c, old.set, ledger_, &old);
     if (!keeps_grants(old, now)) {
-      // Its links or networks may have become too bad for it, whoever else is there.
+      // It may not fit because its links or networks have become worse, and not because of other
+      // channels.
       ledger_.roll_back(mark);
       const Decision best = alone(c);
       now = decide_in(s_, c, best.set, ledger_, &best);
@@ -60,8 +61,8 @@ bool Allocation::keep(const std::vector<std::size_t>& channels) {
   return true;
 }
 
-/// What a channel could have of what it had, from its set downwards, if no other channel held
-/// anything.
+/// What the channel could keep of its former grants, from its set downwards, if no other channel
+/// held anything.
 Decision Allocation::alone(std::size_t channel) {
   if (!unloaded_) unloaded_ = empty_ledger(s_.system, s_.world);
   const Decision& old = decisions_[channel];
@@ -76,7 +77,7 @@ Decision Allocation::alone(std::size_t channel) {
   return most;
 }
 
-/// In the lowest set that serves the channel as `before`; nothing if none does.
+/// The channel in the lowest set in which all grants of `before` hold; nullopt if there is none.
 std::optional<Decision> Allocation::lowered(std::size_t channel, const Decision& before) {
   for (std::size_t set = sets_of(s_.system, channel); set-- > 0;) {
     const Ledger::Mark mark = ledger_.mark();
@@ -96,7 +97,7 @@ void Allocation::degrade(const std::vector<std::size_t>& channels) {
       continue;
     }
     put(c, {});
-    // Part of it is better than nothing.
+    // If no set keeps all grants, the set with the most grants is chosen.
     std::optional<std::size_t> chosen;
     std::size_t most = 0;
     for (std::size_t set = sets_of(s_.system, c); set-- > 0;) {
@@ -112,7 +113,7 @@ void Allocation::degrade(const std::vector<std::size_t>& channels) {
   ledger_.commit();
 }
 
-/// Whether something is granted over another way than before.
+/// Whether a delivery is granted over another route than before.
 bool Allocation::takes_another_way(const Decision& before, const Decision& after) {
   return std::ranges::any_of(after.verdicts, [&](const Verdict& v) {
     const Verdict* old = same_delivery(before, v);
@@ -124,8 +125,8 @@ bool Allocation::step_up(std::size_t channel) {
   Progress::step();
   if (is_best(channel)) return false;
   const Decision& now = decisions_[channel];
-  // What is waiting of it may be served in a lower set than the one in use: service comes before
-  // quality for its deliveries, too.
+  // A waiting delivery may be served in a lower set than the one in use: service comes before
+  // quality within a channel, too.
   const bool whole = now.granted != 0 && now.all_granted();
   for (std::size_t set = whole ? now.set : sets_of(s_.system, channel); set-- > 0;) {
     const Ledger::Mark mark = ledger_.mark();
@@ -139,13 +140,13 @@ bool Allocation::step_up(std::size_t channel) {
       const bool moves = takes_another_way(now, next);
       put(channel, std::move(next));
       ledger_.commit();
-      // The same again on the same way: only the reasons of what is refused are those of now. On
-      // another way it frees something, which others may wait for.
+      // An equal result on the same route only renews the reasons of refusals. On another route it
+      // frees resources for which others may be waiting.
       if (!same || moves) return true;
       continue;
     }
     ledger_.roll_back(mark);
-    // A refusal is explained with the set that is wanted.
+    // A refusal is explained with the preferred set.
     if (now.granted == 0 && set == 0) put(channel, std::move(next));
   }
   return false;
@@ -164,8 +165,8 @@ bool Allocation::upgrade(const std::vector<std::size_t>& channels) {
   for (auto begin = channels.begin(); begin != channels.end();) {
     const auto end = std::find_if(
         begin, channels.end(), [&](std::size_t c) { return importance(c) != importance(*begin); });
-    // Until a round over all channels has upgraded none: a channel that takes another way frees
-    // something.
+    // Repeats until a round over all channels has changed none, because a channel that takes
+    // another route frees resources.
     for (bool progress = true; progress; any |= progress) {
       progress = false;
       for (auto it = begin; it != end; ++it)

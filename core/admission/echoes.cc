@@ -11,15 +11,16 @@ bool carries_subjects(const System& system, Place place) {
   return place.kind == Place::Kind::network && system.networks[place.index].carries_subjects();
 }
 
-/// Calls `crosses` for each gateway that carries the events from one network to the next, with the
-/// number of its hop.
+/// Calls `crosses` with the route index of each gateway that forwards events from one network to
+/// the next.
 void each_crossing(const Route& route, auto crosses) {
   for (std::size_t i = 1; i + 1 < route.size(); ++i)
     if (route[i].kind == Place::Kind::gateway) crosses(i);
 }
 
-/// At the gateway of that hop. Of a publisher on the network itself the gate knows the address, if
-/// it is stated; of what a gateway has sent it knows none.
+/// Whether the gateway at that index must take the events from any sender. The gate knows the
+/// address of a publisher on the network itself if it is stated; of events that a gateway has sent
+/// it knows none.
 bool is_wildcard(const System& system, const Publisher& publisher, const Route& route,
                  std::size_t hop) {
   return carries_subjects(system, route[hop - 1]) && (hop > 1 || publisher.station.is_wildcard());
@@ -27,7 +28,7 @@ bool is_wildcard(const System& system, const Publisher& publisher, const Route& 
 
 constexpr std::size_t kNoGateway = ~std::size_t{0};
 
-/// What a gateway lets in from a network, or sends on it, of a publisher.
+/// A flow at a network: events of a publisher that a gateway takes from it, or sends on it.
 struct At {
   std::size_t network = 0;
   std::size_t gateway = 0;
@@ -35,12 +36,12 @@ struct At {
   auto operator<=>(const At&) const = default;
 };
 
-/// Sorted, but for what is sent.
+/// The flows of a channel. All lists except `sent` are sorted.
 struct Flows {
   std::vector<At> taken;
-  std::vector<At> carried;  ///< the same, by whichever gateway (kNoGateway)
-  std::vector<At> any;      ///< those of them that are taken from any sender
-  std::vector<At> brought;  ///< those of them that another gateway has sent
+  std::vector<At> carried;  ///< `taken` without the gateway (kNoGateway)
+  std::vector<At> any;      ///< those of `taken` that are taken from any sender
+  std::vector<At> brought;  ///< those of `any` that another gateway has sent
   std::vector<At> sent;     ///< kNoGateway: by the publisher itself, granted or not
 };
 
@@ -64,7 +65,7 @@ Flows flows_of(const System& system, const Members& members, std::span<const Ver
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
     const std::size_t number = verdicts[i].publisher;
     const Publisher& publisher = members.publisher(number);
-    // Gates know an address that is stated, and refuse it where it was not admitted.
+    // A gate knows a stated address, and refuses it where it was not admitted.
     if ((i == 0 || verdicts[i - 1].publisher != number) && publisher.station.is_wildcard() &&
         carries_subjects(system, publisher.place))
       flows.sent.push_back({publisher.place.index, kNoGateway, number});
@@ -104,8 +105,8 @@ std::optional<std::size_t> find_echo(const System& system, const Members& member
   if (verdicts.size() < 2 || !has_several_gateways(verdicts)) return std::nullopt;
   const Flows flows = flows_of(system, members, verdicts);
   for (const At& copy : flows.sent) {
-    // A publisher of which nothing is carried on from there shares what is granted to those of its
-    // network that look like it (MLCCA033).
+    // A publisher whose events are forwarded by no gateway shares the grants of those on its
+    // network that are indistinguishable from it (MLCCA033).
     const bool shares =
         copy.gateway == kNoGateway && !std::ranges::binary_search(flows.carried, copy);
     const auto& takers = shares ? flows.brought : flows.any;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Events of a channel that a gateway would carry on although it was not admitted for them, because
-// they look like those of another publisher: around a ring of gateways they would go on for ever.
+// Detects events that a gateway would forward although they were not admitted there, because they
+// are indistinguishable from those of another publisher. In a ring of gateways they would circulate
+// for ever.
 #pragma once
 #include <cstddef>
 #include <optional>
@@ -12,13 +13,13 @@
 
 namespace mlcca::core {
 
-/// Events that a gateway sends on a network whose frames carry the subject come from its address.
-/// Who takes events there without regard to their address takes these, too.
+/// Whether a gateway on the route takes the publisher's events from any sender (by a wildcard
+/// entry). It then also takes the events that another gateway sends there under its own address.
 [[nodiscard]] bool takes_any_sender(const System& system, const Publisher& publisher,
                                     const Route& route, std::size_t gateway);
 
-/// A gateway that would carry events of one publisher on as those of another one, by what is
-/// granted of the verdicts; nothing: none would. All verdicts are of one channel.
+/// Finds a gateway that would forward events of one publisher as those of another, given the
+/// granted verdicts; nullopt if there is none. All verdicts are of one channel.
 [[nodiscard]] std::optional<std::size_t> find_echo(const System& system, const Members& members,
                                                    std::span<const Verdict> verdicts);
 

@@ -22,13 +22,13 @@ Value less(Value a, Value b) {
   return a > b ? a - b : 0;
 }
 
-/// Something could know what its links carry, if anything is asked.
+/// Whether any source of the mesh can report the rates of links.
 bool may_know_rates(const mesh::Mesh& mesh) {
   return std::ranges::any_of(mesh.sources, mesh::knows_rates);
 }
 
-/// The links of a mesh are known for good only if nothing but the description knows them.
-/// One without any source has no links at all (MLCCA042).
+/// Whether only the description states the links of the mesh, so that they never change. A mesh
+/// without any source has no links at all (MLCCA042).
 bool is_fixed(const mesh::Mesh& mesh) { return !mesh::is_measured(mesh); }
 
 bool is_empty(const AttributeSet& offered) {
@@ -42,7 +42,7 @@ Obstacle obstacle_of(std::optional<mesh::Lack> lack) {
   return Obstacle::no_path;
 }
 
-/// The node of a gateway, or all nodes of a mesh.
+/// The nodes of a gateway, or for a network all nodes of the mesh.
 std::vector<std::uint32_t> nodes_of(const mesh::Mesh& mesh, Place place) {
   std::vector<std::uint32_t> nodes;
   for (std::uint32_t n = 0; n < mesh.nodes.size(); ++n)
@@ -51,7 +51,7 @@ std::vector<std::uint32_t> nodes_of(const mesh::Mesh& mesh, Place place) {
   return nodes;
 }
 
-/// Nodes of the mesh that is that hop where events come to it.
+/// The nodes at which events enter the mesh at that hop.
 std::vector<std::uint32_t> entries(const Situation& s, const Verdict& v, std::size_t hop) {
   const auto places = hops_of(v.route);
   const mesh::Mesh& mesh = *s.system.networks[places[hop].index].mesh;
@@ -61,7 +61,7 @@ std::vector<std::uint32_t> entries(const Situation& s, const Verdict& v, std::si
   return nodes_of(mesh, before);
 }
 
-/// The same where they leave it, or are received.
+/// The nodes at which events leave the mesh at that hop, or are received.
 std::vector<std::uint32_t> exits(const Situation& s, const Verdict& v, std::size_t hop) {
   const auto places = hops_of(v.route);
   const mesh::Mesh& mesh = *s.system.networks[places[hop].index].mesh;
@@ -118,7 +118,7 @@ Media::Kind Media::kind_of(std::size_t hop) const {
 }
 
 void Media::take() {
-  // Meshes first: what a bus may take of the time depends on what they give.
+  // Meshes come first, because the time that they use limits what is left for the buses.
   for (std::size_t i = 0; i < hops_.size(); ++i)
     if (kind_of(i) == Kind::mesh) take_mesh(i);
   for (std::size_t i = 0; i < hops_.size(); ++i)
@@ -137,7 +137,8 @@ Value Media::latency_of(std::size_t hop) const {
   if (guaranteed_[hop] != kUnbounded) return guaranteed_[hop];
   const AttributeSet& provision = hops_[hop].provision;
   const Value latency = normalised_provision(provision)[Attribute::latency];
-  // Latency that is not stated is refused for that; it takes nothing of what the buses may.
+  // A Latency that is not stated is refused for that reason. It does not reduce the time of the
+  // buses.
   return latency == kUnbounded ? 0 : latency;
 }
 
@@ -154,11 +155,12 @@ Value Media::variation_before(std::size_t hop) const {
   return sum;
 }
 
-/// How long the hop may take at most, so that every subscriber that receives the events there or
-/// later has them in time: of what the other hops and the pauses of senders leave, buses get shares
-/// like their bit times.
-/// That does not depend on others on the buses, so a message is promised the same whenever it is
-/// decided. Where the pauses alone are longer than all of the time, it is shared out like them.
+/// The time (ns) that the hop may take so that all subscribers there or behind get the events in
+/// time. What other hops and the pauses of senders leave is shared among the buses in proportion to
+/// their bit times.
+/// The result does not depend on other messages of the buses, so a message is promised the same
+/// time whenever it is decided. If the pauses alone exceed the limit, it is shared in proportion to
+/// them.
 Value Media::delay_allowed(std::size_t hop) const {
   const Publisher& publisher = s_.members.publisher(v_.publisher);
   const Value source = attributes_in(publisher, v_.set)[Attribute::jitter];
@@ -194,13 +196,14 @@ Value Media::delay_allowed(std::size_t hop) const {
   return most;
 }
 
-/// Weight of a bus that shares what is left, in ns; 0: the hop has a delay of its own.
+/// The weight (ns) of a bus in the sharing of time; 0 for a hop that has a delay of its own.
 Value Media::bit_time(std::size_t hop) const {
   if (kind_of(hop) != Kind::bus || promised_delay(hop) != kUnbounded) return 0;
   return can::bit_time(ledger_.schedule(places_[hop].index)->assumptions().timing);
 }
 
-/// What the description promises of a bus, and the analysis has to keep; kUnbounded: nothing.
+/// The delay (ns) that the description states for an analysed bus and that the analysis must
+/// confirm; kUnbounded if none is stated.
 Value Media::promised_delay(std::size_t hop) const {
   if (places_[hop].kind != Place::Kind::network) return kUnbounded;
   const AttributeSet& stated = s_.system.networks[places_[hop].index].provision;
@@ -212,9 +215,9 @@ Value Media::promised_delay(std::size_t hop) const {
   return add_saturating(promised, pauses_at(hop));
 }
 
-/// How long a bus may delay events is jitter on the next one, so before another bus it is one
-/// Period at most: otherwise who allows more time would fill the queue there. And it is no more
-/// than lets the jitter of a longest way be analysed: 17 s for each bus.
+/// The longest delay (ns) that may be handed to the next bus, where it is jitter. One Period at
+/// most, because a longer delay would fill the queue there; and no more than lets the jitter of a
+/// route with the most hops be analysed (17 s per bus). kUnbounded if no bus follows.
 Value Media::most_handed_on(std::size_t hop, const can::Message& message) const {
   for (std::size_t i = hop + 1; i < hops_.size(); ++i)
     if (kind_of(i) == Kind::bus)
@@ -237,14 +240,15 @@ void Media::late_row(Place hop, const can::Schedule::Late& late) {
     row.reserved = late.queued;
     row.room = late.length;
   } else if (late.bounded && late.deadline <= late.jitter) {
-    // The other hops may take all of the time: what counts is how long this one takes.
+    // The other hops use all of the time, so the row states the time that this hop takes.
     c.required = 0;
     c.provided = less(late.response, late.jitter);
   }
   v_.rows.push_back(row);
 }
 
-/// The observed load of this publisher, and of those that are analysed, is no background.
+/// Subtracts the observed loads of this publisher and of those that are analysed from the
+/// background of the bus, so that they do not count twice.
 void Media::leave_out_own_load(std::size_t network) {
   Condition condition = s_.world.conditions[network];
   if (condition.observed.empty()) return;
@@ -276,7 +280,7 @@ void Media::take_bus(std::size_t hop) {
   Value delay = promised;
   if (promised == kUnbounded) delay = std::min(delay_allowed(hop), most_handed_on(hop, *message));
   if (const can::Message* held = ledger_.message_of(flow)) {
-    // For another place behind this bus: whoever is stricter counts.
+    // The flow is already carried to another place behind this bus: the stricter values count.
     message->jitter = std::max(message->jitter, held->jitter);
     delay = std::min(delay, less(held->deadline, held->jitter));
   }
@@ -288,7 +292,7 @@ void Media::take_bus(std::size_t hop) {
   use.key = key;
   if (late) {
     late_row(places_[hop], *late);
-    // What is refused for the schedule is not refused for its consequences as well.
+    // Having been refused for the schedule, it is not refused for the late response as well.
     use.response = delay;
   } else {
     use.response = less(ledger_.schedule(network)->response(key), message->jitter);
@@ -322,27 +326,28 @@ void Media::renew_responses(const Situation& situation, const Ledger& ledger, Ve
 
 // --- meshes -------------------------------------------------------------------------------------
 
-/// What is asked of a mesh, and what its paths have given so far.
+/// The state of one crossing of a mesh: the request, and what its paths have provided so far.
 struct Media::Crossing {
   std::size_t network;
   const mesh::Mesh& mesh;
   const MeshView& view;
   Flow flow;
-  Value event;   ///< bytes of one
+  Value event;   ///< payload bytes of one event
   Value demand;  ///< bytes/s
   bool best_case;
   MediumUse use = {};
   Value available = kUnbounded;  ///< bytes/s
-  Value alone = kUnbounded;      ///< bytes/s, without any other channel
-  std::size_t longest = 0;       ///< links
-  AttributeSet links_give = {};  ///< on the longest way
+  Value alone = kUnbounded;      ///< bytes/s of the path alone, without any other channel
+  std::size_t longest = 0;       ///< number of links of the longest path
+  AttributeSet links_give = {};  ///< provision of the longest path
   bool reached = false;
-  std::optional<mesh::Lack> lack = {};  ///< of the links by which there would be a way
+  std::optional<mesh::Lack> lack = {};  ///< what the links lack that would form a path
   bool fits = true;
 };
 
-/// At design time nobody need know the links, and those that are described are not all: the run
-/// time decides, unless a way of one link is too bad already.
+/// Handles a mesh without a path. At design time the links need not be known, and more than the
+/// described ones may exist, so that it is decided at run time, unless even a path of one link
+/// would be too bad.
 void Media::no_path(const Crossing& c, std::size_t hop) {
   const mesh::Mesh& mesh = c.mesh;
   if (!s_.best_cases_pass || is_fixed(mesh) || mesh.nodes.empty()) {
@@ -358,7 +363,7 @@ void Media::no_path(const Crossing& c, std::size_t hop) {
   provide(provision, Attribute::bandwidth, kUnbounded, true);
   provide_links(provision, mesh::best_per_hop(mesh, mesh_event(offered)), true);
   provide_events(provision, offered, true);
-  // However much is stated: without a way there is nothing.
+  // Whatever capacity is stated, nothing is carried without a path.
   Row row{.place = places_[hop], .against = Against::medium_time};
   row.comparison.attribute = Attribute::bandwidth;
   row.comparison.known = true;
@@ -369,7 +374,8 @@ void Media::no_path(const Crossing& c, std::size_t hop) {
   medium_rows_.push_back(row);
 }
 
-/// Links that the flow goes over already, to another place, carry it once.
+/// The links of the path that the flow does not use yet. A link that already carries it to another
+/// place carries it once.
 std::vector<std::uint32_t> Media::new_links(const Crossing& c,
                                             std::span<const std::uint32_t> path) const {
   const Holding* held = ledger_.find(c.flow);
@@ -380,7 +386,8 @@ std::vector<std::uint32_t> Media::new_links(const Crossing& c,
   return more;
 }
 
-/// False: the gate of a gateway whose node is on the way drops what it relays.
+/// Checks the nodes on the path; sets the obstacle and returns false if the gate of a gateway drops
+/// what its node would relay.
 bool Media::is_relayed(const Crossing& c, std::span<const std::uint32_t> path) {
   for (const std::uint32_t link : path.first(path.size() - 1)) {
     const std::uint32_t node = c.view.graph.links[link].to;
@@ -396,7 +403,8 @@ bool Media::is_relayed(const Crossing& c, std::span<const std::uint32_t> path) {
   return true;
 }
 
-/// False: there is no way, or none that the description knows for sure.
+/// Adds one path to the crossing. Returns false if there is none or, for a best case, none that is
+/// described for certain.
 bool Media::take_path(Crossing& c, std::uint32_t from, std::uint32_t to) {
   if (c.best_case && mesh::is_measured(c.mesh)) return false;
   const auto& path = c.view.path(from, to);
@@ -431,7 +439,7 @@ bool Media::take_path(Crossing& c, std::uint32_t from, std::uint32_t to) {
   return true;
 }
 
-/// From each node to each. False: there is no way between two of them.
+/// Adds the paths from each entry to each exit. Returns false if a pair of them has no path.
 bool Media::take_paths(Crossing& c, std::size_t hop) {
   const std::vector<std::uint32_t> from_nodes = entries(s_, v_, hop);
   const std::vector<std::uint32_t> to_nodes = exits(s_, v_, hop);
@@ -476,7 +484,7 @@ void Media::take_mesh(std::size_t hop) {
     provide_everything(provision, offered);
     return;
   }
-  // Where not even the way alone would do, nobody needs a second number beside what is left.
+  // If not even the path alone suffices, the smaller number is stated in a single row.
   const bool never = c.alone < c.demand;
   provide(provision, Attribute::bandwidth, never ? std::min(c.alone, c.available) : c.alone,
           c.best_case);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The media whose provision is computed and not only stated: response times on CAN buses, medium
-// time on meshes. Takes what one flow needs of them from the ledger, hop by hop.
+// The media whose provision is computed: response times on CAN buses and medium time on meshes.
+// What a flow needs of them is reserved in the ledger hop by hop.
 #pragma once
 #include <cstddef>
 #include <span>
@@ -13,45 +13,48 @@
 
 namespace mlcca::core {
 
-/// How late events may be at the end of a hop, counted from their publication, for those who
-/// receive them there.
+/// The latest times, counted from publication, at which events may be at the end of a hop, as
+/// required by those who receive them there.
 struct Limit {
   std::size_t hop = 0;
   Value latency = kUnbounded;  ///< ns
-  Value jitter = kUnbounded;   ///< ns, the source's included
+  Value jitter = kUnbounded;   ///< ns, the jitter of the source included
 };
 
-/// Payload bytes of an event as a mesh carries it: one without payload is a packet all the same,
-/// and of one whose size is not stated nothing is known: 0.
+/// The payload bytes of an event for a mesh. An event without payload counts as 1 byte, because it
+/// is a packet too; 0 if the size is not stated.
 [[nodiscard]] Value mesh_event(const AttributeSet& offered);
-/// Payload bytes/s that a mesh carries for `demand`: of events without payload, a byte each.
+/// The payload bytes/s for which a mesh reserves time, given `demand` bytes/s: 1 byte per event if
+/// events have no payload.
 [[nodiscard]] Value mesh_demand(const AttributeSet& offered, Value demand);
 
-/// Events come to a mesh, that hop of the route, and leave it or are received at one node: nothing
-/// is sent over it.
+/// Whether events enter and leave the mesh at that hop at one and the same node, so that nothing is
+/// sent over it.
 [[nodiscard]] bool stays_at_a_node(const Situation& situation, const Verdict& verdict,
                                    std::size_t hop);
 
+/// Reserves what one flow needs on the buses and meshes of its route, and replaces stated
+/// provisions of these hops by computed ones.
 class Media {
  public:
-  /// `hops`: what the hops of the verdict's route state; what is computed is put in its place.
-  /// `limits` are of every subscriber that receives the events, at least one for the last hop.
+  /// `hops` are those of the verdict's route with their stated provisions; computed values replace
+  /// them. `limits` has one for each group of receiving subscribers, at least one for the last hop.
+  /// The flow must have been added to the ledger on every hop.
   Media(const Situation& situation, Ledger& ledger, std::span<Hop> hops, std::vector<Limit> limits,
         Verdict& verdict);
 
-  /// True if any hop of the verdict's route is computed.
+  /// Whether the provision of any hop of the route is computed.
   [[nodiscard]] static bool any(const Situation& situation, const Ledger& ledger,
                                 const Verdict& verdict);
 
-  /// Reserves what the flow needs, and adds rows for what cannot be had; the ledger is to be rolled
-  /// back then. The flow has been added on every hop.
+  /// Reserves what the flow needs. If something cannot be had, it adds unfit rows or an obstacle to
+  /// the verdict, and the caller must roll the ledger back.
   void take();
 
-  /// Puts the response times of the schedules as they are now in the place of those that they were
-  /// when the granted verdict was decided.
+  /// Updates the response times of a granted verdict to those of the present schedules.
   static void renew_responses(const Situation& situation, const Ledger& ledger, Verdict& verdict);
 
-  /// What is left of the time of meshes: rows that stand behind the others.
+  /// Takes the rows about free medium time, which belong behind all others in the verdict.
   [[nodiscard]] std::vector<Row> take_medium_rows() { return std::move(medium_rows_); }
 
  private:
@@ -88,7 +91,8 @@ class Media {
   std::span<Hop> hops_;
   std::vector<Limit> limits_;
   Verdict& v_;
-  std::vector<Value> guaranteed_;  ///< ns, of the buses that were taken; kUnbounded: not taken
+  std::vector<Value> guaranteed_;  ///< ns, per hop: promised by a bus that was reserved;
+                                   ///< kUnbounded: not reserved
   std::vector<Row> medium_rows_;
 };
 

@@ -8,11 +8,12 @@
 namespace mlcca::core {
 namespace {
 
-constexpr unsigned kAddressBits = 8;  // of can::Message::sender
+constexpr unsigned kAddressBits = 8;  // width of an address in can::Message::sender
 
 }  // namespace
 
-/// What is stated is of frames: the sender's pauses come on top.
+/// The pauses of the sender between the frames of an event, in ns; 0 if the kernel forwards the
+/// frames. A stated provision is one of single frames, so the pauses are added to it.
 Value Media::pauses_at(std::size_t hop) const {
   if (is_forwarded(s_.system, places_, hop)) return 0;
   const Network& network = s_.system.networks[places_[hop].index];
@@ -26,8 +27,9 @@ std::uint32_t Media::sender_queue(std::size_t hop) const {
   return queue_of(s_.system, sender.index, places_[hop].index);
 }
 
-/// Who has the address there: a node, mlcca-relay, a program of a user, or those of another bus,
-/// whose frames leave as they come: the pauses between them are in the jitter.
+/// Sets the message's sender to the owner of the source address on that bus: a node, mlcca-relay, a
+/// program of a user, or the bus from which the kernel forwards. In the last case the pauses are
+/// already part of the jitter.
 void Media::name_sender(std::size_t hop, const Publisher& publisher, can::Message& message) const {
   constexpr std::uint32_t of_user = 1U << 31U;
   std::uint32_t who = 0;

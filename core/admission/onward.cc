@@ -17,7 +17,7 @@
 namespace mlcca::core {
 namespace {
 
-/// Each composition of the table is turned round.
+/// Solves the composition of an attribute for the part before, given the part that is used behind.
 Value left_of(Composition composition, Value required, Value used) {
   switch (composition) {
     case Composition::sum:
@@ -46,7 +46,8 @@ AttributeSet requirement_before(const AttributeSet& requirement, const Attribute
   for (std::size_t i = 0; i < kAttributes; ++i) {
     const Attribute a = attribute_at(i);
     if (!requirement.has(a)) continue;
-    // A Deadline is held against the Latency. What the hops behind do not state, they do not give.
+    // A Deadline is held against the Latency. An attribute that the hops behind do not state counts
+    // as unbounded.
     const Attribute held = held_against(a);
     out.set(a,
             left_of(info(a).composition, requirement[a], used.has(held) ? used[held] : kUnbounded));
@@ -56,12 +57,12 @@ AttributeSet requirement_before(const AttributeSet& requirement, const Attribute
 
 namespace {
 
-/// Where on its way a granted delivery comes to the gateway.
+/// Where a granted delivery enters the gateway.
 struct WayIn {
-  std::size_t hop = 0;        ///< the number of the network among its hops
-  bool is_described = false;  ///< it has come by another gateway, which knows this description
+  std::size_t hop = 0;        ///< index of the incoming network among the hops
+  bool is_described = false;  ///< another gateway with the same description comes before
 };
-/// Nothing: it begins there, or does not come by it.
+/// Nullopt if the delivery starts at the gateway or does not pass it.
 std::optional<WayIn> way_in(const Verdict& v, std::size_t gateway) {
   const auto at = std::ranges::find(v.route, Place{Place::Kind::gateway, gateway});
   if (at == v.route.begin() || at == v.route.end()) return std::nullopt;
@@ -73,14 +74,15 @@ std::optional<WayIn> way_in(const Verdict& v, std::size_t gateway) {
   return WayIn{static_cast<std::size_t>(network - hops.begin()), by_another};
 }
 
-/// Why the delivery, the n-th one of its channel, cannot be passed on; empty: it can.
+/// Why the delivery, which is number `n` of its channel, cannot be passed on; empty if it can.
 std::string keeps_back(const Verdict& v, std::size_t n) {
   if (n > kMostOnward) return "it has more than " + std::to_string(kMostOnward) + " deliveries";
   if (v.user_requirement.empty()) return {};
   return "it requires a user-defined attribute, which a subscription does not state";
 }
 
-/// For whom the delivery is to be subscribed further on; false: all of them are known there.
+/// Adds the subscribers of the delivery on whose behalf the gateway subscribes. Returns false if
+/// there are none, because the gateway before knows all of them by its description.
 bool note_subscribers(const Members& members, const Verdict& v, const WayIn& in,
                       OnwardSubscription& to) {
   bool any = false;

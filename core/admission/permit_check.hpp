@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a granted delivery needs of networks that gateways share, against what may be held of them.
+// Compares what a granted delivery needs of shared networks with what this gateway may hold of
+// them.
 #pragma once
 #include <cstddef>
 #include <optional>
@@ -15,28 +16,30 @@
 
 namespace mlcca::core {
 
-/// The first network of the verdict's route on which its flow may not hold what it has in the
-/// ledger; nothing where there is none.
+/// The first shared network of the verdict's route on which the gateway may not hold what its flow
+/// has in the ledger; nullopt if there is none. Always nullopt without permits.
 [[nodiscard]] std::optional<Place> unpermitted(const Situation& situation, const Ledger& ledger,
                                                const Verdict& verdict);
 
-/// The first of these networks of which nothing can be reserved now, and why.
+/// The first of the networks on which nothing can be reserved at present, with the reason.
 [[nodiscard]] std::optional<std::pair<Obstacle, Place>> bar_on(const Wish& wish,
                                                                std::span<const Place> hops);
 
-/// A flow in numbers that other gateways understand.
+/// Identifies the source of a flow in terms that other gateways with the same description
+/// understand.
 [[nodiscard]] cluster::Source source_of(const Members& members, const Flow& flow);
 
-/// The ways of a granted flow through the mesh that is the hop of that number; none where it is no
-/// mesh that is evaluated.
+/// The paths of a granted flow through the evaluated mesh at that hop; empty for any other network.
 [[nodiscard]] std::vector<cluster::PathPart> paths_on(const System& system, const Members& members,
                                                       const Verdict& verdict, std::size_t hop);
 
-/// The messages that a flow has on a bus, with the identifiers of their frames.
+/// The message of a flow on a bus together with the range of its identifiers, as it is reserved in
+/// the store.
 [[nodiscard]] cluster::BusPart bus_part_of(const System& system, const Members& members,
                                            const Flow& flow, const can::Message& message);
 
-/// It could go round one of the gateways that carry it.
+/// Whether another route avoids one of the gateways that forward the delivery, so that another
+/// gateway could take over.
 [[nodiscard]] bool has_another_way(const Topology& topology, const Members& members,
                                    const Verdict& verdict);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// An admission that is tried out.
+// A proposal: an admission that is tried out and then accepted or dropped.
 #include <algorithm>
 #include <cassert>
 #include <utility>
@@ -42,8 +42,8 @@ Proposal::Proposal(State& state, Admission admission, Kind kind)
          std::ranges::all_of(own_, [&](std::size_t i) { return next_.verdicts[i].granted; });
 }
 
-/// The best attribute set in which everything is granted, if it is not lower than what there was.
-/// Otherwise the one in which most is.
+/// Decides the channel in the best attribute set in which everything is granted, if that is not
+/// lower than the present one; otherwise in the set with the most grants.
 void Proposal::decide(const Wish* wish) {
   const std::size_t channel = channel_;
   const Decision& before = state_->decisions_[channel];
@@ -68,7 +68,7 @@ void Proposal::decide(const Wish* wish) {
   next_ = decide_in(situation, channel, best, state_->ledger_);
 }
 
-/// Than what is granted of the channel without anyone new.
+/// Whether the channel is granted more than without the newcomer.
 bool Proposal::is_better() const {
   const Decision& before = state_->decisions_[channel_];
   if (!keeps_grants(before, next_) || next_.granted < before.granted) return false;
@@ -101,8 +101,8 @@ std::vector<const Verdict*> Proposal::verdicts() const {
 
 GateChanges Proposal::changes(std::size_t gateway) const {
   const std::size_t c = channel_;
-  // The rules as they are come from the verdicts as they are; a newcomer has none among them, but
-  // its publisher would be listed as known: leave it out.
+  // The present rules follow from the present verdicts. The newcomer is a member already, so its
+  // publisher would be listed as known without having rules: it is left out.
   const Members& members = state_->members_;
   const GateState now =
       core::gate_state(state_->system_, members, c, state_->decisions_[c].verdicts, gateway, id_);
@@ -118,7 +118,7 @@ void Proposal::accept() && {
   assert(kind_ == Kind::admission);
   const std::size_t c = channel_;
   state_->ledger_.commit();
-  // What the channel held may be less now: a better set, another way.
+  // A better set or another route may have released resources that the channel held.
   for (const std::size_t r : state_->usage_.resources_of(c)) state_->relieved_.insert(r);
   state_->decisions_[c] = std::move(next_);
   state_->admissions_.emplace(id_, c);

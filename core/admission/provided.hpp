@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a hop gives by what is computed of it, beside what is stated.
+// Completes the stated provision of a hop by computed values. A computed value replaces a best case
+// and fills what is not stated, but never a stated value.
 #pragma once
 #include <cstddef>
 
@@ -9,6 +10,7 @@
 
 namespace mlcca::core {
 
+/// Whether no guaranteed value is stated.
 inline bool is_missing(const AttributeSet& provision, Attribute a) {
   return !provision.has(a) || provision.is_dynamic(a);
 }
@@ -17,21 +19,21 @@ inline void provide(AttributeSet& provision, Attribute a, Value value, bool dyna
   if (is_missing(provision, a)) provision.set(a, value, dynamic);
 }
 
-/// What is computed sustains the Period of the events. That promises nothing of how long they take,
-/// as a Period that the description states does: without a Latency there is none.
+/// Provides the Period of the events, because the medium sustains their rate. Unlike a stated
+/// Period it implies no Latency, so an unbounded Latency is set where none is stated.
 inline void provide_period(AttributeSet& provision, Value period, bool dynamic = false) {
   if (!is_missing(provision, Attribute::period)) return;
   if (!provision.has(Attribute::latency)) provision.set(Attribute::latency, kUnbounded);
   provision.set(Attribute::period, period, dynamic);
 }
 
+/// Provides the response time (ns) of a bus as Latency and as Jitter.
 inline void provide_response(AttributeSet& provision, Value response) {
   provide(provision, Attribute::latency, response);
   provide(provision, Attribute::jitter, response);
 }
 
-/// Over a mesh events are sent in packets, however long they are, and as often as the time of the
-/// medium lasts.
+/// A mesh fragments events of any length, and sustains them while medium time is reserved.
 inline void provide_events(AttributeSet& provision, const AttributeSet& offered,
                            bool dynamic = false) {
   provide(provision, Attribute::max_payload, kUnbounded, dynamic);
@@ -39,8 +41,8 @@ inline void provide_events(AttributeSet& provision, const AttributeSet& offered,
     provide_period(provision, offered[Attribute::period], dynamic);
 }
 
-/// What the links of a way give, beside their rate, which is reckoned as medium time. Where the
-/// mesh itself is said to give something else for good, the worse of both counts.
+/// Provides what the links of a path give, except for their rate, which counts as medium time.
+/// Where the mesh also states a guaranteed value, the worse of the two counts.
 inline void provide_links(AttributeSet& provision, const AttributeSet& given, bool dynamic) {
   for (std::size_t i = 0; i < kAttributes; ++i) {
     const Attribute a = attribute_at(i);
@@ -52,7 +54,7 @@ inline void provide_links(AttributeSet& provision, const AttributeSet& given, bo
   }
 }
 
-/// From a node to itself: there is nothing in between.
+/// Provides everything for a delivery from a mesh node to itself, which sends nothing.
 inline void provide_everything(AttributeSet& provision, const AttributeSet& offered) {
   for (const Attribute a :
        {Attribute::latency, Attribute::jitter, Attribute::omission, Attribute::packet_loss})

@@ -21,7 +21,7 @@
 namespace mlcca::core {
 namespace {
 
-/// What others have of it counts.
+/// Whether the row is about something that other flows use up as well.
 bool is_about_room(const Row& row) {
   return row.against == Against::capacity || row.against == Against::schedule ||
          row.against == Against::medium_time;
@@ -37,7 +37,7 @@ class RouteCheck {
     find_obstacle();
     if (!goes_on()) return;
     collect_hops();
-    // Each hop, the whole way and what is offered; the capacity of each hop.
+    // Room for the rows of each hop, end to end and traffic, and the capacity of each hop.
     std::size_t asked = 0;
     for (std::size_t i = 0; i < kAttributes; ++i)
       asked += v_.requirement.has(attribute_at(i)) ? 1 : 0;
@@ -55,7 +55,8 @@ class RouteCheck {
     if (!v_.granted) ledger_.roll_back(before);
   }
 
-  /// What the hops give has changed; what was taken of the media has not.
+  /// Renews rows and outcome after provisions of hops have changed. What was reserved on the media
+  /// stays.
   void run_again() {
     count_ = v_.hops.size();
     std::ranges::copy(v_.hops, hops_.begin());
@@ -74,12 +75,13 @@ class RouteCheck {
 
  private:
   [[nodiscard]] bool goes_on() const {
-    // Of a second sender the way is checked all the same: it is not its only mistake, perhaps.
+    // A route with a second sender is checked all the same, because it may have other faults as
+    // well.
     return v_.obstacle == Obstacle::none || v_.obstacle == Obstacle::sender_twice ||
            s_.tried != nullptr;
   }
   [[nodiscard]] const Publisher& publisher() const { return s_.members.publisher(v_.publisher); }
-  /// What the publisher states in the attribute set that is tried.
+  /// What the publisher states in the attribute set being tried.
   [[nodiscard]] const AttributeSet& offered() const { return attributes_in(publisher(), v_.set); }
   [[nodiscard]] const AttributeSet& asked_by(std::size_t subscriber) const {
     return attributes_in(s_.members.subscriber(subscriber), v_.set);
@@ -102,7 +104,8 @@ class RouteCheck {
         v_.outcome == Outcome::fit || (v_.outcome == Outcome::run_time && passes_at_best());
   }
 
-  /// It says for want of which room something contested is refused while other best cases hold.
+  /// Whether the row refuses a contested delivery for lack of room that it has when other best
+  /// cases hold.
   [[nodiscard]] bool is_of_other_cases(const Row& row) const {
     return v_.contested && is_unfit(row) && is_about_room(row);
   }
@@ -129,7 +132,8 @@ class RouteCheck {
       }
   }
 
-  /// What the kernel carries from bus to bus keeps what is within its frames.
+  /// Whether the kernel would forward a multi-frame message to a bus on which the channel has
+  /// another identifier; its frames name the identifier inside, which can-gw does not change.
   [[nodiscard]] bool is_renamed(std::size_t at) const {
     const Gateway& gateway = s_.system.gateways[v_.route[at].index];
     const Network& in = s_.system.networks[v_.route[at - 1].index];
@@ -145,7 +149,8 @@ class RouteCheck {
            identity_of(publisher(), in, *from, true) != identity_of(publisher(), out, *to, true);
   }
 
-  /// Where a program has to carry events, its gates pass no sender that is not described.
+  /// Whether somebody carries the events across the gateway: the kernel, or a program whose sender
+  /// is described. The gates pass no other sender.
   [[nodiscard]] bool is_carried(std::size_t at) const {
     const Gateway& gateway = s_.system.gateways[v_.route[at].index];
     const Network& in = s_.system.networks[v_.route[at - 1].index];
@@ -179,7 +184,7 @@ class RouteCheck {
       obstruct(Obstacle::unbound, hop);
       return;
     }
-    // Says more than that a tag is waited for.
+    // A contradiction says more than a missing tag.
     if (s_.world.conditions[hop.index].contradiction_of(v_.channel) != nullptr)
       obstruct(Obstacle::contradicted, hop);
     if (binding->waits_for_tag() && !s_.best_cases_pass) obstruct(Obstacle::untagged, hop);
@@ -191,8 +196,8 @@ class RouteCheck {
       obstruct(Obstacle::too_long, hop);
   }
 
-  /// A bus that is analysed and has no rate for the data phase carries classic frames only, and so
-  /// does an interface that a gateway sets up without one.
+  /// Whether FD or XL frames are impossible: the analysed bus has no bit rate for the data phase,
+  /// or a gateway sets the interface up without one.
   [[nodiscard]] bool lacks_data_rate(std::size_t network, const Binding& binding) const {
     if (binding.format == FrameFormat::classic) return false;
     if (const can::Schedule* bus = ledger_.schedule(network))
@@ -203,7 +208,7 @@ class RouteCheck {
     });
   }
 
-  /// Only the interface knows the rates of a bus that states none.
+  /// Whether only the interface will know the data bit rate, since the description states none.
   [[nodiscard]] bool waits_for_data_rate(std::size_t network, const Binding& binding) const {
     return s_.best_cases_pass && binding.format != FrameFormat::classic &&
            ledger_.schedule(network) == nullptr;
@@ -232,7 +237,7 @@ class RouteCheck {
     }
   }
 
-  /// What is stated is of frames: what the sender pauses between them comes on top.
+  /// Adds the pauses of the sender to a provision, which is one of single frames.
   static void add_pauses(Value pauses, bool analysed, AttributeSet& provision) {
     if (pauses == 0) return;
     if (!analysed && !provision.has(Attribute::latency) && provision.has(Attribute::period))
@@ -243,7 +248,7 @@ class RouteCheck {
         provision.set(a, add_saturating(provision[a], pauses), provision.is_dynamic(a));
   }
 
-  /// To have no bound is to be not provided.
+  /// An unbounded Latency counts as not provided.
   [[nodiscard]] static Comparison without_unbounded_latency(Comparison row) {
     if (held_against(row.attribute) != Attribute::latency || row.provided != kUnbounded) return row;
     row.known = false;
@@ -261,7 +266,7 @@ class RouteCheck {
                          .against = against});
   }
 
-  /// The same for user-defined attributes.
+  /// Adds rows for user-defined attributes.
   void add_rows(Against against, Place place, const UserValues& required,
                 const UserValues& provided) {
     for (const UserValue& r : required)
@@ -279,7 +284,8 @@ class RouteCheck {
     }
   }
 
-  /// A gateway is asked for what it limits, and for what adds up.
+  /// What is required of one hop. A gateway is not asked for attributes that it does not state and
+  /// does not limit.
   [[nodiscard]] UserValues asked_of(std::size_t hop) const {
     UserValues asked = v_.user_requirement;
     if (hops_[hop].gateway) {
@@ -293,7 +299,7 @@ class RouteCheck {
     return asked;
   }
 
-  /// What `count` hops from the first on provide together.
+  /// The composed user-defined provision of `count` hops from the first on.
   [[nodiscard]] UserValues user_provision(std::size_t first, std::size_t count) const {
     std::array<UserHop, kMaxHops> out;
     for (std::size_t i = 0; i < count; ++i) {
@@ -323,9 +329,9 @@ class RouteCheck {
       add_rows(Against::traffic, v_.to, check_traffic(offered(), asked_by(s)), s);
   }
 
-  /// An event that crosses a broadcast medium is received by every subscriber there: the way is
-  /// open only if each of them is fulfilled too. On the publisher's own network the event is,
-  /// whatever we decide.
+  /// Every subscriber on a broadcast medium receives an event that crosses it, so the route is
+  /// granted only if each of them is fulfilled too. On the publisher's own network they receive it
+  /// in any case.
   void check_overhearing() {
     each_overhearing_subscriber([this](const Target& target, std::size_t hop) {
       check_overhearing_subscriber(target, hop);
@@ -341,9 +347,9 @@ class RouteCheck {
           if (target.place != v_.to && receives(target.place, i)) then(target, i);
   }
 
-  /// Whether a subscriber at a place receives what crosses the network of that hop for the first
-  /// time: there, or as a program on a gateway that has a port there and is not behind us on the
-  /// way.
+  /// Whether a subscriber at that place receives what crosses the network of that hop first: it is
+  /// on that network, or it is a program on a gateway with a port there that the route has not
+  /// passed before.
   [[nodiscard]] bool receives(Place listener, std::size_t hop) const {
     const Place network = hops()[hop];
     if (listener.kind == Place::Kind::network) return listener == network;
@@ -362,22 +368,22 @@ class RouteCheck {
       add_rows(Against::traffic, place, check_traffic(offered(), asked_by(s)), s);
   }
 
-  /// The flow on each hop, unless it is carried already: what is promised to the others is
-  /// remembered for the rows.
+  /// Adds the flow to the ledger on each hop where it is not carried yet, and remembers for the
+  /// rows what is promised to others.
   void reserve() {
     known_ = demand_of(offered(), &v_.demand);
     if (!known_) v_.demand = 0;
     for (std::size_t i = 0; i < count_; ++i) {
-      // A gateway without a stated rate has nothing to be shared.
+      // A gateway without a stated rate has no capacity to share.
       if (hops_[i].gateway && !hops_[i].provision.has(Attribute::bandwidth)) continue;
       const Flow flow = flow_on(s_.system, v_.publisher, v_.route, i);
       reserved_[i] = ledger_.reserved_without(flow);
-      // What does not fit is refused below; it must not overflow the sum before that.
+      // A demand that does not fit is refused below. It must not overflow the sum before that.
       fresh_[i] = ledger_.add(flow, std::min(v_.demand, kUnbounded - reserved_[i]));
     }
   }
 
-  /// The time of its domains is what a mesh has to give, in place of a best case.
+  /// Whether the hop is a mesh whose medium time is reserved, in place of its stated best case.
   [[nodiscard]] bool is_evaluated(Place hop) const {
     return hop.kind == Place::Kind::network && s_.world.meshes[hop.index] != nullptr;
   }
@@ -394,7 +400,8 @@ class RouteCheck {
     return media.take_medium_rows();
   }
 
-  /// Everything fits; on networks that gateways share it has to be promised or reserved, too.
+  /// The last check of a granted delivery: what it needs of shared networks must be promised or
+  /// reserved.
   void check_permits() {
     const auto hop = unpermitted(s_, ledger_, v_);
     if (!hop) return;
@@ -403,7 +410,7 @@ class RouteCheck {
     if (s_.wished != nullptr) s_.wished->insert(v_.channel);
   }
 
-  /// By when every subscriber that receives the events must have them.
+  /// The time limits of all subscribers that receive the events, overhearing ones included.
   [[nodiscard]] std::vector<Limit> limits() const {
     std::vector<Limit> all{limit_at(count_ - 1, v_.requirement)};
     each_overhearing_subscriber([&](const Target& target, std::size_t hop) {
@@ -420,7 +427,8 @@ class RouteCheck {
     return limit;
   }
 
-  /// What is carried for another place already is so at best, where the bandwidth is a best case.
+  /// Whether the hop's bandwidth is a best case, so that what is already carried for another place
+  /// is checked again.
   [[nodiscard]] bool is_carried_at_best(Place hop) const {
     return s_.best_cases_pass && s_.system.provision_of(hop).is_dynamic(Attribute::bandwidth);
   }
@@ -451,11 +459,12 @@ class RouteCheck {
   const std::vector<Target>& targets_;
   Verdict& v_;
   std::array<Hop, kMaxHops> hops_{};
-  std::array<Value, kMaxHops> reserved_{};  ///< to others
-  std::array<bool, kMaxHops> fresh_{};      ///< not carried for another place already
-  bool known_ = false;                      ///< the publisher says what it sends
+  std::array<Value, kMaxHops> reserved_{};  ///< bytes/s promised to others, per hop
+  std::array<bool, kMaxHops> fresh_{};      ///< per hop: newly reserved, not already carried for
+                                            ///< another place
+  bool known_ = false;                      ///< the publisher states its traffic
   std::size_t count_ = 0;
-  bool at_run_time_ = false;  ///< a tag or a data bit rate of the way is not known yet
+  bool at_run_time_ = false;  ///< a tag or data bit rate on the route is still unknown
 };
 
 }  // namespace
@@ -463,7 +472,7 @@ class RouteCheck {
 Flow flow_on(const System& system, std::size_t publisher, const Route& route, std::size_t hop) {
   const auto hops = hops_of(route);
   Flow flow{publisher, system.resource_of(hops[hop])};
-  // A program's own gateway is no hop, but it is where the traffic comes from.
+  // The publisher's own gateway is not a hop, but the traffic comes from there.
   if (hop > 0)
     flow.from = system.resource_of(hops[hop - 1]);
   else if (route.front() != hops.front())

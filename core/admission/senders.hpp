@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Who puts the frames of a channel on each network. On a CAN bus frames of one identifier have one
-// sender: two that start at once destroy each other's frames, and no bound of the analysis holds.
-// Where frames name the subject, an event of one publisher that two send arrives twice.
+// Detects two senders of the same frames. On a CAN bus each identifier may have one sender only:
+// two that start at the same moment destroy each other's frames, and no bound of the analysis
+// holds. Where frames carry the subject, an event that two devices send arrives twice.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -15,24 +15,26 @@
 
 namespace mlcca::core {
 
-/// A device on a network: a gateway by its number, or a publisher on the network itself from kOwn
-/// on.
+/// A device that sends on a network: the index of a gateway, or kOwn plus the index of a publisher
+/// that is on the network itself.
 using Device = std::uint64_t;
 inline constexpr Device kOwn = Device{1} << 32U;
 
+/// Records which device sends the frames of each granted delivery of one channel, per network.
 class Senders {
  public:
-  /// Both must outlive this.
+  /// Keeps references to both arguments.
   Senders(const System& system, const Members& members) : system_(system), members_(members) {}
 
+  /// Two devices that would send the same frames on `network`.
   struct Conflict {
     Place network;
-    Device first = 0;  ///< that was added
+    Device first = 0;  ///< the device that was added before
     Device other = 0;
   };
-  /// The first network of the route where another device has been added for this publisher's
-  /// frames, a bus before others. Publishers on one bus are distinguished by the rules of the
-  /// description.
+  /// The conflict on the route with a device that was added before; nullopt if there is none. A bus
+  /// is reported before other networks. Two publishers on one bus are no conflict here: rules of
+  /// the description make sure that their frames differ.
   [[nodiscard]] std::optional<Conflict> conflict(std::size_t publisher, const Route& route) const {
     std::optional<Conflict> out;
     if (device_of_.empty()) return out;  // mostly: a channel has one delivery
@@ -45,7 +47,7 @@ class Senders {
     return out;
   }
 
-  /// Those of a delivery that is granted. Of two on one network the first one stays.
+  /// Adds the senders of a granted delivery. If a network has one already, that one stays.
   void add(std::size_t publisher, const Route& route) {
     each(publisher, route, [this](Place network, std::size_t name, Device device) {
       device_of_.try_emplace({network.index, name}, device);
@@ -56,8 +58,8 @@ class Senders {
   [[nodiscard]] bool is_bus(Place network) const {
     return system_.networks[network.index].kind == NetworkKind::can;
   }
-  /// Calls `sends` for each network of the route with what frames of one sender have in common: on
-  /// a bus the node, where the profile has nodes, elsewhere the publisher.
+  /// Calls `sends` for each network of the route with the key that frames of one sender share: on a
+  /// bus the node number (0 where the profile has none), elsewhere the publisher.
   void each(std::size_t publisher, const Route& route, auto sends) const {
     for (std::size_t i = 0; i < route.size(); ++i) {
       if (route[i].kind != Place::Kind::network) continue;

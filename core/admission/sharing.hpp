@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which channels can be in each other's way: those that share something, directly or over others.
+// Finds the channels that can affect each other because they share something, directly or through
+// other channels.
 #pragma once
 #include <cstddef>
 #include <set>
@@ -10,8 +11,9 @@
 
 namespace mlcca::core {
 
-/// The channel itself, and everything that shares with it. `shared_by(channel)`: what it shares
-/// with others, in a container. `users_of(thing)`: the channels that want that.
+/// Returns the channel and all channels connected with it. `shared_by(channel)` returns a container
+/// of the things that the channel uses together with others; `users_of(thing)` returns the channels
+/// that want that thing.
 template <class SharedBy, class UsersOf>
 [[nodiscard]] std::set<std::size_t> sharing_with(std::size_t channel, SharedBy&& shared_by,
                                                  UsersOf&& users_of) {

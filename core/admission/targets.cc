@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Where the events of a channel are to come, and what is asked of the way there.
+// The targets of a channel's events, and the joint requirements of its endpoints.
 #include <algorithm>
 #include <cstddef>
 #include <utility>

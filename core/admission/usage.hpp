@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which channels a change of a resource (a network or gateway, System::resource_of) touches: those
-// that it carries, and those that wait for it; and how much is granted of all.
+// Index from resources (a network or gateway, System::resource_of) to channels: which channels a
+// change of a resource affects.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -13,6 +13,8 @@
 
 namespace mlcca::core {
 
+/// Keeps, for all channels, the resources that carry them, those that they wait for, and the
+/// numbers of granted and refused deliveries.
 class Usage {
  public:
   using Channels = std::unordered_set<std::size_t>;
@@ -24,19 +26,20 @@ class Usage {
         pairs_(system.networks.size()),
         waiting_(system.resources()) {}
 
-  /// A channel is decided like this now.
+  /// Replaces what is known of a channel by its present decision.
   void set(const Situation& situation, std::size_t channel, const Decision& decision);
 
-  /// Channels of which something is granted over a resource.
+  /// Channels with a granted delivery over the resource.
   [[nodiscard]] const Channels& carried_by(std::size_t resource) const {
     return carried_[resource];
   }
-  /// The same for each pair of nodes of a mesh, by network.
+  /// Channels with a granted delivery from one mesh node to another, by network. The key is the
+  /// pair, see pair_of().
   [[nodiscard]] const std::unordered_map<std::uint64_t, Channels>& pairs_of(
       std::size_t network) const {
     return pairs_[network];
   }
-  /// Those of a channel, with their networks.
+  /// The (network, node pair) entries of a channel.
   [[nodiscard]] const std::vector<std::pair<std::size_t, std::uint64_t>>& pairs_of_channel(
       std::size_t channel) const {
     return of_channel_[channel].pairs;
@@ -44,14 +47,14 @@ class Usage {
   [[nodiscard]] static NodePair pair_of(std::uint64_t key) {
     return {static_cast<std::uint32_t>(key >> 32U), static_cast<std::uint32_t>(key)};
   }
-  /// Channels that could be given more, and have a way over the resource.
+  /// Channels that could be granted more and have a possible route over the resource.
   [[nodiscard]] const Channels& waiting_for(std::size_t resource) const {
     return waiting_[resource];
   }
-  /// Deliveries of all channels that are granted, and those that are not.
+  /// Numbers of granted and of refused deliveries, of all channels.
   [[nodiscard]] std::size_t granted() const { return granted_; }
   [[nodiscard]] std::size_t refused() const { return refused_; }
-  /// Resources that carry something of the channel.
+  /// Resources that carry a granted delivery of the channel.
   [[nodiscard]] const std::vector<std::size_t>& resources_of(std::size_t channel) const {
     return of_channel_[channel].carried;
   }
