@@ -12,7 +12,7 @@
 namespace mlcca::core::can {
 namespace {
 
-/// What a message takes of the bus is known, though its jitter may be too long.
+/// Whether the load of the message is known, although its jitter may be too long.
 bool has_load(const Assumptions& assumptions, const Message& m) {
   const Unusable why = unusable(assumptions, m);
   return why == Unusable::no || why == Unusable::jitter;
@@ -26,8 +26,8 @@ std::vector<std::size_t> by_priority(std::span<const Message> messages) {
   return order;
 }
 
-/// All messages of a bus at once. Bounds that depend on each other are raised, from values that are
-/// too small, until they hold together.
+/// Analyses all messages of a bus together. Bounds that depend on each other are raised, from
+/// values that are too small, until all equations hold.
 class Analysis {
  public:
   Analysis(const Assumptions& assumptions, std::vector<Message> sorted, std::vector<unsigned> bands,
@@ -54,16 +54,16 @@ class Analysis {
   std::vector<Time> first_start_;
   std::vector<std::size_t> ends_;
   std::vector<Time> blocking_;
-  std::vector<Time> longest_to_;  ///< longest frame of the messages before here
+  std::vector<Time> longest_to_;  ///< longest frame (ns) of the messages before each index
   Streams streams_;
   std::vector<SharedQueue> queues_;
-  /// Of messages with pauses and a queue of their own: all of the same sender.
+  /// Per message with pauses and a queue of its own: the indices of all messages of its sender.
   std::vector<std::vector<std::size_t>> same_sender_;
-  std::vector<bool> stale_;  ///< messages with queues of their own
+  std::vector<bool> stale_;  ///< per message with a queue of its own: must be analysed again
   std::vector<bool> queue_stale_;
-  /// Messages that are blocked before each frame, where nothing but the messages is on the bus.
+  /// Messages that are blocked before each frame, on a bus with no overhead.
   std::vector<std::size_t> blocked_per_frame_;
-  std::size_t unbounded_;  ///< first message that makes all that depend on it unbounded
+  std::size_t unbounded_;  ///< first message that makes all those it affects unbounded
 };
 
 Analysis::Analysis(const Assumptions& assumptions, std::vector<Message> sorted,
@@ -85,7 +85,7 @@ Analysis::Analysis(const Assumptions& assumptions, std::vector<Message> sorted,
   for (std::size_t i = 0; i < messages_.size(); ++i) {
     Message& m = messages_[i];
     if (m.jitter > kLongestTime) {
-      // Any number of its frames may come at once: what they can win against is not bounded.
+      // Any number of its frames may arrive at once, so what it wins against is not bounded.
       m.jitter = kLongestTime;
       responses_[i] = kNever;
       unbounded_ = std::min(unbounded_, i);
@@ -105,7 +105,7 @@ Analysis::Analysis(const Assumptions& assumptions, std::vector<Message> sorted,
   make_queues(assumptions);
 }
 
-/// What a gateway pauses is over before its frames wait: it is jitter of the queue.
+/// The pauses of a gateway end before the frames enter its queue, so they are jitter of the queue.
 void Analysis::make_senders() {
   std::vector<Time> late(messages_.size(), 0);
   for (std::size_t i = 0; i < messages_.size(); ++i) {
@@ -138,13 +138,13 @@ void Analysis::make_queues(const Assumptions& assumptions) {
   queue_stale_.assign(queues_.size(), true);
 }
 
-/// Behind the messages that may win against this priority.
+/// The index behind all messages that may win against this priority.
 std::size_t Analysis::end_of(std::uint32_t priority) const {
   const auto end = std::ranges::upper_bound(messages_, priority, {}, &Message::priority);
   return static_cast<std::size_t>(end - messages_.begin());
 }
 
-/// The longest frame that this priority would have won against.
+/// The longest frame (ns) of lower priority, which may block this one.
 Time Analysis::blocking(std::uint32_t priority) const {
   Time longest = 0;
   for (const Message& m : messages_)
@@ -152,7 +152,7 @@ Time Analysis::blocking(std::uint32_t priority) const {
   return overhead_.blocking(longest);
 }
 
-/// A larger bound, kNever for none, and what it makes stale.
+/// Raises a bound (kNever: not bounded) and marks what depends on it as stale.
 void Analysis::raise(std::size_t i, Time response) {
   if (response <= responses_[i]) return;
   responses_[i] = response;
@@ -172,7 +172,7 @@ void Analysis::raise(std::size_t i, Time response) {
     if (i < queues_[q].end()) queue_stale_[q] = true;
 }
 
-/// What may block a message that is blocked before each frame; nothing if that is not bounded.
+/// What may block a message that is blocked before each frame; nullopt if that is not bounded.
 std::optional<Blockers> Analysis::blockers_of(std::size_t i) const {
   if (std::ranges::find(blocked_per_frame_, i) == blocked_per_frame_.end()) return std::nullopt;
   Blockers all;
@@ -194,7 +194,7 @@ void Analysis::update_alone(std::size_t i) {
                     .blockers = blockers ? &*blockers : nullptr};
   LevelResponse found;
   if (depends_on_unbounded(ends_[i])) {
-    // Not bounded.
+    // Stays unbounded.
   } else if (messages_[i].pauses > 0) {
     const auto busy =
         busy_time(streams_.interference, overhead_, messages_, same_sender_[i], level);
@@ -214,7 +214,7 @@ void Analysis::update_queue(std::size_t q) {
     Time last_frame;
     std::optional<Time> wait;
   };
-  std::vector<Known> known;  // a wait depends on these two alone
+  std::vector<Known> known;  // a wait depends on nothing else
   for (const std::size_t i : queue.members()) {
     const Message& m = messages_[i];
     auto it = std::ranges::find_if(
@@ -229,7 +229,7 @@ void Analysis::update_queue(std::size_t q) {
   }
 }
 
-/// Whether any message was analysed.
+/// Analyses what is stale; returns whether there was anything.
 bool Analysis::round() {
   bool any = false;
   for (std::size_t i = 0; i < messages_.size(); ++i) {
@@ -246,7 +246,7 @@ bool Analysis::round() {
 }
 
 std::uint32_t Analysis::most_queued(const SharedQueue& queue) const {
-  // An event is there from its nominal release for as long as its response at most.
+  // An event occupies the queue from its nominal release for at most its response time.
   constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
   std::uint64_t frames = 0;
   for (const std::size_t i : queue.members()) {
@@ -255,8 +255,8 @@ std::uint32_t Analysis::most_queued(const SharedQueue& queue) const {
     const Time period = std::min(m.period, kLongestTime);
     std::uint64_t most_there = (responses_[i] + period - 1) / period * m.frames;
     if (m.least_pause > 0) {
-      // Frames come apart: those that have come since the first of them. What another bus has
-      // delayed may come nearer, by no more than its jitter.
+      // Frames enter the queue apart from each other: count those that entered since the first.
+      // Frames that come from another bus may be closer to each other, by at most its jitter.
       const Time nearer = m.pauses > 0 ? 0 : m.jitter;
       most_there = std::min(most_there, 1 + (responses_[i] - m.jitter + nearer) / m.least_pause);
     }
@@ -348,7 +348,8 @@ bool fits(const Assumptions& assumptions, const Message& message, const Response
 std::uint64_t utilisation_ppm(const Assumptions& assumptions, std::span<const Message> messages) {
   __extension__ using Wide = unsigned __int128;
   constexpr std::uint64_t whole = 1'000'000;
-  constexpr std::uint64_t finer = 1'000'000;  // each is rounded up that much finer than the sum
+  constexpr std::uint64_t finer =
+      1'000'000;  // each term is rounded up that much finer than the sum
   Wide sum = 0;
   for (const Message& m : messages)
     if (has_load(assumptions, m))

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// An order of priorities in which all messages meet their deadlines. A message that is in time at
-// the lowest place, whatever the order above, may have it: if any order works, one with this
-// message there works too.
+// Searches for priorities with which all messages meet their deadlines. A message that is in time
+// at the lowest place, whatever the order above it, may be put there: if any order works, one with
+// this message there works too (Audsley 2001).
 #include <algorithm>
 #include <numeric>
 
@@ -22,7 +22,7 @@ class Places {
     for (std::size_t i = 0; i < messages.size(); ++i) all_.insert(i, messages[i], offered(i));
   }
 
-  /// Fills the places from the last to the first; false if no message fits one of them.
+  /// Fills the places from the last to the first; returns false if no message fits one of them.
   bool fill() {
     Time longest_below = 0;
     for (std::size_t place = order_.size(); place-- > 0;) {
@@ -34,8 +34,8 @@ class Places {
   [[nodiscard]] std::vector<std::size_t> take() && { return std::move(order_); }
 
  private:
-  /// How late frames are offered. Where that depends on a response, which is unknown until the
-  /// order above it is known, they are taken to be as late as the deadline allows.
+  /// How late frames are offered (ns). If that depends on a response, which is unknown until the
+  /// order above is known, it is taken to be as late as the deadline allows.
   [[nodiscard]] Time offered(std::size_t i) const {
     const Message& m = messages_[i];
     const Time deadline = std::min(m.deadline, kLongestTime);
@@ -50,7 +50,7 @@ class Places {
                 .longest = 0};
     for (std::size_t i = 0; i <= place; ++i)
       level.longest = std::max(level.longest, messages_[order_[i]].longest_frame);
-    // From the last on: messages that were given in a good order are found at once.
+    // Tried from the last on, so that messages which are already in a good order are found at once.
     for (std::size_t tried = place + 1; tried-- > 0;) {
       swap(tried, place);
       const Message& m = messages_[order_[place]];
@@ -68,8 +68,8 @@ class Places {
 
   Overhead overhead_;
   std::span<const Message> messages_;
-  std::vector<std::size_t> order_;  ///< which message is at each place
-  Interference all_;                ///< in that order
+  std::vector<std::size_t> order_;  ///< index of the message at each place
+  Interference all_;                ///< streams in that order
 };
 
 }  // namespace
@@ -83,7 +83,7 @@ std::optional<std::vector<std::size_t>> assign_priorities(const Assumptions& ass
   auto order = std::move(places).take();
   if (std::ranges::none_of(messages, is_coupled)) return order;
 
-  // Queues were left out so far: the order as a whole decides.
+  // Queues were ignored so far, so the complete order is analysed.
   std::vector<Message> ordered;
   for (std::size_t place = 0; place < order.size(); ++place) {
     ordered.push_back(messages[order[place]]);

@@ -10,7 +10,7 @@
 namespace mlcca::core::can {
 namespace {
 
-/// How long the bus may take, counted from when all frames wait.
+/// The time that the bus may take, counted from when all frames wait; kNever if unlimited.
 Time delay_of(const Message& m) {
   if (m.deadline == kNever) return kNever;
   return m.deadline > m.jitter ? m.deadline - m.jitter : 0;

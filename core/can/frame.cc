@@ -10,40 +10,41 @@ namespace {
 constexpr Time kSecond = 1'000'000'000;
 
 // Classic frames. Stuff bits may be inserted from the start of the frame to the end of the CRC: 34
-// bits and the payload, 54 with the longer identifier. Delimiters, acknowledgement, end of frame
-// and intermission (13 bits) are never stuffed. The first stuff bit needs five bits, each further
-// one four, because a stuff bit is the first of the next five.
+// bits and the payload, 54 with a 29-bit identifier. Delimiters, acknowledgement, end of frame and
+// intermission (13 bits) are never stuffed. The first stuff bit needs five bits, each further one
+// four, because a stuff bit is the first of the next five.
 constexpr unsigned kStuffedStandard = 34;
 constexpr unsigned kStuffedExtended = 54;
 constexpr unsigned kTail = 13;
 
-// FD frames, first part at the arbitration rate: start of frame to BRS. FDF is recessive, and
-// stands between dominant bits, so that no five equal bits end after IDE (11 bit) or RRS (29 bit):
-// only the 13 or 33 bits up to RRS can be followed by stuff bits (IDE adds none).
+// FD frames, first part at the arbitration rate: start of frame to BRS. FDF is recessive between
+// dominant bits, so no five equal bits end after IDE (11 bit) or RRS (29 bit): only the 13 or 33
+// bits up to RRS can be followed by stuff bits (IDE adds none).
 constexpr unsigned kFdHeadStandard = 17;
 constexpr unsigned kFdHeadExtended = 36;
 constexpr unsigned kFdHeadStuffStandard = 3;
 constexpr unsigned kFdHeadStuffExtended = 8;
-// Last part at the arbitration rate: CRC delimiter, acknowledgement and its delimiter, end of
-// frame, intermission; and two bits because nodes accept a CRC delimiter and an acknowledgement of
-// two bits each, which make up for phase shifts.
+// Last part at the arbitration rate: CRC delimiter, acknowledgement and its delimiter, end of frame
+// and intermission, and two more bits, because nodes accept a CRC delimiter and an acknowledgement
+// of two bits each to compensate phase shifts.
 constexpr unsigned kFdTail = 1 + 1 + 1 + 7 + 3 + 2;
 // Data phase: ESI and DLC, the payload, and dynamic stuff bits in the sequence BRS, ESI, DLC,
-// payload: the first after five bits, then one for each four, 1 + 2 per payload byte. Then a stuff
-// count of 4 bits and a CRC of 17 or 21 bits, with a fixed stuff bit before the first of them and
-// after each fourth: 21 + 6 or 25 + 7 bits.
+// payload: the first after five bits, then one for each four, 1 + 2 per payload byte. Then follow a
+// stuff count of 4 bits and a CRC of 17 or 21 bits, with a fixed stuff bit before the first of them
+// and after each fourth: 21 + 6 or 25 + 7 bits.
 constexpr unsigned kFdControl = 1 + 4 + 1;
 constexpr unsigned kFdShortCrc = 27;
 constexpr unsigned kFdLongCrc = 32;
 constexpr unsigned kFdShortCrcBytes = 16;
 
-// CAN XL, first and last part at the arbitration rate: start of frame, priority, RRS, IDE, FDF, XLF
-// and resXL with a stuff bit for each four behind the first five, ADH; then the four bits back
-// (DAS), acknowledgement and its delimiter, end of frame, intermission, and two bits as for FD.
+// CAN XL (fields of CiA 610-1), first and last part at the arbitration rate: start of frame,
+// priority, RRS, IDE, FDF, XLF and resXL with a stuff bit for each four behind the first five, ADH;
+// then the four bits of the return to that rate (DAS), acknowledgement and its delimiter, end of
+// frame, intermission, and two bits as for FD.
 constexpr unsigned kXlSlow = 1 + 11 + 5 + 4 + 1 + 4 + 2 + 7 + 3 + 2;
-// At the data rate, with a stuff bit behind each ten bits: DL1, SDT, SEC, DLC, stuff count, CRC of
-// the preface, VCID, acceptance field, payload, CRC of the frame. Without: DH1 and DH2, and the
-// format check pattern.
+// CAN XL at the data rate with a stuff bit after each ten bits: DL1, SDT, SEC, DLC, stuff count,
+// CRC of the preface, VCID, acceptance field, payload, CRC of the frame. Not stuffed: DH1 and DH2,
+// and the format check pattern.
 constexpr unsigned kXlStuffed = 1 + 8 + 1 + 11 + 3 + 13 + 8 + 32 + 32;
 constexpr unsigned kXlPlain = 2 + 4;
 constexpr unsigned kXlRun = 10;

@@ -20,7 +20,7 @@ auto place(std::vector<T>& values, std::size_t at) {
 
 Share share_of(Time part, Time whole) {
   if (part >= whole) return kAllShare;
-  constexpr unsigned half = kShareBits / 2;  // in two steps: both products fit 64 bits
+  constexpr unsigned half = kShareBits / 2;  // in two steps, so that both products fit 64 bits
   const Time high = (part << half) / whole;
   const Time rest = (part << half) % whole;
   return (high << half) + ((rest << half) + whole - 1) / whole;

@@ -4,18 +4,19 @@
 namespace mlcca::core::can {
 namespace {
 
-constexpr unsigned kErrorFrameBits = 31;  // 6 + 6 of flags, 8 of delimiter, 3 of intermission, and
-                                          // a further flag that an error in a delimiter raises
+// Bits of an error frame: 6 + 6 of flags, 8 of delimiter, 3 of intermission, and 8 for a further
+// flag that an error in a delimiter raises.
+constexpr unsigned kErrorFrameBits = 31;
 constexpr Time kMillionth = 1'000'000;
 
-/// What blocks `frames` frames, each one again, until `until`, counted from the start of the busy
-/// period.
+/// The time that blocks `frames` frames, each one separately, until `until`, counted from the start
+/// of the busy period.
 Time blocked(const Level& level, Time frames, Time until) {
   const Time each = level.blocking * frames;
   return level.blockers == nullptr ? each : std::min(each, level.blockers->until(until));
 }
 
-/// Bus share of what blocks each event once more.
+/// The share of bus time by which each further event is blocked.
 Share blocked_share(const Message& m, const Level& level) {
   if (!one_at_a_time(m)) return 0;
   const Share each = share_of(level.blocking * m.frames, std::min(m.period, kLongestTime));
@@ -60,7 +61,7 @@ Time Overhead::background(Time t) const {
 
 Time Overhead::errors(Time t, Time longest) const {
   if (faults_.count == 0) return 0;
-  // A frame of the background may be the one that is sent again.
+  // The frame that has to be repeated may be one of the background.
   const Time spoilt = background_ > 0 ? std::max(longest, longest_) : longest;
   const Time intervals = (t + faults_.interval - 1) / faults_.interval;
   return (error_frame_ + spoilt) * faults_.count * intervals;
@@ -85,8 +86,8 @@ LevelResponse level_response(const Interference& all, const Overhead& overhead, 
   const auto others = [&](Time until) {
     return all.demand(0, level.self, until) + all.demand(level.self + 1, level.end, until);
   };
-  const Time frames = one_at_a_time(m) ? m.frames : 0;  // of an event that are blocked once more
-                                                        // each
+  const Time frames =
+      one_at_a_time(m) ? m.frames : 0;  // frames of an event that are each blocked once
   const Time once = frames > 0 ? 0 : level.blocking;
   const auto start_of = [&](Time events, Time from) {
     const Time own = once + events * m.transmission - m.last_frame;
@@ -99,7 +100,7 @@ LevelResponse level_response(const Interference& all, const Overhead& overhead, 
   if (!first) return {};
 
   const Time period = std::min(m.period, kLongestTime);
-  // The busy period ends when everything that was offered before its end is sent.
+  // The busy period ends when everything that was offered before its end has been sent.
   const auto busy_until = [&](Time t) {
     const Time events = (t + m.jitter + period - 1) / period;
     return events * m.transmission + once + blocked(level, frames * events, t) +
@@ -108,9 +109,10 @@ LevelResponse level_response(const Interference& all, const Overhead& overhead, 
   const Time second = period > m.jitter ? period - m.jitter : 0;
   const Time end_of_first = *first + m.last_frame;
   Time events = 1;
-  // Most messages are alone in their busy period; then one check of their second release shows it.
+  // As a rule a message has one event in its busy period; one check of the second release shows
+  // that.
   if (second < end_of_first || busy_until(second) > second) {
-    // What blocks each event once more must leave room for the next one.
+    // What blocks further events must leave room for the next one.
     if (share + blocked_share(m, level) >= kAllShare) return {};
     const auto busy = fixpoint(end_of_first, busy_until);
     if (!busy) return {};

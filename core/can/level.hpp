@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// One message against those of higher or equal priority: the busy period of its level, and what
-// takes bus time beside messages.
+// The response time of one message, given the messages of higher or equal priority: its busy
+// period, and the overhead that takes bus time beside messages. docs/explanation/can-analysis.md
+// ("One message") derives the formulas.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -13,42 +14,45 @@
 
 namespace mlcca::core::can {
 
-/// What is wrong with the numbers of a message, or with those of its bus.
+/// Why a message cannot be analysed on its bus: which of its numbers, or of the bus, is out of
+/// range.
 enum class Unusable : std::uint8_t { no, bit_rate, period, frames, transmission, jitter, queue };
 
-/// Whether a message's numbers can be analysed at all on this bus. One that can't leaves no message
-/// of its bus bounded; one with too much jitter none that it may win against.
+/// Checks a message. If one message of a bus is unusable, no message of that bus is bounded; if
+/// only its jitter is too long, those are not bounded that it may win arbitration against.
 [[nodiscard]] Unusable unusable(const Assumptions& assumptions, const Message& message);
 [[nodiscard]] inline bool usable(const Assumptions& assumptions, const Message& message) {
   return unusable(assumptions, message) == Unusable::no;
 }
 
-/// The priority that no frame of the message is below.
+/// The lowest priority (largest number) that a frame of the message has.
 [[nodiscard]] inline std::uint32_t lowest_of(const Message& m) {
   return std::max(m.priority, m.lowest_priority);
 }
 
-/// Whether the message needs the analysis of the whole bus: its frames are offered later than
-/// queued for another reason than the bus, so that its effect on others depends on its own
-/// response; or not all of them have one priority.
+/// Whether the message's effect on others depends on its own response, because its frames are
+/// offered later than they are queued (fragments one at a time, shared queues, pauses), or whether
+/// its frames have different priorities. Then the bus must be analysed as a whole.
 [[nodiscard]] bool is_coupled(const Message& message);
 
-/// Errors, background and unknown senders.
+/// The bus time that is not taken by messages: errors, background load and frames of unknown
+/// senders.
 class Overhead {
  public:
   explicit Overhead(const Assumptions& assumptions);
 
-  /// What a frame of at most `known` ns that has lower priority can block; with unknown senders the
-  /// longest frame of the bus, with errors at least one error frame.
+  /// The blocking by a lower-priority frame of at most `known` ns. With unknown senders it is at
+  /// least the longest frame of the bus, with errors at least an error frame.
   [[nodiscard]] Time blocking(Time known) const { return std::max(known, least_blocking_); }
 
-  /// Time that background takes until a last frame starts at `start`, and errors until it ends at
-  /// `end`, each of which spoils a frame of at most `longest`.
+  /// The overhead (ns) until a last frame ends: background until it starts at `start`, errors until
+  /// it ends at `end`. Each error spoils a frame of at most `longest` ns.
   [[nodiscard]] Time until(Time start, Time end, Time longest) const {
     return plain_ ? 0 : background(start) + errors(end, longest);
   }
-  /// Bus share of both. `longest` as above.
+  /// The share of the bus time that errors and background take.
   [[nodiscard]] Share share(Time longest) const;
+  /// Whether there are neither errors nor background nor unknown senders.
   [[nodiscard]] bool none() const { return plain_; }
 
  private:
@@ -57,29 +61,29 @@ class Overhead {
 
   bool plain_;
   Time least_blocking_ = 0;
-  Time longest_;      ///< frame of the bus
-  Time error_frame_;  ///< error flags, delimiter, intermission
+  Time longest_;      ///< ns, longest frame that is possible on the bus
+  Time error_frame_;  ///< ns: error flags, delimiter, intermission
   std::uint32_t background_;
   FaultHypothesis faults_;
 };
 
-/// Whether the sender offers a frame only after the one before it was sent, of the same event or of
-/// the one before: then each frame is blocked once more.
+/// Whether the sender offers each frame only after the one before was sent, within and between
+/// events. Then every frame is blocked once.
 [[nodiscard]] inline bool one_at_a_time(const Message& m) {
   return m.queue == kOwnQueue && m.frames > 1 && !m.back_to_back;
 }
 
-/// All frames that may block a message: a message that is blocked before each of its frames is
-/// blocked by each of these once.
+/// The lower-priority messages that may block one whose frames are blocked one by one. Together
+/// they cannot block for longer than what they send.
 class Blockers {
  public:
-  /// `response`: a bound from nominal release to the end of the last frame, not kNever.
+  /// Adds a blocker. `response`: a bound of its response time, which must be bounded (not kNever).
   void add(const Message& message, Time response) {
     all_.push_back({std::min(message.period, kLongestTime), message.transmission, response});
     share_ += share_of(message.transmission, std::min(message.period, kLongestTime));
   }
-  /// What these take from the start of a busy period until then: whatever was queued before and is
-  /// not sent at that start, and what comes later.
+  /// The time (ns) that the blockers take from the start of a busy period to `t`: sum of ceil((t +
+  /// R) / T) C, for what was queued before the start and what comes later.
   [[nodiscard]] Time until(Time t) const {
     Time sum = 0;
     for (const Blocker& b : all_) sum += (t + b.response + b.period - 1) / b.period * b.cost;
@@ -97,34 +101,38 @@ class Blockers {
   Share share_ = 0;
 };
 
-/// Where a message stands among the streams of an Interference: those before `end`, itself
-/// included, have higher or equal priority.
+/// The place of a message among the streams of an Interference: all before `end`, including itself,
+/// have higher or equal priority.
 struct Level {
   std::size_t self = 0;
   std::size_t end = 0;
-  Time blocking = 0;                   ///< from Overhead::blocking()
-  Time longest = 0;                    ///< frame of those before `end`, needed if there is overhead
-  const Blockers* blockers = nullptr;  ///< all that is behind `blocking`, if that is known
+  Time blocking = 0;  ///< ns, from Overhead::blocking()
+  Time longest = 0;   ///< ns, longest frame of the streams before `end`; used only with overhead
+  const Blockers* blockers = nullptr;  ///< all that may block, null if that is unknown
 };
 
+/// The result of level_response(); `response` (ns, from the nominal release) only counts if
+/// `bounded`.
 struct LevelResponse {
   bool bounded = false;
   Time response = 0;
-  Time first = 0;  ///< when the last frame of the first event starts: where to begin next time
+  Time first = 0;  ///< ns, start of the last frame of the first event: a lower bound for the next
+                   ///< analysis
 };
 
-/// The response of a message with a queue of its own. `begin`: 0 or a start of the first event's
-/// last frame that is known not to be too late.
+/// Computes the response time of a message with a queue of its own. `begin` is 0 or a lower bound
+/// of the start of the first event's last frame, such as LevelResponse::first of a former analysis
+/// with fewer others.
 [[nodiscard]] LevelResponse level_response(const Interference& all, const Overhead& overhead,
                                            const Message& message, const Level& level, Time begin);
 
-/// Whether a bound shows that the deadline is met. Cheap and sufficient: a message that it does not
-/// show may still be in time. Only without overhead.
+/// A cheap sufficient test of the deadline: if it returns false, the message may still be in time.
+/// Only valid without overhead.
 [[nodiscard]] bool surely_in_time(const Interference& all, const Message& message,
                                   const Level& level);
 
-/// Smallest value that `next` leaves as it is, from `begin`, which is not above it; `next` never
-/// falls. Nothing if that exceeds kLongestTime, or is not reached within kMaxSteps.
+/// The smallest fixpoint of the monotone function `next` that is not below `begin`, which must not
+/// exceed it. Nullopt if it exceeds kLongestTime or is not reached within kMaxSteps.
 template <class Next>
 [[nodiscard]] std::optional<Time> fixpoint(Time begin, const Next& next) {
   Time now = begin;

@@ -9,7 +9,7 @@
 namespace mlcca::core::can {
 namespace {
 
-/// Time of a frame with these payload bytes, the longest (or shortest) in any format that the
+/// The shortest and longest time (ns) of a frame with these payload bytes, in any format that the
 /// binding allows.
 struct Range {
   Time shortest = 0;
@@ -27,14 +27,15 @@ Range times_of(const Timing& timing, const Binding& binding, unsigned bytes) {
   return {std::min(classic, fd), std::max(classic, fd)};
 }
 
-/// First and last identifier of the frames.
+/// The first and last identifier that the frames may have.
 Identifier range_of(const FrameIdentity& identity, const Binding& binding) {
   const std::uint32_t whole = binding.extended ? kExtendedBits : kStandardBits;
   const std::uint32_t first = identity.id & whole;
   return {.id = first, .last = first | (whole & ~identity.mask), .extended = binding.extended};
 }
 
-/// Events that fit a frame have the identifier of the event, others those of what carries them.
+/// Extends the message to a transport protocol: events that fit one frame have the event's
+/// identifier, others those of the protocol's frames.
 void transport_in(const Fragmentation& transport, const Publisher& publisher,
                   const Network& network, const Binding& binding, Message& m) {
   const auto event = identity_of(publisher, network, binding, true);

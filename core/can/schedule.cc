@@ -11,7 +11,7 @@ namespace {
 
 std::pair<std::uint32_t, std::uint64_t> rank(const Message& m) { return {m.priority, m.key}; }
 
-/// Walks over the messages from the lowest priority upwards and knows the level of each.
+/// Iterates over the messages from the lowest priority upwards and keeps the level of each.
 class Upwards {
  public:
   Upwards(std::span<const Message> messages, const Interference& all, const Overhead& overhead)
@@ -26,7 +26,7 @@ class Upwards {
       longest_to_[i + 1] = std::max(longest_to_[i], messages[i].longest_frame);
   }
 
-  /// To message i, the one above the last that was asked for.
+  /// Moves to message i, which must be the one above the last one asked for.
   void move_to(std::size_t i) {
     if (i + 1 == messages_.size() || messages_[i].priority == messages_[i + 1].priority) return;
     for (; end_ > i + 1; --end_) {
@@ -41,7 +41,7 @@ class Upwards {
             .blocking = overhead_.blocking(longest_below_),
             .longest = longest_to_.empty() ? 0 : longest_to_[end_]};
   }
-  /// Whether lines above the demand of all others show that message i is in time.
+  /// Whether straight lines above the demand of all others already show that message i is in time.
   [[nodiscard]] bool plainly_in_time(std::size_t i, Time blocking) const {
     const Message& m = messages_[i];
     const Time taken = m.jitter + m.last_frame;
@@ -63,9 +63,9 @@ class Upwards {
   std::span<const Message> messages_;
   const Interference& all_;
   const Overhead& overhead_;
-  std::size_t end_;  ///< behind the messages of the same priority
-  Share share_ = 0;  ///< of all before end_
-  Time fixed_ = 0;   ///< of all before end_
+  std::size_t end_;  ///< index behind the messages of the same priority
+  Share share_ = 0;  ///< of all streams before end_
+  Time fixed_ = 0;   ///< ns, of all streams before end_
   Time longest_below_ = 0;
   std::vector<Time> longest_to_;
 };
@@ -86,7 +86,8 @@ std::optional<Schedule::Late> Schedule::add(const Message& message) {
   return late;
 }
 
-/// Whether all are in time with the one that was added, where each has a queue of its own.
+/// Whether all are in time after a message was added, if each has a queue of its own. Returns one
+/// that is late.
 std::optional<Schedule::Late> Schedule::check_alone(std::size_t added) {
   const Overhead overhead(assumptions_);
   Upwards walk(messages_, interference_, overhead);
@@ -97,7 +98,7 @@ std::optional<Schedule::Late> Schedule::check_alone(std::size_t added) {
     const Level level = walk.level(i);
     const Message& m = messages_[i];
     if (is_spared(m)) continue;
-    // What is above the new one is only blocked by it, if by anything.
+    // Messages above the new one are affected only if it blocks them.
     const bool above = level.end <= added;
     if (above && (added_message.longest_frame < level.blocking)) continue;
     if (overhead.none() &&
@@ -128,7 +129,8 @@ void Schedule::remove(std::uint64_t key) {
   if (at == messages_.size()) return;
   erase(at);
   if (!spared_.empty()) std::erase(spared_, key);
-  std::ranges::fill(at_least_, 0);  // bounds that may fall now are no start any more
+  // Bounds may become smaller now, so the old ones are no lower bounds any more.
+  std::ranges::fill(at_least_, 0);
   if (!settled_) {
     rebuild();
     settled_ = late().empty();
@@ -181,7 +183,7 @@ void Schedule::put(std::span<const Message> messages) {
   messages_.insert(messages_.end(), messages.begin(), messages.end());
   std::ranges::sort(messages_, {}, rank);
   rebuild();
-  // One that cannot be analysed is not spared: nothing is known of the bus then.
+  // A message that cannot be analysed is not spared, because then nothing is known of the bus.
   for (const Late& late : late())
     if (std::ranges::binary_search(fresh, late.key) && usable(assumptions_, *find(late.key)))
       spared_.push_back(late.key);
@@ -248,8 +250,8 @@ void Schedule::erase(std::size_t at) {
   if (interference_.size() > at) interference_.erase(at);
 }
 
-/// The arrays of the analysis, from messages and assumptions. Without a bit rate, or with a message
-/// that cannot be analysed, there is nothing to keep: nothing can be added until that is corrected.
+/// Rebuilds the arrays of the analysis from messages and assumptions. Without a bit rate, or with a
+/// message that cannot be analysed, they stay empty: nothing can be added until that is corrected.
 void Schedule::rebuild() {
   at_least_.assign(messages_.size(), 0);
   coupled_ = static_cast<std::size_t>(std::ranges::count_if(messages_, is_coupled));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The messages that are admitted to one CAN bus. A value: copies are independent, so a decision is
-// tried on a copy or taken back by remove().
+// The schedule of one CAN bus: its admitted messages, with the guarantee that each meets its
+// deadline.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -14,60 +14,65 @@
 
 namespace mlcca::core::can {
 
+/// The messages of one CAN bus. add() accepts a message only if all deadlines hold then. It is a
+/// value: copies are independent, so a decision can be tried on a copy or undone by remove().
 class Schedule {
  public:
   explicit Schedule(Assumptions assumptions = {});
 
-  /// A message that cannot be guaranteed.
+  /// A message whose deadline or queue cannot be guaranteed.
   struct Late {
     std::uint64_t key = 0;
-    Time response = 0;  ///< ns; says nothing unless `bounded`
+    Time response = 0;  ///< ns from the nominal release; meaningless unless `bounded`
     bool bounded = false;
     Time deadline = 0;
-    Time jitter = 0;           ///< of the message: what was taken before this bus
-    bool overflow = false;     ///< its queue may hold more frames than fit
+    Time jitter = 0;           ///< ns, from the nominal release until its frames are queued here
+    bool overflow = false;     ///< its queue may have to hold more frames than fit
     std::uint32_t queued = 0;  ///< frames that the queue would have to hold
-    std::uint32_t length = 0;  ///< frames that it holds
+    std::uint32_t length = 0;  ///< frames that the queue holds
     bool operator==(const Late&) const = default;
   };
 
-  /// Adds the message if every message then meets its deadline. Otherwise nothing changes, and one
-  /// that would be late is returned: the new one or one that is there. The key must be new.
+  /// Adds the message if all messages then meet their deadlines; returns nullopt. Otherwise nothing
+  /// changes, and a message that would be late is returned: the new one or an existing one. The key
+  /// must be new.
   [[nodiscard]] std::optional<Late> add(const Message& message);
 
-  /// Afterwards the schedule is as if the message had never been added. An unknown key is ignored.
+  /// Removes a message; afterwards the schedule equals one to which it was never added. An unknown
+  /// key is ignored.
   void remove(std::uint64_t key);
 
-  /// Messages that others send, whether or not they are in time and whoever becomes late by them.
-  /// Their keys must be new. Those of them that are late with all that is there now disturb like
-  /// the others, and add() and late() do not look at whether they are in time: they are spared.
+  /// Adds messages that others send, without a condition. Their keys must be new. Those of them
+  /// that are late with all present messages are "spared": they count as load, but add() and late()
+  /// ignore that they are late.
   void put(std::span<const Message> messages);
-  /// Spared messages that are in time now are spared no more.
+  /// Ends the sparing of messages that are in time now.
   void review();
   [[nodiscard]] bool spares_any() const { return !spared_.empty(); }
-  /// As they would be late; in the order of messages().
+  /// The spared messages with their present lateness, in the order of messages().
   [[nodiscard]] std::vector<Late> spared() const;
 
   [[nodiscard]] bool contains(std::uint64_t key) const { return find(key) != nullptr; }
-  /// Null if there is none. Valid until the schedule changes.
+  /// The message of that key, or null. Valid until the schedule changes.
   [[nodiscard]] const Message* find(std::uint64_t key) const;
-  /// The bound as of now, ns; kNever if it is not bounded or the key is unknown.
+  /// The present bound (ns, from the nominal release); kNever if it is unbounded or the key is
+  /// unknown.
   [[nodiscard]] Time response(std::uint64_t key) const;
 
-  /// Other assumptions from now on. Returns all that is late under them; nothing is removed. The
-  /// messages stay as they are: with another bit rate their times are the caller's to replace.
+  /// Replaces the assumptions and returns all messages that are late under them; none is removed.
+  /// If the bit rate changes, the caller must replace the transmission times of the messages.
   std::vector<Late> set_assumptions(Assumptions assumptions);
-  /// All that is late now and not spared, in the order of messages(). Empty unless assumptions
-  /// changed, or put() has made something late.
+  /// All messages that are late and not spared, in the order of messages(). Empty unless
+  /// set_assumptions() or put() has made some late.
   [[nodiscard]] std::vector<Late> late() const;
 
   /// Sorted by priority, then key.
   [[nodiscard]] std::span<const Message> messages() const { return messages_; }
-  /// 1e-6 of the bus time, background included.
+  /// Load of the bus in 1e-6 of its time, background included.
   [[nodiscard]] std::uint64_t utilisation_ppm() const;
   [[nodiscard]] const Assumptions& assumptions() const { return assumptions_; }
 
-  /// The same messages under the same assumptions; all else follows from these.
+  /// Compares messages and assumptions; everything else follows from these.
   bool operator==(const Schedule& other) const {
     return assumptions_ == other.assumptions_ && messages_ == other.messages_;
   }
@@ -87,11 +92,12 @@ class Schedule {
 
   Assumptions assumptions_;
   std::vector<Message> messages_;
-  Interference interference_;  ///< of messages_, in their order
-  /// A response that each message is known not to be below, to start from. 0: nothing is known.
+  Interference interference_;  ///< streams of messages_, in the same order
+  /// Per message a known lower bound of its response (ns), from which the next analysis starts; 0
+  /// if nothing is known.
   std::vector<Time> at_least_;
-  std::size_t coupled_ = 0;            ///< messages whose bounds depend on the bounds of others
-  bool settled_ = true;                ///< nothing is late but what is spared
+  std::size_t coupled_ = 0;            ///< number of messages with is_coupled()
+  bool settled_ = true;                ///< no message is late, except for spared ones
   std::vector<std::uint64_t> spared_;  ///< keys, sorted
 };
 

@@ -10,7 +10,7 @@ constexpr std::uint32_t kAddress = 0xff;
 
 Time period_of(const Message& m) { return std::min(m.period, kLongestTime); }
 
-/// Events that the sender gets in that time.
+/// The number of events that reach the sender in that time.
 Time events_in(const Message& m, Time time) {
   return (time + m.jitter + period_of(m) - 1) / period_of(m);
 }
@@ -37,7 +37,7 @@ bool shares_address(std::span<const Message> messages, std::size_t message) {
 std::optional<Time> busy_time(const Interference& all, const Overhead& overhead,
                               std::span<const Message> messages,
                               std::span<const std::size_t> members, const Level& level) {
-  // Each frame is blocked once, and the pauses are the sender's as its frames are the bus's.
+  // Each frame is blocked once. Pauses occupy the sender as its frames occupy the bus.
   const auto whole = [&](const Message& m) {
     return m.transmission + m.pauses + m.frames * level.blocking;
   };

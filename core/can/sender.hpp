@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Messages whose sender pauses between the frames of an event, and sends one event after the other.
+// Messages of a sender that pauses between the frames of an event and sends one event after the
+// other. See docs/explanation/can-analysis.md, "Senders that pause".
 #pragma once
 #include <cstddef>
 #include <optional>
@@ -12,25 +13,26 @@
 
 namespace mlcca::core::can {
 
-/// Messages of the same sender in the same queue, itself included; alone: it has no sender.
+/// Indices of the messages with the same sender and the same queue as this one, including it; only
+/// itself if it has no sender.
 [[nodiscard]] std::vector<std::size_t> of_same_sender(std::span<const Message> messages,
                                                       std::size_t message);
 
-/// The frames of another sender have the same address: receivers would take the one's for the
-/// other's.
+/// Whether another sender uses the same source address. Receivers then cannot distinguish the
+/// frames of the two.
 [[nodiscard]] bool shares_address(std::span<const Message> messages, std::size_t message);
 
-/// Longest time for which the sender has something to send or pauses, from when it was idle, frames
-/// of equal or higher priority that wait then included: nothing waits longer. `members`: all that
-/// it sends, in a queue of its own, indices into `all`, rising. `level`: of the lowest priority of
-/// their frames. Nothing: not bounded.
+/// The longest time (ns) from when the sender was idle until it is idle again. It includes pauses,
+/// blocking and frames of equal or higher priority; no event of the sender waits longer. `members`:
+/// ascending indices into `all` of all its messages, which have a queue of their own. `level`: the
+/// level of the lowest priority of their frames. Nullopt if not bounded.
 [[nodiscard]] std::optional<Time> busy_time(const Interference& all, const Overhead& overhead,
                                             std::span<const Message> messages,
                                             std::span<const std::size_t> members,
                                             const Level& level);
 
-/// The same where a gateway sends, whose frames wait in a queue and whose pauses do not: until the
-/// last frame is in the queue.
+/// The same time for a gateway, whose pauses are timers that do not depend on its queue: the
+/// longest time (ns) until the last frame has entered the queue. Nullopt if not bounded.
 [[nodiscard]] std::optional<Time> pausing_time(std::span<const Message> messages,
                                                std::span<const std::size_t> members);
 

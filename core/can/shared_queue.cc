@@ -5,12 +5,12 @@
 
 namespace mlcca::core::can {
 
-/// What is sent between an earlier moment and the start of an event's last frame.
+/// What is sent from an earlier moment to the start of an event's last frame.
 struct SharedQueue::Case {
-  Time before = 0;       ///< frames that stood in front then, blocking included
+  Time before = 0;       ///< ns of frames ahead at that moment, blocking included
   Range at_arrival{};    ///< members whose events count if they were queued before the event
-  Range until_start{};   ///< members that overtake it
-  bool carried = false;  ///< others may have waited at that moment already
+  Range until_start{};   ///< members that overtake the event
+  bool carried = false;  ///< frames of other senders may have waited at that moment already
 };
 
 SharedQueue::SharedQueue(const Streams& streams, const Overhead& overhead,
@@ -82,8 +82,8 @@ std::optional<Time> SharedQueue::longest_wait(const Case& c, Time last_frame) co
   });
   if (!busy) return std::nullopt;
 
-  // While an event waits, later arrivals change nothing but what overtakes: the longest wait is
-  // that of an event which is queued when another one is. These moments are tried in order.
+  // While an event waits, only overtaking frames are added later, so the longest wait is that of an
+  // event which is queued at the same moment as another one. These moments are tried in order.
   std::vector<Time> next;
   for (std::size_t i = c.at_arrival.first; i < c.at_arrival.last; ++i) {
     const Message& m = streams_.messages[members_[i]];
@@ -119,14 +119,14 @@ std::optional<Time> SharedQueue::wait(unsigned band, Time last_frame) const {
   const auto first = static_cast<std::size_t>(same.begin() - members_.begin());
   const auto last = static_cast<std::size_t>(same.end() - members_.begin());
 
-  // Since the queue was empty: all that came before, of any band.
+  // First bound: since the queue was empty, everything that came before counts, of any band.
   const auto since_empty = longest_wait(
       {.before = blocking_, .at_arrival = {first, members_.size()}, .until_start = {0, first}},
       last_frame);
   if (last == members_.size()) return since_empty;
 
-  // Since no frame of this band or a better one waited: what the controller held then, and only
-  // better ones after that. Others may have been waiting.
+  // Second bound: since no frame of this band or a better one waited, what the controller held then
+  // counts, and only better bands after that. Frames of other senders may have been waiting.
   for (const auto& [from, to] : others_)
     for (std::size_t i = from; i < to; ++i)
       if (streams_.responses[i] == kNever) return since_empty;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Messages that wait in one queue of a gateway. docs/explanation/can-analysis.md derives the two
-// bounds.
+// The waiting time in one queue of a gateway. docs/explanation/can-analysis.md ("The queue of a
+// gateway") derives the two bounds.
 #pragma once
 #include <cstddef>
 #include <optional>
@@ -14,31 +14,36 @@
 
 namespace mlcca::core::can {
 
-/// The messages of a bus in the order of their priorities, with what is known of them so far.
+/// The messages of a bus, highest priority first, with the intermediate results of the analysis.
 struct Streams {
   std::span<const Message> messages;
-  std::span<const Time> responses;  ///< kNever: not bounded
+  std::span<const Time> responses;  ///< ns, present bounds; kNever: not bounded
   std::span<const unsigned> bands;
-  Interference interference;  ///< jitter: how late their frames are offered, as far as known
+  Interference interference;  ///< the same streams; jitter: latest offer of their frames, as far as
+                              ///< known
 };
 
+/// Computes how long frames wait in one shared queue. It refers to `streams` and `overhead`, which
+/// must outlive it.
 class SharedQueue {
  public:
-  /// `end`: behind the lowest of its members and those of equal priority. `blocking`: what may
-  /// block it (Overhead::blocking()).
+  /// `members`: indices of the messages in the queue. `depth`: FIFO of the controller. `end`: index
+  /// behind the lowest-priority member and those of equal priority. `blocking`: see
+  /// Overhead::blocking().
   SharedQueue(const Streams& streams, const Overhead& overhead, std::vector<std::size_t> members,
               unsigned depth, std::size_t end, Time blocking);
 
   [[nodiscard]] std::span<const std::size_t> members() const { return members_; }
-  /// Messages before this one matter to the queue.
+  /// Only messages with smaller indices affect the queue.
   [[nodiscard]] std::size_t end() const { return end_; }
 
-  /// Longest time from when all frames of an event of a member are queued to the start of the last
-  /// one, `last_frame` ns long; nothing if it is not bounded. `band`: of the member.
+  /// The longest time (ns) from when all frames of a member's event are queued until its last
+  /// frame, which takes `last_frame` ns, starts. Nullopt if not bounded. `band` is that of the
+  /// member.
   [[nodiscard]] std::optional<Time> wait(unsigned band, Time last_frame) const;
 
  private:
-  /// Members in the order of their bands, as ranges of members_.
+  /// A range of indices; members_ is sorted by band.
   struct Range {
     std::size_t first;
     std::size_t last;
@@ -53,12 +58,12 @@ class SharedQueue {
   const Streams& streams_;
   const Overhead& overhead_;
   std::vector<std::size_t> members_;
-  std::vector<Range> others_;  ///< streams before end_ that are no members
+  std::vector<Range> others_;  ///< ranges of streams before end_ that are not in the queue
   unsigned depth_;
   std::size_t end_;
   Time blocking_;
-  Time longest_ = 0;         ///< frame of all before end_
-  Time longest_member_ = 0;  ///< frame of the members
+  Time longest_ = 0;         ///< ns, longest frame of all streams before end_
+  Time longest_member_ = 0;  ///< ns, longest frame of the members
 };
 
 }  // namespace mlcca::core::can

@@ -7,10 +7,10 @@
 namespace mlcca::core::can {
 namespace {
 
-constexpr unsigned kRun = 5;  // equal bits, behind which a stuff bit of the other value is sent
+constexpr unsigned kRun = 5;  // equal bits after which a stuff bit of the other value is sent
 constexpr unsigned kCrcBits = 15;
 constexpr unsigned kCrcPolynomial = 0x4599;
-// Delimiter of the CRC, acknowledgement and its delimiter, end of frame, intermission.
+// CRC delimiter, acknowledgement and its delimiter, end of frame, intermission.
 constexpr unsigned kTail = 1 + 1 + 1 + 7 + kIntermission;
 // Stuff count and CRC with their fixed stuff bits, see frame.cc.
 constexpr unsigned kShortCheck = 4 + 17 + 6;
@@ -18,7 +18,7 @@ constexpr unsigned kLongCheck = 4 + 21 + 7;
 constexpr unsigned kShortCheckBytes = 16;
 constexpr unsigned kLongestClassic = 8;
 
-/// Counts the bits of a sequence as they are on the wire.
+/// Appends bits, and counts them with the stuff bits that a sender inserts.
 class Stuffed {
  public:
   void add(bool bit) {
@@ -41,7 +41,7 @@ class Stuffed {
   }
   [[nodiscard]] unsigned bits() const { return bits_; }
   [[nodiscard]] unsigned crc() const { return crc_; }
-  /// With the stuff bit that follows the last one, where one does.
+  /// Includes the stuff bit that follows the last bit, if one does.
   [[nodiscard]] unsigned bits_at_end() const { return bits_ + (run_ == kRun ? 1 : 0); }
 
  private:
@@ -51,7 +51,7 @@ class Stuffed {
   unsigned crc_ = 0;
 };
 
-/// Start of frame to IDE, or of a longer identifier to the bit behind it.
+/// Adds the start of frame up to IDE, or for a 29-bit identifier up to the bit behind it.
 void add_head(Stuffed& out, const WireFrame& frame) {
   out.add(false);
   if (frame.extended) {
@@ -95,8 +95,8 @@ WireLength fd_length(const WireFrame& frame) {
   out.add(frame.passive);
   out.add(fd_code(size), 4);
   out.add(std::span(frame.data).first(size));
-  // A fixed stuff bit follows, in the place of one that the last five bits would ask for. Of the
-  // tail, the delimiter of the CRC counts to the data phase.
+  // A fixed stuff bit follows; it replaces a dynamic one after the last five bits. Of the tail, the
+  // CRC delimiter belongs to the data phase.
   const unsigned body = out.bits() - head + (size <= kShortCheckBytes ? kShortCheck : kLongCheck);
   if (!frame.switches) return {.slow = head + body + kTail, .fast = 0};
   return {.slow = head + kTail - 1, .fast = body + 1};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// How long one frame whose content is known holds a CAN bus: to the bit, where frame.hpp has
-// bounds.
+// The exact length of one CAN frame with known content, while frame.hpp has upper bounds.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -10,19 +9,21 @@
 
 namespace mlcca::core::can {
 
+/// A CAN frame with its content.
 struct WireFrame {
-  std::uint32_t id = 0;  ///< 11 or 29 bits, without flags
+  std::uint32_t id = 0;  ///< 11 or 29 bits without flags
   bool extended = false;
   bool fd = false;
   bool remote = false;    ///< classic: a request, without payload
-  bool switches = false;  ///< FD: the data phase has a rate of its own (BRS)
-  bool passive = false;   ///< FD: ESI, the sender is error-passive
-  std::uint8_t size = 0;  ///< payload bytes, of a request those that are asked for
+  bool switches = false;  ///< FD: the data phase has its own bit rate (BRS)
+  bool passive = false;   ///< FD: the ESI bit, the sender is error-passive
+  std::uint8_t size = 0;  ///< payload bytes; of a remote frame the requested number
   std::array<std::uint8_t, 64> data{};
 };
 
-/// Bits from the start of the frame to the end of the intermission, stuff bits included. The bits
-/// in which the rate changes (BRS and the CRC delimiter) are together one of each rate.
+/// Bits from the start of the frame to the end of the intermission, stuff bits included, at the bit
+/// rate of arbitration (slow) and of the data phase (fast). The two bits during which the rate
+/// changes (BRS and the CRC delimiter) count as one bit of each.
 struct WireLength {
   unsigned slow = 0;
   unsigned fast = 0;
@@ -31,10 +32,10 @@ struct WireLength {
 
 [[nodiscard]] WireLength wire_length(const WireFrame& frame);
 
-/// Bits behind the acknowledgement that a frame counts as sent before: the intermission.
+/// Bits of the intermission, which follow when a frame has already been sent.
 inline constexpr unsigned kIntermission = 3;
 
-/// Nanoseconds, rounded to the nearest; kNever if the bit rate is unknown.
+/// The duration in ns, rounded to the nearest; kNever if the bit rate is unknown.
 [[nodiscard]] Time wire_time(const Timing& timing, WireLength length);
 
 }  // namespace mlcca::core::can
