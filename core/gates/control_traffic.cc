@@ -11,8 +11,8 @@
 namespace mlcca::core {
 namespace {
 
-/// A binding has exactly this number. Frames of a binding within a wider range are distinguished by
-/// its own slots.
+/// Whether a binding has exactly this identifier. Frames of a binding within a wider range have
+/// slots of their own.
 bool is_bound(const Network& network, const ControlFrames& frames) {
   return std::ranges::any_of(network.bindings, [&](const Binding& b) {
     Progress::step();
@@ -25,21 +25,21 @@ bool is_bound(const Network& network, const ControlFrames& frames) {
   });
 }
 
-/// The tag of kSubscribeSubject in its place.
+/// The frames with the tag of kSubscribeSubject filled in.
 ControlFrames tagged(ControlFrames frames, const Network& network) {
   frames.identity.id |= network.subscribe_tag;
   frames.identity.mask |= traits_of(network.profile).last;
   return frames;
 }
 
-/// Of frames whose tag is open, with any tag in its place.
+/// Whether (id, mask) is `open`, an identity without a tag, with any valid tag filled in.
 bool is_tagged_identity(const ProfileTraits& traits, const FrameIdentity& open, std::uint32_t id,
                         std::uint32_t mask) {
   return (id & ~traits.last) == open.id && mask == (open.mask | traits.last) &&
          (id & traits.last) >= traits.first;
 }
 
-/// The tag of kSubscribeSubject is known, and no channel's.
+/// Whether the tag of kSubscribeSubject is known and not used by a channel.
 bool has_own_tag(const Network& network) {
   return network.subscribe_tag != 0 && std::ranges::find(network.bindings, network.subscribe_tag,
                                                          &Binding::id) == network.bindings.end();
@@ -73,12 +73,12 @@ class ControlRules {
     rule.entry.from_kernel = true;
     rules_.push_back(rule);
   }
-  /// Who may send the frames that were added last, too.
+  /// Adds another user who may send the frames that were added last.
   void add_sender(std::uint32_t uid) {
     rules_.push_back(rules_.back());
     rules_.back().entry.uid = uid;
   }
-  /// Where datagrams carry the subject.
+  /// Adds the rules for a network whose datagrams carry the subject.
   void add_datagrams(std::size_t port, const ControlKind& kind, const ControlState& state,
                      const Port& at, const Network& network) {
     const std::size_t first = rules_.size();
@@ -136,7 +136,8 @@ ControlState control_at(const Network& network, const Port& port, std::size_t ki
 
 namespace {
 
-/// What one kind needs on a CAN port. `asker`: who asks the broker for tags, if anyone does.
+/// Adds the rules of one kind at a CAN port. `asker`: user ID that asks the broker for tags, if
+/// any.
 void add_can_frames(ControlRules& rules, std::size_t p, const Port& port, const Network& network,
                     std::size_t kind, std::optional<std::uint32_t> asker) {
   const ControlKind& known = control_kinds(network)[kind];
@@ -159,7 +160,7 @@ std::optional<FrameIdentity> subscription_frames(const Network& network, const P
   const ProfileTraits& traits = traits_of(network.profile);
   for (const ControlKind& kind : traits.control)
     if (kind.is_tagged) {
-      // Fragments differ in one bit, which is open here.
+      // The identifiers of fragments differ in one bit, which is left open here.
       const FrameIdentity whole = tagged(kind.frames.front(), network).identity;
       const FrameIdentity fragments = tagged(kind.frames.back(), network).identity;
       Publisher self;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What leads from one list of rules to another, of entries or of the slots that they become.
+// Computes the changes from one sorted list of rules to another, of entries or of slots.
 #pragma once
 #include "core/model/progress.hpp"
 
 namespace mlcca::core {
 
-/// Both lists are sorted by `precedes`, and nothing is in one of them twice. `name`: by what a rule
-/// is named that goes or gets another verdict. What is in both and is the same is not mentioned.
+/// Both lists are sorted by `precedes` and have no duplicates. `name` returns what identifies a
+/// rule that is removed or whose verdict changes. `same_traffic` compares policing and supervision.
+/// Rules that are equal in both lists are not mentioned.
 template <class Changes>
 Changes difference_of(const auto& now, const auto& next, const auto& precedes, const auto& name,
                       const auto& same_traffic) {

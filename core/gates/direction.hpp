@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which way a frame goes by an interface.
+// The direction of a frame at an interface, as the traffic control of Linux names it.
 #pragma once
 #include <cstdint>
 

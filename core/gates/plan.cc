@@ -16,7 +16,7 @@
 namespace mlcca::core {
 namespace {
 
-/// Collects rules; the same entry from two publishers passes only if both do.
+/// Collects rules. If two publishers have the same entry, it passes only if both may pass.
 class Rules {
  public:
   void add(const GateRule& rule) {
@@ -39,8 +39,9 @@ class Rules {
   }
 
  private:
-  /// An event of the one may be taken for a part of an event of the other. Where nothing passes,
-  /// nothing is missing.
+  /// The supervision of a rule shared by several publishers. An event of one may be taken for a
+  /// part of an event of another, so the time is longer by that. If nothing passes, nothing is
+  /// missing.
   static Watching of_several(const GateRule& rule) {
     Watching out = rule.pass ? rule.watching : Watching{};
     if (out.silence != 0) out.silence = add_saturating(out.silence, out.together);
@@ -56,7 +57,8 @@ class Planner {
   Planner(const System& system, const Members& members, std::size_t gateway)
       : system_(system), members_(members), here_{Place::Kind::gateway, gateway} {}
 
-  /// The rules of one publisher: where its events enter this gateway, and where they leave.
+  /// Adds the rules of one publisher: where its events arrive at this gateway, and where they
+  /// leave.
   void add(std::size_t publisher, const std::vector<const Verdict*>& verdicts) {
     resent_.clear();
     set_ = verdicts.empty() ? 0 : verdicts.front()->set;  // all of a channel have the same
@@ -69,8 +71,8 @@ class Planner {
         if (crossing.out != kLocal) out[{crossing.in, crossing.out}] |= v->granted;
         if (!crossing.as_sent) resent_.insert(crossing.in);
       }
-    // A publisher on a network of ours whose events no subscriber needs here: known, and not
-    // passed.
+    // A publisher on one of our networks whose events no subscriber needs here is known, but its
+    // frames do not pass.
     const Publisher& p = members_.publisher(publisher);
     if (p.place.kind == Place::Kind::network)
       if (const std::size_t port = port_on(p.place.index); port != kLocal)
@@ -83,7 +85,7 @@ class Planner {
 
   [[nodiscard]] GateState take() const { return rules_.take(); }
 
-  /// What is granted to one publisher, where its ends at networks are gated.
+  /// Adds the passages of one publisher whose ends at networks are gated.
   void add_passages(std::size_t publisher, const std::vector<const Verdict*>& verdicts,
                     std::vector<Passage>& to) {
     resent_.clear();
@@ -110,10 +112,10 @@ class Planner {
   struct Crossing {
     std::size_t in;
     std::size_t out;
-    bool as_sent;  ///< no bus was on the way: the frames are those of the publisher
+    bool as_sent;  ///< no bus was on the way, so the frames are those of the publisher
   };
 
-  /// Nothing: an end of it is at a network that no gate can judge.
+  /// Nullopt if one end is at a network that no gate can judge.
   [[nodiscard]] std::optional<Passage> passage(std::size_t publisher, const Crossing& c) const {
     const Publisher& p = members_.publisher(publisher);
     Passage out{.publisher = publisher, .set = set_};
@@ -131,7 +133,7 @@ class Planner {
     return it == ports.end() ? kLocal : static_cast<std::size_t>(it - ports.begin());
   }
 
-  /// Where the verdict's route passes this gateway. A refusal without a route is held at the
+  /// Where the verdict's route crosses this gateway. A refusal without a route applies at the
   /// publisher's own network and at the target.
   [[nodiscard]] std::vector<Crossing> crossings(const Verdict& v) const {
     std::vector<Crossing> found;
@@ -151,7 +153,8 @@ class Planner {
   [[nodiscard]] bool is_joined_by_kernel(std::size_t in, std::size_t out) const {
     return are_joined_by_kernel(system_.gateways[here_.index], network_at(in), network_at(out));
   }
-  /// A program of that gateway of the route sends the events by frames of its own.
+  /// Whether a program of the gateway at that index of the route sends the events in frames of its
+  /// own.
   [[nodiscard]] bool is_sent_anew(const std::vector<Place>& route, std::size_t at) const {
     return route[at].kind == Place::Kind::gateway && at > 0 && at + 1 < route.size() &&
            !are_joined_by_kernel(system_.gateways[route[at].index],
@@ -167,7 +170,8 @@ class Planner {
     return system_.networks[system_.gateways[here_.index].ports[port].network];
   }
 
-  /// Nothing where no gate can distinguish the frames, or no sender is allowed.
+  /// The entry for a publisher's frames at a port. Nullopt if no gate can distinguish the frames,
+  /// or no sender is allowed.
   [[nodiscard]] std::optional<GateEntry> entry(const Publisher& p, std::size_t port,
                                                Direction direction, std::size_t source) const {
     const Network& network = network_at(port);
@@ -201,7 +205,8 @@ class Planner {
     return e;
   }
 
-  /// Frames of publishers that leave alike are distinguished by what they were admitted as.
+  /// Distinguishes frames that leave with the same identifier by the identity with which they
+  /// arrived.
   void come_from(const Publisher& p, std::size_t source, const Network& out, GateEntry& e) const {
     e.source_port = source;
     if (out.carries_subjects() || network_at(source).carries_subjects()) return;
@@ -215,7 +220,7 @@ class Planner {
             bool pass) {
     const auto e = entry(p, port, direction, source);
     if (!e) return;
-    // Where a frame came in it has been policed already.
+    // A frame that arrived at another port has been policed there.
     const bool first = direction == Direction::ingress || source == kLocal;
     GateRule rule{*e, pass, {}, {}};
     if (first) {
@@ -226,20 +231,22 @@ class Planner {
       rule.policing = policing_of(
           offered, frames, network.carries_subjects() ? event_bytes(network) : e->max_length);
       rule.policing.counts_only = system_.gateways[here_.index].ports[port].excess == Excess::pass;
-      // Of a message that is announced the announcement alone is watched.
+      // Of a transported message only the announcement is supervised.
       rule.watching = watching(offered, e->transport ? 1 : frames);
     }
     rules_.add(rule);
   }
 
-  /// The frames of an event come together; from half a period on it is the next event.
+  /// The supervision of events. Frames of one event come together; after half a period a frame
+  /// belongs to the next event.
   [[nodiscard]] Watching watching(const AttributeSet& offered, std::uint64_t frames) const {
     const Value period = offered[Attribute::period];
     if (period == 0) return {};
     return {period, silence_ == kUnbounded ? 0 : silence_, frames > 1 ? period / 2 : 0};
   }
 
-  /// Who carries events from one port to the other where the kernel does not.
+  /// The user ID of the program that carries events from one port to the other; nullopt if the
+  /// kernel does, or nobody may.
   [[nodiscard]] std::optional<std::uint32_t> sender_between(std::size_t in, std::size_t out) const {
     if (in == kLocal) return std::nullopt;
     const auto& ports = system_.gateways[here_.index].ports;
@@ -247,13 +254,13 @@ class Planner {
                                         : sender_at(system_.gateways[here_.index], ports[out]);
   }
 
-  /// Another publisher at the same place whose datagrams cannot be distinguished from those of `p`:
-  /// on its own network only the address distinguishes them, behind a bus nothing does.
+  /// Whether the datagrams of another publisher at the same place cannot be distinguished from
+  /// those of `p`: on its own network only the address does so, behind a bus nothing does.
   static bool is_indistinguishable(const Publisher& p, const Publisher& other, bool as_sent) {
     return other.place == p.place && (!as_sent || other.station == p.station);
   }
 
-  /// As long as the longest of those that cannot be distinguished: they share the entry.
+  /// Sets the length to that of the longest event of all publishers that share the entry.
   void size_datagram(const Publisher& p, std::size_t in, bool as_sent, const Network& network,
                      GateEntry& e) const {
     const auto size_of = [&](const Publisher& publisher) {
@@ -277,7 +284,7 @@ class Planner {
                        is_fragmented(network, &b, attributes_in(p, set_)[Attribute::max_payload]));
   }
 
-  /// Or of a message that is transported.
+  /// Payload bytes of a frame, or of the message if it is transported.
   [[nodiscard]] std::uint16_t frame_length(const Publisher& p, const Network& network,
                                            const Binding& b) const {
     const AttributeSet& offered = attributes_in(p, set_);
@@ -289,7 +296,8 @@ class Planner {
         sized ? frame_bytes(network, b, offered[Attribute::max_payload]) : frame_bytes(b));
   }
 
-  /// Frames of publishers that cannot be distinguished have the length of the longest.
+  /// Fills in formats and identity, and the length of the longest frame of all publishers that
+  /// cannot be distinguished. Returns false if the publisher has no identity on the network.
   [[nodiscard]] bool identify(const Publisher& p, const Network& network, const Binding& b,
                               GateEntry& e) const {
     e.classic = b.format == FrameFormat::classic || b.format == FrameFormat::any;
@@ -312,10 +320,9 @@ class Planner {
   const System& system_;
   const Members& members_;
   Place here_;
-  std::size_t set_ = 0;           ///< attribute set that the channel is in
-  Value silence_ = 0;             ///< of the publisher that is being added, kUnbounded: none
-  std::set<std::size_t> resent_;  ///< ports where its frames come from the program that forwards
-                                  ///< them
+  std::size_t set_ = 0;           ///< attribute set of the channel
+  Value silence_ = 0;             ///< of the publisher being added; kUnbounded: none
+  std::set<std::size_t> resent_;  ///< ports at which its frames come from the forwarding program
   Rules rules_;
 };
 

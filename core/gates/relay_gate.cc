@@ -18,7 +18,7 @@ bool has(const mesh::Mesh& mesh, SourceKind kind, const std::string& interface) 
       mesh.sources, [&](const Source& s) { return s.kind == kind && s.interface == interface; });
 }
 
-/// Recognised by what only hardware has.
+/// Whether the interface is recognised by properties that only hardware has.
 bool is_hardware(const InterfaceIdentity& identity) {
   return !identity.id_path.empty() || !identity.serial.empty() || identity.port.has_value();
 }
@@ -30,11 +30,11 @@ RelayGate relay_gate(const System& system, std::size_t network, std::size_t gate
   const Port* port = system.gateways[gateway].port_on(network);
   if (!n.mesh || n.profile == Profile::none || port == nullptr) return RelayGate::none;
   const InterfaceIdentity& identity = port->identity;
-  // AWDS listens to the radio, and its device is another one.
+  // AWDS uses the radio, and its own device is a different one.
   if (has(*n.mesh, SourceKind::awds) &&
       (is_hardware(identity) || has(*n.mesh, SourceKind::awds, identity.name)))
     return RelayGate::radio;
-  // batman-adv is asked for its own device.
+  // batman-adv as a source is named by its own device.
   const bool named = !identity.name.empty();
   if (has(*n.mesh, SourceKind::batman) &&
       (is_hardware(identity) || (named && !has(*n.mesh, SourceKind::batman, identity.name))))
@@ -57,7 +57,7 @@ std::string relay_hint(const System& system, std::size_t network, std::size_t ga
     return "let other nodes relay: gateway " + system.gateways[gateway].name +
            " cannot let through what it only routes on";
   const auto& sources = system.networks[network].mesh->sources;
-  // Whoever names AWDS's own device where it is to listen finds the right Port called wrong.
+  // If the source names the device of AWDS itself, the source is wrong and the Port is right.
   const std::string& named = system.gateways[gateway].port_on(network)->identity.name;
   if (named.starts_with("awds") &&
       has(system.networks[network].mesh.value(), SourceKind::awds, named))

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Gates below a mesh: one on a radio drops what its node relays for others, which is not admitted
-// there. One on the mesh's own device sees what the node itself sends and gets.
+// Detects gates below a mesh. A gate on the radio drops what its node relays for others, because
+// that is not admitted there. A gate on the mesh's own device only sees what the node itself sends
+// and receives.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -10,20 +11,21 @@
 
 namespace mlcca::core {
 
+/// Whether the gate of a port on a mesh sees relayed frames.
 enum class RelayGate : std::uint8_t {
-  none,    ///< there is no gate, or as far as the description says it does not see what is relayed
-  radio,   ///< it is below the mesh's own device
-  routed,  ///< the node relays by routing, and has no device for that
+  none,    ///< there is no gate, or as far as the description shows it does not see relayed frames
+  radio,   ///< it is on the radio below the mesh's own device
+  routed,  ///< the node relays by IP routing, so there is no separate device of the mesh
 };
 
-/// The gate of a gateway's port on a network.
+/// The kind of gate of a gateway's port on a network.
 [[nodiscard]] RelayGate relay_gate(const System& system, std::size_t network, std::size_t gateway);
 
-/// What `check` and status say of a gate that drops what its node relays; empty: none does. In a
-/// mesh of two nodes nobody relays.
+/// The finding about a gate that drops what its node relays, for `check` and status; empty if there
+/// is none. In a mesh of two nodes nobody relays.
 [[nodiscard]] std::string relay_problem(const System& system, std::size_t network,
                                         std::size_t gateway);
-/// What to do about it.
+/// How to correct the description; belongs to relay_problem().
 [[nodiscard]] std::string relay_hint(const System& system, std::size_t network,
                                      std::size_t gateway);
 

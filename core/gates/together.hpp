@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is admitted and expected of two publishers that cannot be distinguished.
+// Merges the traffic and the supervision of two publishers whose frames cannot be distinguished.
 #pragma once
 #include "core/gates/plan.hpp"
 
 namespace mlcca::core {
 
-/// The traffic of both, whose frames hold `longest` bytes at most: the sum of their rates, and what
-/// both may send at once.
+/// The policing of their joint traffic: the sum of the rates and of the bursts. A frame has at most
+/// `longest` bytes.
 [[nodiscard]] Policing together(Policing a, Policing b, Value longest);
 
-/// Events of either come: that none of both sends is seen after the longer of their times.
+/// The supervision of their joint events, of which either may arrive: silence is only reported if
+/// nothing of both has been seen within the longer of the two times.
 [[nodiscard]] Watching together(const Watching& a, const Watching& b);
 
 }  // namespace mlcca::core

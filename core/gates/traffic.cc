@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// How much traffic an entry admits, and how its events are expected to come.
+// The traffic that an entry admits, and how its events are supervised.
 #include <algorithm>
 
 #include "core/gates/plan.hpp"
@@ -11,15 +11,15 @@
 namespace mlcca::core {
 namespace {
 
-/// 500 ppm: a publisher's clock and ours.
+/// Divisor for 500 ppm, which allow for the difference between the clocks of publisher and gateway.
 constexpr Value kClocks = 2000;
 
 Value slower(Value time) { return add_saturating(time, time / kClocks); }
 
-/// Of per_byte.
+/// The denominator of per_byte.
 constexpr Value kUnit = 256;
 
-/// What may come so often, in bytes: as much as its longest frames hold.
+/// Converts policing by frames to policing by bytes, with the bytes of its longest frames.
 Policing by_bytes(const Policing& p, Value longest) {
   if (p.per_frame == 0) return p;
   longest = std::max<Value>(longest, 1);
@@ -39,7 +39,7 @@ Policing together(Policing a, Policing b, Value longest) {
   const Value x = by_frame ? a.per_frame : a.per_byte;
   const Value y = by_frame ? b.per_frame : b.per_byte;
   const Value sum = std::max<Value>(mul_div_down(x, y, add_saturating(x, y)), 1);
-  // At once a may send 1 + a.tolerance / x frames (or bytes of the one and the others).
+  // Entry a may send 1 + a.tolerance / x frames at once (or bytes of both).
   const Value early =
       add_saturating(mul_div_up(a.tolerance, sum, x), mul_div_up(b.tolerance, sum, y));
   const Value one = by_frame ? sum : mul_saturating(sum, longest) / kUnit;

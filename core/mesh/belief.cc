@@ -6,7 +6,7 @@
 namespace mlcca::core::mesh {
 namespace {
 
-/// bit/s of payload in full packets.
+/// The bit/s of payload in full packets.
 Value carried(const LinkQuality& link, const Mesh& mesh) {
   const Value time = packet_time({.rate = link.rate, .kind = link.kind}, mesh, mesh.packet_bytes);
   return mul_div_down(8 * Value{mesh.packet_bytes}, kFullTime, std::max<Value>(time, 1));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is believed of one link, from what is observed of it as time goes on.
+// What is believed of one link, derived from observations over time: worse values count at once,
+// better ones after they have lasted.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -12,17 +13,16 @@
 
 namespace mlcca::core::mesh {
 
-/// A link as all fresh reports together have it.
+/// The state of a link according to all fresh reports together.
 struct Observation {
-  LinkQuality quality;  ///< rate is not 0
-  Value busy = 0;       ///< 1e-6
+  LinkQuality quality;  ///< its rate is not 0
+  Value busy = 0;       ///< busy time of the medium, in 1e-6
   std::uint32_t channel = kAnyChannel;
 };
 
-/// One quantity, of which a worse value counts at once and a better one once it has lasted: a
-/// clearly better one for Mesh::hold_up, any other for kPatience times that.
-/// Order::better(a, b, mesh): a is better than b. Order::clearly(a, b, mesh): by more than
-/// Mesh::tolerance of b.
+/// One quantity with hysteresis: a worse value counts at once; a better one after it has lasted for
+/// Mesh::hold_up if it is clearly better, otherwise for kPatience times that. Order::better(a, b,
+/// mesh): a is better than b. Order::clearly(a, b, mesh): by more than Mesh::tolerance of b.
 template <class T, class Order>
 class Held {
  public:
@@ -47,12 +47,12 @@ class Held {
         clear_rise_ && now >= end(clear_rise_, mesh.hold_up) ? clear_rise_->least : rise_->least;
     rise_.reset();
     clear_rise_.reset();
-    // What is better than that still is a rise from here.
+    // An observation that is even better starts a new rise from here.
     if (Order::better(now_seen, value_, mesh)) follow(rise_, now_seen, now, mesh);
     if (Order::clearly(now_seen, value_, mesh)) follow(clear_rise_, now_seen, now, mesh);
   }
 
-  /// When a rise will have lasted; kUnbounded: there is none.
+  /// When a rise will have lasted long enough; kUnbounded if there is none.
   [[nodiscard]] std::uint64_t due(const Mesh& mesh) const {
     return std::min(end(clear_rise_, mesh.hold_up),
                     end(rise_, mul_saturating(mesh.hold_up, kPatience)));
@@ -61,7 +61,7 @@ class Held {
  private:
   static constexpr Value kPatience = 10;
   struct Rise {
-    T least;  ///< the worst value since then
+    T least;  ///< the worst value during the rise
     std::uint64_t since = 0;
   };
 
@@ -77,11 +77,11 @@ class Held {
   }
 
   T value_;
-  std::optional<Rise> rise_;        ///< to any better value
-  std::optional<Rise> clear_rise_;  ///< to clearly better ones
+  std::optional<Rise> rise_;        ///< rise to any better value
+  std::optional<Rise> clear_rise_;  ///< rise to clearly better values
 };
 
-/// Loss and busy time.
+/// The order of loss and busy time.
 struct LessIsBetter {
   [[nodiscard]] static bool better(Value a, Value b, const Mesh&) { return a < b; }
   [[nodiscard]] static bool clearly(Value a, Value b, const Mesh& mesh) {
@@ -89,35 +89,36 @@ struct LessIsBetter {
   }
 };
 
-/// Rates by their number; one that includes the overhead against one that does not by what they
-/// carry in full packets. Losses are left aside.
+/// The order of rates. Rates of which only one includes the overhead are compared by the payload
+/// that they carry in full packets. Losses are ignored.
 struct FasterIsBetter {
   [[nodiscard]] static bool better(const LinkQuality& a, const LinkQuality& b, const Mesh& mesh);
   [[nodiscard]] static bool clearly(const LinkQuality& a, const LinkQuality& b, const Mesh& mesh);
 };
 
-/// One direction of a link. Times in ns, never going back.
+/// The belief about one direction of a link. Times are in ns and never decrease.
 class Belief {
  public:
-  /// nullopt: no source knows that it carries anything.
+  /// Takes an observation; nullopt: no source knows that the link carries anything.
   void observe(const std::optional<Observation>& seen, std::uint64_t now, const Mesh& mesh);
 
-  /// Known, and for long enough if it was lost.
+  /// Whether the link counts: it is known, and if it was lost, for long enough.
   [[nodiscard]] bool usable(std::uint64_t now) const { return seen_ && now >= usable_from_; }
-  /// Known, whether for long enough or not.
+  /// Whether the link is known, for long enough or not.
   [[nodiscard]] bool known() const { return seen_.has_value(); }
-  /// Of a usable link, without its ends and its weight.
+  /// The believed state of a usable link; its ends and weight are not set.
   [[nodiscard]] Link link() const;
-  /// Unknown for so long that it will count at once.
+  /// Whether it has been unknown for so long that it would count at once when it returns.
   [[nodiscard]] bool forgotten(std::uint64_t now, const Mesh& mesh) const {
     return !seen_ && now >= held_until(mesh);
   }
-  /// When time alone changes something, if it is later than `now`; kUnbounded: never.
+  /// The next time at which the belief changes without an observation, later than `now`;
+  /// kUnbounded: never.
   [[nodiscard]] std::uint64_t deadline(std::uint64_t now, const Mesh& mesh) const;
 
  private:
   struct Seen {
-    Held<LinkQuality, FasterIsBetter> carrier;  ///< rate and kind
+    Held<LinkQuality, FasterIsBetter> carrier;  ///< rate and its kind
     Held<Value, LessIsBetter> loss;
     Held<Value, LessIsBetter> busy;
     bool loss_known = false;

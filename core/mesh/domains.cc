@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kBits = 64;
 
-/// A set of links as bits: neighbourhoods are unions of them.
+/// A set of links as bits; neighbourhoods are unions of such sets.
 using LinkSet = std::vector<std::uint64_t>;
 
 void add(LinkSet& set, std::size_t link) {
@@ -26,7 +26,7 @@ void intersect(LinkSet& set, const LinkSet& other) {
   for (std::size_t i = 0; i < set.size(); ++i) set[i] &= other[i];
 }
 
-/// Calls `each` with every link of the set, rising.
+/// Calls `each` for every link of the set, rising.
 void for_each_link(const LinkSet& set, const std::function<void(std::uint32_t)>& each) {
   for (std::size_t i = 0; i < set.size(); ++i)
     for (std::uint64_t bits = set[i]; bits != 0; bits &= bits - 1)
@@ -34,8 +34,8 @@ void for_each_link(const LinkSet& set, const std::function<void(std::uint32_t)>&
            static_cast<std::uint32_t>(std::countr_zero(bits)));
 }
 
-/// For each node the links with an end at most `hops` links away, directions left aside. Links that
-/// carry nothing count as ways: their ends receive each other's signals.
+/// For each node the links with an end at most `hops` links away, in either direction. Links that
+/// carry nothing are followed too, because their ends receive each other's signals.
 std::vector<LinkSet> links_near(const Graph& graph, std::uint32_t hops) {
   std::vector<LinkSet> near(graph.nodes, LinkSet((graph.links.size() + kBits - 1) / kBits));
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ways;

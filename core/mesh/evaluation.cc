@@ -14,7 +14,8 @@ namespace {
 
 constexpr Value kBitsPerByte = 8;
 
-/// Frames of an event as composition counts them: 0, the worst, for more than it can count.
+/// The packets of an event for composition; 0 (which composition treats as the worst) if there are
+/// more than it can count.
 std::uint16_t packets_of(const Mesh& mesh, Value event_bytes) {
   const Value packets = std::max<Value>(
       div_up(reckoned_event(mesh, event_bytes), std::max<Value>(mesh.packet_bytes, 1)), 1);
@@ -22,7 +23,7 @@ std::uint16_t packets_of(const Mesh& mesh, Value event_bytes) {
                                                              : static_cast<std::uint16_t>(packets);
 }
 
-/// What a link gives of Mesh::per_hop.
+/// What a link provides: Mesh::per_hop with the worse of stated and measured loss.
 AttributeSet given_by(const LinkQuality& link, const AttributeSet& per_hop) {
   AttributeSet given = per_hop;
   constexpr Attribute loss = Attribute::packet_loss;
@@ -84,7 +85,7 @@ RouteRate PathCost::evaluate(Value event_bytes, const Taken& taken) const {
   result.available = kUnbounded;
   const Value event = reckoned_event(packets_, event_bytes);
   const auto times = group_times(event);
-  // Of the domains that take the same time, only the one with the least left can be the limit.
+  // Among domains that take the same time, only the one with the least time left can be the limit.
   struct Fullest {
     Value taken = 0;
     std::uint32_t domain = 0;
@@ -140,8 +141,8 @@ AttributeSet composed_per_hop(const Graph& graph, const Mesh& mesh,
     hops.push_back({.provision = given_by(graph.links[link].quality, mesh.per_hop),
                     .medium = static_cast<std::uint16_t>(hops.size()),
                     .frames = packets_of(mesh, event_bytes)});
-  // Composition takes kMaxComposedHops at a time. A part gives as a whole what its events get, so
-  // there is one frame for each of them.
+  // Composition takes at most kMaxComposedHops hops. A group of hops provides what its events get
+  // as a unit, so each group counts as a hop with one frame.
   if (hops.empty()) return {};
   do {
     std::vector<Hop> parts;

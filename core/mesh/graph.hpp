@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A mesh as it is believed to be: what can be decided with, free of times, sources and addresses.
+// The believed state of a mesh, without times, sources and addresses. Decisions are made from it.
 #pragma once
 #include <algorithm>
 #include <compare>
@@ -14,22 +14,23 @@
 
 namespace mlcca::core::mesh {
 
-/// The channel of a link of which no source reports it: it shares the medium with every channel.
+/// The channel of a link for which no source reports one. Such a link shares the medium with every
+/// channel.
 inline constexpr std::uint32_t kAnyChannel = std::numeric_limits<std::uint32_t>::max();
 
-/// A link that carries, in the direction in which packets travel.
+/// A link that carries packets, in the direction in which they travel.
 struct Link {
-  std::uint32_t from = 0;  ///< node
+  std::uint32_t from = 0;  ///< index of a node
   std::uint32_t to = 0;
   LinkQuality quality;
-  std::uint32_t channel = kAnyChannel;  ///< equal ones share the medium
+  std::uint32_t channel = kAnyChannel;  ///< links with equal channels share the medium
   Value busy = 0;                       ///< 1e-6 of the medium's time taken around `from`
-  std::optional<std::uint64_t> weight;  ///< what the routing protocol reckons with
+  std::optional<std::uint64_t> weight;  ///< cost that the routing protocol assigns to it
 
   bool operator==(const Link&) const = default;
 };
 
-/// Where a node sends what is for another.
+/// The node to which a node sends packets for another.
 struct NextHopIndex {
   std::uint32_t from = 0;
   std::uint32_t to = 0;   ///< destination
@@ -38,16 +39,16 @@ struct NextHopIndex {
   auto operator<=>(const NextHopIndex&) const = default;
 };
 
-/// Why a link that is known carries nothing.
+/// Why a known link carries nothing.
 enum class Lack : std::uint8_t {
   gone,    ///< no source reports it any more, or the report is too old
-  absent,  ///< who would know does not say that it is there
-  rate,    ///< it is there, and its rate is unknown
-  time,    ///< it was lost, and is back since less than Mesh::hold_up
+  absent,  ///< the sources that would know do not report it as present
+  rate,    ///< it is present, and its rate is unknown
+  time,    ///< it was lost, and is back for less than Mesh::hold_up
 };
 
-/// A link that is known and carries nothing now. Its ends may still receive each other's signals,
-/// and the routing protocol may still use it.
+/// A known link that carries nothing now. Its ends may still receive each other's signals, and the
+/// routing protocol may still use it.
 struct UnusableLink {
   std::uint32_t from = 0;
   std::uint32_t to = 0;
@@ -57,15 +58,16 @@ struct UnusableLink {
   bool operator==(const UnusableLink&) const = default;
 };
 
+/// The nodes (numbers below `nodes`), links and next hops of a mesh.
 struct Graph {
   std::size_t nodes = 0;
-  std::vector<Link> links;              ///< sorted by from, to; each pair once
-  std::vector<UnusableLink> unusable;   ///< sorted by from, to; in no pair of `links`
-  std::vector<NextHopIndex> next_hops;  ///< sorted; one for each from, to
+  std::vector<Link> links;              ///< sorted by (from, to), each pair once
+  std::vector<UnusableLink> unusable;   ///< sorted by (from, to), no pair of `links`
+  std::vector<NextHopIndex> next_hops;  ///< sorted, one for each (from, to)
 
   bool operator==(const Graph&) const = default;
 
-  /// Of that direction; nullptr: there is none that carries. Its index is the distance from
+  /// The link of that direction that carries packets, or null. Its index is the distance from
   /// links.data().
   [[nodiscard]] const Link* find(std::uint32_t from, std::uint32_t to) const {
     const auto ends = [](const Link& link) { return std::pair(link.from, link.to); };
@@ -74,8 +76,8 @@ struct Graph {
   }
 };
 
-/// The described links alone, all of which carry what they state (of several for one direction the
-/// first): for what is decided before anything runs.
+/// The graph of the described links alone, each carrying what it states (of several for one
+/// direction the first). Decisions at design time use it.
 [[nodiscard]] Graph described_graph(const Mesh& mesh);
 
 }  // namespace mlcca::core::mesh

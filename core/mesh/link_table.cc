@@ -73,7 +73,7 @@ std::optional<std::uint32_t> LinkTable::node_for(const std::string& address) {
   return index;
 }
 
-/// Addresses that were reported at some time: described nodes stay.
+/// Removes nodes that no report mentions any more. Described nodes stay.
 void LinkTable::forget_unused_nodes() {
   std::vector<bool> used(addresses_.size(), false);
   for (std::uint32_t n = 0; n < used.size() && is_described(n); ++n) used[n] = true;
@@ -105,7 +105,7 @@ void LinkTable::forget_links_of_undescribed_nodes() {
   });
 }
 
-/// False: there is no room for it.
+/// Enters a sample; returns false if there is no room for it.
 bool LinkTable::enter(std::size_t source, const Sample& sample) {
   const auto from = node_for(sample.from);
   const auto to = node_for(sample.to);
@@ -124,7 +124,7 @@ bool LinkTable::enter(std::size_t source, const Sample& sample) {
   if (report == reports.end())
     report = reports.insert(reports.end(), Report{.source = source, .sample = {}});
   const std::uint64_t round = sources_[source].rounds;
-  // Of two reports for one direction the slower counts.
+  // Of two reports for one direction the slower one counts.
   if (report->round == round && report->sample.rate <= sample.rate) return true;
   report->round = round;
   report->withdrawn = false;
@@ -142,9 +142,9 @@ bool LinkTable::enter_next_hop(SourceState& state, const NextHop& hop) {
   return true;
 }
 
-/// What a source did not report again is gone. While the source has a problem, the loss and busy
+/// Withdraws what a source did not report again. While the source has a problem, the loss and busy
 /// time it reported last still count: otherwise an attacker could make a link seem better by
-/// stopping the source that knows of its losses.
+/// stopping the source that knows its losses.
 void LinkTable::drop_old_rounds(std::size_t source) {
   const SourceState& state = sources_[source];
   const auto is_old = [&](const Report& report) {
@@ -213,7 +213,7 @@ std::size_t LinkTable::size() const {
   return reports;
 }
 
-/// Whether the rate of a counts rather than that of b.
+/// Whether the rate of report a takes precedence over that of b.
 bool LinkTable::is_preferred(const Report& a, const Report& b) const {
   const auto key = [&](const Report& r) {
     return std::tuple(!is_description(r.source), rank(r.sample.kind), r.sample.taken);
@@ -221,7 +221,7 @@ bool LinkTable::is_preferred(const Report& a, const Report& b) const {
   return key(a) > key(b);
 }
 
-/// Who would know does not say that the link is there.
+/// Whether the sources that would know do not report the link as present.
 bool LinkTable::is_absent(const Ends& ends, const Entry& entry) const {
   Presence asked = Presence::stated;
   bool there = true;

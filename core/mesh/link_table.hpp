@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What sources report of links becomes what is believed of them: worse at once, better once it has
-// lasted, and nothing of what is too old.
+// Derives the believed graph of a mesh from the reports of its sources.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -21,69 +20,69 @@ namespace mlcca::core::mesh {
 inline constexpr std::size_t kMaxNodes = 4096;
 inline constexpr std::size_t kMaxLinks = 8192;  ///< directions, over all sources
 
-/// What one source says of a link, and what is believed of that link.
+/// What one source reports of a link, and what is believed of that link.
 struct Known {
   Sample sample;
   Value believed_rate = 0;  ///< bit/s; 0: the link carries nothing
-  Lack lack = Lack::gone;   ///< why it carries nothing
+  Lack lack = Lack::gone;   ///< the reason if it carries nothing
   bool stale = false;
   std::size_t source = 0;  ///< index into Mesh::sources
 };
 
-/// Times are CLOCK_MONOTONIC ns and never go back.
+/// Combines the reports of all sources into one graph. Times are CLOCK_MONOTONIC in ns and never
+/// decrease.
 ///
-/// Where several sources know a direction: the rate is that of the best kind (effective, then
-/// derived, then PHY), of equal kinds the youngest, and the description's where no other knows one;
-/// loss and busy are the worst that anyone
-/// reports; the channel is that of the rate's source, or else of the first one that says it. A
-/// source that knows no rate (an ETX protocol) so refines the loss of a link whose rate another one
-/// knows. Weights are compared with each other, so they are all of one source, the first that gives
-/// any; next hops are those of the first source that knows one.
+/// If several sources know a direction, the rate is that of the best kind (effective, then derived,
+/// then PHY), among equal kinds the youngest; the description's only if no other source knows one.
+/// Loss and busy time are the worst that any source reports. The channel is that of the rate's
+/// source, otherwise of the first that states one. A source without rates (an ETX protocol) thus
+/// refines the loss of a link. Weights are comparable only within one source, so all are taken from
+/// the first source that has any. Next hops are those of the first source that knows one.
 ///
-/// Whether a link is there is asked of those who would know (core/mesh/roles.hpp): the mesh's own
-/// protocol, or else the interfaces of this machine. Where one of them would know and none of them
-/// says so, the link carries nothing, whoever gives a rate to it.
+/// Whether a link is present is decided by the sources that would know (core/mesh/roles.hpp): the
+/// mesh's own protocol, otherwise the interfaces of this machine. If one of them would know and
+/// none reports the link, it carries nothing, whoever states a rate.
 ///
-/// A lower rate, a higher loss, a higher busy time count at once. Better ones count once they have
-/// lasted Mesh::hold_up without interruption, and then as the worst that was seen in that time; an
-/// improvement within Mesh::tolerance of what is believed is none. A link that was unknown counts
-/// at once, unless it was lost less than hold_up ago: then it must last, too. Samples older than
-/// Mesh::stale_after, or than their own validity, are as good as none, and so are the next hops of
-/// a source that has not reported for so long; but the loss and busy time in them count until the
-/// source reports something else without a problem. What the description says never ages.
+/// A lower rate, higher loss or higher busy time counts at once. Better values count after they
+/// have lasted Mesh::hold_up without interruption (ten times that within Mesh::tolerance), and then
+/// as the worst seen in that time. A link that was unknown counts at once, unless it was lost less
+/// than hold_up ago. Samples older than Mesh::stale_after or their own validity do not count, nor
+/// do next hops of a source that is silent for so long; but their loss and busy time count until
+/// the source reports something else without a problem. The description never ages.
 class LinkTable {
  public:
-  /// Nodes keep their indices of the description; other addresses become nodes behind them. A
-  /// described node without an address is known by its name. `here`: the node of this machine.
+  /// Described nodes keep their indices; other addresses get indices behind them. A described node
+  /// without an address is known by its name. `here`: the node of this machine.
   explicit LinkTable(const Mesh& mesh, std::optional<std::uint32_t> here = std::nullopt);
 
-  /// `source` is an index into Mesh::sources. True if graph() changed. What exceeds kMaxNodes or
-  /// kMaxLinks is ignored and stated in problem(). Links between described nodes take the room of
-  /// others, and nodes that no source reports any more give theirs.
+  /// Takes the report of the source with that index in Mesh::sources. Returns true if graph()
+  /// changed. What exceeds kMaxNodes or kMaxLinks is ignored and stated in problem(). Links between
+  /// described nodes displace others, and nodes that no source reports any more are removed.
   bool take(std::size_t source, const Snapshot& snapshot, std::uint64_t now);
-  /// What became too old, and improvements that have lasted. True if graph() changed.
+  /// Applies what has become too old, and improvements that have lasted. Returns true if graph()
+  /// changed.
   bool expire(std::uint64_t now);
-  /// When expire() has something to do; kUnbounded: never.
+  /// The next time at which expire() must be called; kUnbounded: never.
   [[nodiscard]] std::uint64_t next_deadline() const { return deadline_; }
 
   [[nodiscard]] const Graph& graph() const { return graph_; }
-  /// Of a node of graph().
+  /// The address of a node of graph().
   [[nodiscard]] const std::string& address(std::uint32_t node) const { return addresses_[node]; }
   [[nodiscard]] std::optional<std::uint32_t> node(const std::string& address) const;
-  /// What keeps a source from knowing (all) links; empty: nothing.
+  /// What keeps a source from knowing all links, as text; empty if nothing does.
   [[nodiscard]] const std::string& problem(std::size_t source) const;
-  /// Everything that was reported and is not gone, as of the last take() or expire().
+  /// All reports that are not withdrawn, as of the last take() or expire().
   [[nodiscard]] std::vector<Known> links() const;
-  /// As many as links() gives.
+  /// The number of entries of links().
   [[nodiscard]] std::size_t size() const;
 
  private:
   using Ends = std::pair<std::uint32_t, std::uint32_t>;
   struct Report {
     std::size_t source = 0;
-    std::uint64_t round = 0;  ///< which take() of the source it is from
+    std::uint64_t round = 0;  ///< number of the take() that brought it
     Sample sample;
-    bool withdrawn = false;  ///< not said any more: only what it warns of counts
+    bool withdrawn = false;  ///< only its loss and busy time count, see drop_old_rounds()
   };
   struct Entry {
     std::vector<Report> reports;
@@ -122,7 +121,7 @@ class LinkTable {
 
   Mesh mesh_;
   std::optional<std::uint32_t> here_;
-  std::vector<std::string> addresses_;  ///< of each node
+  std::vector<std::string> addresses_;  ///< per node
   std::unordered_map<std::string, std::uint32_t> nodes_;
   std::map<Ends, Entry> entries_;
   std::vector<SourceState> sources_;
@@ -131,7 +130,7 @@ class LinkTable {
   std::uint64_t deadline_ = kUnbounded;
 };
 
-/// The described links as a source reports them.
+/// The described links in the form in which a source reports them.
 [[nodiscard]] Snapshot described_snapshot(const Mesh& mesh, std::uint64_t now);
 
 }  // namespace mlcca::core::mesh

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What each kind of source is believed in: that links are there, and what they carry.
+// What each kind of source is trusted for: the presence of links, and their rates.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -12,26 +12,27 @@
 
 namespace mlcca::core::mesh {
 
-/// What kind of source reports that a link is there. Where several sources would know of a link,
-/// the highest of them decide, and one of those must report it as there.
+/// How well a kind of source knows whether a link is present. If several sources would know of a
+/// link, only those of the highest kind decide, and one of them must report it.
 enum class Presence : std::uint8_t {
-  stated,    ///< written by a person: there as long as no other source would know better
+  stated,    ///< stated by a person: counts as long as no other source would know
   device,    ///< an interface of this machine
   protocol,  ///< the mesh's own protocol: a link that it has lost carries nothing
 };
 
-/// The links that a source reports whenever they are there.
+/// Which present links a source always reports.
 enum class Scope : std::uint8_t {
   none,
-  of_here,  ///< one end is this machine
-  of_mesh,  ///< all of the mesh
+  of_here,  ///< those with one end at this machine
+  of_mesh,  ///< all links of the mesh
 };
 
+/// The role of one kind of source.
 struct Role {
   SourceKind kind;
   Presence presence;
   Scope scope;
-  bool rates;  ///< may know them
+  bool rates;  ///< it may report rates
 };
 
 inline constexpr auto kRoles = std::to_array<Role>({
@@ -58,7 +59,7 @@ static_assert(roles_are_dense());
   return kRoles[static_cast<std::size_t>(kind)];
 }
 
-/// Whether a source may know what links carry.
+/// Whether the source may know the rates of links.
 [[nodiscard]] constexpr bool knows_rates(const Source& source) {
   if (source.kind == SourceKind::awds)
     return source.metric == AwdsMetric::packet_pair ||
@@ -66,12 +67,12 @@ static_assert(roles_are_dense());
   return role_of(source.kind).rates;
 }
 
-/// At run time something else may know better links than those that are described.
+/// Whether any source other than the description may know the links at run time.
 [[nodiscard]] inline bool is_measured(const Mesh& mesh) {
   return !std::ranges::all_of(mesh.sources, is_description);
 }
 
-/// Whether a source of that kind reports the link if it is there. `here`: the node of this
+/// Whether a source of that kind reports the link whenever it is present. `here`: the node of this
 /// machine.
 [[nodiscard]] constexpr bool would_know(SourceKind kind, std::uint32_t from, std::uint32_t to,
                                         std::optional<std::uint32_t> here) {

@@ -21,7 +21,7 @@ bool every_link_weighed(const Graph& graph) {
   return std::ranges::all_of(graph.links, [](const Link& link) { return link.weight.has_value(); });
 }
 
-/// All nodes that `next` leads to from those in `open`, and that were not reached yet.
+/// Marks and returns all nodes not reached before to which `next` leads from those in `open`.
 std::vector<std::uint32_t> reach_more(const std::vector<std::vector<std::uint32_t>>& next,
                                       std::vector<std::uint32_t> open, std::vector<bool>& reached) {
   std::vector<std::uint32_t> fresh;
@@ -116,7 +116,8 @@ std::vector<std::uint32_t> Paths::find(std::uint32_t from, std::uint32_t to) {
   return meets_itself(result) ? std::vector<std::uint32_t>{} : result;
 }
 
-/// What the protocol has decided and what is reckoned from there on need not agree.
+/// Whether the path visits a node twice. That can happen because the next hops of the protocol need
+/// not agree with the computed remainder.
 bool Paths::meets_itself(std::span<const std::uint32_t> links) const {
   for (std::size_t i = 0; i < links.size(); ++i)
     for (std::size_t j = i; j < links.size(); ++j)

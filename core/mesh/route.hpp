@@ -13,24 +13,25 @@
 
 namespace mlcca::core::mesh {
 
-/// Links of a path at most; what is farther away is not reached.
+/// The most links of a path. Nodes farther away are not reached.
 inline constexpr std::size_t kMaxPath = 32;
 
-/// Paths of a graph that does not change meanwhile; graph and mesh must outlive it.
+/// Finds paths in a graph that does not change meanwhile; graph and mesh must outlive it.
 ///
-/// Next hops are followed as far as they are known: the routing protocol has decided. From there on
-/// it is the least sum of weights where every link has one, since that is what the protocol will
-/// take, and else of packet_time() of full packets. Of equal sums it is one with the fewest links,
-/// always the same.
+/// Next hops are followed as far as they are known, because the routing protocol has decided them.
+/// From there on the path has the least sum of weights, if every link has a weight, as the protocol
+/// will choose; otherwise the least sum of packet_time() for full packets. Among equal sums it has
+/// the fewest links, and the choice is deterministic.
 ///
-/// There is no path where next hops turn in a circle, or where protocol or weights lead over a link
-/// that carries nothing now: packets would go there all the same.
+/// There is no path if next hops form a loop, or if protocol or weights lead over a link that
+/// carries nothing now, because packets would be sent there all the same.
 class Paths {
  public:
   Paths(const Graph& graph, const Mesh& mesh);
 
-  /// Indices into Graph::links, in the order of travel. Empty: no path, or from == to. Stays valid
-  /// as long as this object. One search for each node that paths start from.
+  /// The path as indices into Graph::links in the order of travel; empty if there is none or from
+  /// == to. The reference stays valid as long as this object. One search is made for each starting
+  /// node.
   const std::vector<std::uint32_t>& between(std::uint32_t from, std::uint32_t to);
 
  private:
@@ -39,7 +40,7 @@ class Paths {
     std::uint32_t link = 0;  ///< index into Graph::links, or kUnusable
     Value cost = 0;
   };
-  /// How a node is reached: the edge, and the node that it leaves.
+  /// How the search reaches a node: by which edge, from which node.
   struct Reached {
     Value cost = kUnbounded;
     std::uint32_t links = 0;
@@ -53,19 +54,19 @@ class Paths {
   std::vector<std::uint32_t> find(std::uint32_t from, std::uint32_t to);
 
   const Graph& graph_;
-  std::vector<Edge> edges_;              ///< by the node that they leave
-  std::vector<std::size_t> first_edge_;  ///< of each node, and the end
+  std::vector<Edge> edges_;              ///< sorted by the node that they leave
+  std::vector<std::size_t> first_edge_;  ///< per node, and one behind the last
   std::unordered_map<std::uint32_t, std::vector<Reached>> trees_;
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> paths_;
 };
 
-/// A single path; see Paths.
+/// Finds a single path; see Paths.
 [[nodiscard]] std::vector<std::uint32_t> path(const Graph& graph, const Mesh& mesh,
                                               std::uint32_t from, std::uint32_t to);
 
-/// Of each node to which links lead from there, but only over such as carry nothing now: what the
-/// most lacking one of them lacks, on the way where that is least. A rate is less than time, time
-/// less than presence; links that are gone lead nowhere. Nothing: there is a way, or none at all.
+/// For each node that is reachable from `from` only over links that carry nothing now: what the
+/// most lacking link on the best such way lacks, in the order rate, time, presence. Links that are
+/// gone do not count. Nullopt for nodes that have a path or no way at all.
 [[nodiscard]] std::vector<std::optional<Lack>> lacking_from(const Graph& graph, std::uint32_t from);
 
 }  // namespace mlcca::core::mesh

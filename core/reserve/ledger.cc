@@ -79,8 +79,7 @@ void Ledger::roll_back(Mark mark) {
     Progress::step();
   }
   last_mark_ = mark;
-  // What was kept before the mark may have been kept for an older one: keep it again when it is not
-  // known to be of this mark.
+  // What was kept before the mark may belong to an older mark, so it is kept again.
   forget_kept(steps_.size());
 }
 
@@ -91,7 +90,7 @@ void Ledger::commit() {
   forget_kept(0);
 }
 
-/// Of schedules that were kept at that step or later.
+/// Forgets the schedules that were kept at that step or later.
 void Ledger::forget_kept(std::size_t from) {
   while (!kept_networks_.empty() && kept_[kept_networks_.back()] >= from) {
     kept_[kept_networks_.back()] = kNever;
@@ -211,7 +210,7 @@ std::optional<can::Schedule::Late> Ledger::schedule(const Flow& flow, can::Messa
     bus.remove(message.key);
   }
   if (auto late = bus.add(message)) {
-    // It was there before, among the same messages.
+    // The message it replaces fits, since it was there among the same messages.
     if (replaced) static_cast<void>(bus.add(*replaced));
     return late;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What one gateway takes of networks that others use too, in numbers that mean the same to every
+// What one gateway takes of networks that others use too, in terms that mean the same to every
 // gateway with the same description.
 #pragma once
 #include <compare>
@@ -14,12 +14,13 @@
 
 namespace mlcca::core {
 
-/// The traffic of one publisher on one resource (a network or gateway, see System::resource_of). It
-/// is carried once, however many subscribers are behind it, but once more for each way in.
+/// Identifies the traffic of one publisher on one resource (a network or gateway, see
+/// System::resource_of). It is carried once however many subscribers are behind it, but once for
+/// each resource from which it arrives.
 struct Flow {
   std::size_t publisher = 0;
   std::size_t resource = 0;
-  std::size_t from = kOwn;  ///< the resource that it comes from; kOwn: the publisher itself
+  std::size_t from = kOwn;  ///< the resource that it arrives from; kOwn: the publisher itself
 
   static constexpr std::size_t kOwn = 0xffffffff;
   auto operator<=>(const Flow&) const = default;
@@ -29,47 +30,48 @@ struct Flow {
 
 namespace mlcca::core::cluster {
 
-/// Whose traffic: that of a described publisher, or of the one that an admission has brought. Of a
-/// described publisher it is the same traffic whichever gateway has reserved it.
+/// Identifies the publisher of some traffic, described or admitted. Traffic of a described
+/// publisher is the same whichever gateway reserved it, so it counts once.
 struct Source {
-  std::size_t publisher = 0;  ///< index into System::publishers; 0 with an admission
-  AdmissionId admission = 0;  ///< of the gateway that has reserved it
+  std::size_t publisher = 0;  ///< index into System::publishers; 0 for an admitted one
+  AdmissionId admission = 0;  ///< an admission of the gateway that reserved it; 0 for a described
+                              ///< publisher
   std::size_t from = Flow::kOwn;
   auto operator<=>(const Source&) const = default;
 };
 
-/// A message on a CAN bus, with the identifiers of its frames.
+/// A reserved message on a CAN bus with the range of its identifiers.
 struct BusPart {
-  can::Message message;  ///< key: 0
+  can::Message message;  ///< its key is 0
   std::uint64_t first_id = 0;
   std::uint64_t last_id = 0;
   bool extended = false;
   Subject subject = 0;
   Source source;
-  std::size_t gateway = 0;  ///< that has reserved it; says nothing in a Footprint
+  std::size_t gateway = 0;  ///< the gateway that reserved it; unused in a Footprint
   bool operator==(const BusPart&) const = default;
 };
 
-/// Payload between two nodes of a mesh, as indices into Mesh::nodes.
+/// Reserved payload from one node of a mesh to another; nodes are indices into Mesh::nodes.
 struct PathPart {
   std::uint32_t from = 0;
   std::uint32_t to = 0;
   Value bytes_per_second = 0;
-  Value event_bytes = 0;  ///< 0: not known
+  Value event_bytes = 0;  ///< payload of one event; 0: not known
   Source source;
-  std::size_t gateway = 0;  ///< as above
+  std::size_t gateway = 0;  ///< see BusPart::gateway
   bool operator==(const PathPart&) const = default;
 };
 
-/// Payload on a network of any kind.
+/// Reserved payload rate on a network of any kind.
 struct RatePart {
   Value bytes_per_second = 0;
   Source source;
-  std::size_t gateway = 0;  ///< as above
+  std::size_t gateway = 0;  ///< see BusPart::gateway
   bool operator==(const RatePart&) const = default;
 };
 
-/// What is taken of one network. Each source has one rate, at most one message, and any number of
+/// What is taken of one network. Each source has one rate, at most one message and any number of
 /// paths.
 struct Part {
   std::size_t network = 0;
@@ -79,31 +81,33 @@ struct Part {
   bool operator==(const Part&) const = default;
 };
 
+/// What a channel takes of shared networks beyond the standing promises.
 struct Footprint {
-  std::vector<Part> parts;            ///< of shared networks, each once, rising
-  std::vector<std::size_t> gateways;  ///< on the way, without one's own, rising
+  std::vector<Part> parts;            ///< one per shared network, by rising index
+  std::vector<std::size_t> gateways;  ///< other gateways on its routes, by rising index
   bool operator==(const Footprint&) const = default;
 };
 
-/// What others hold of one network.
+/// What other gateways hold of one network.
 struct Foreign {
   std::vector<RatePart> rates;
   std::vector<BusPart> bus;
   std::vector<PathPart> paths;
-  bool unreadable = false;  ///< there is more, and it is not known what
+  bool unreadable = false;  ///< there are further reservations that could not be read
   [[nodiscard]] bool empty() const {
     return rates.empty() && bus.empty() && paths.empty() && !unreadable;
   }
   bool operator==(const Foreign&) const = default;
 };
 
-/// What the description alone promises a flow on a network: all gateways count it, always.
+/// What the description alone promises to a flow on a network. Every gateway with that description
+/// counts it, whether or not it is in use.
 struct Standing {
   Flow flow;
   Value bytes_per_second = 0;
-  std::optional<can::Message> message;  ///< on an analysed bus; key: 0
+  std::optional<can::Message> message;  ///< on an analysed bus; its key is 0
   std::vector<PathPart> paths;          ///< on a mesh
-  /// Every delivery that needs it could go over another gateway too.
+  /// Whether every delivery that needs it could also go over another gateway.
   bool elected = false;
   bool operator==(const Standing&) const = default;
 };
