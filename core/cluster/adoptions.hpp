@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The admissions of other gateways that this one must agree to, because it is on their way.
+// The part of this gateway in admissions of other gateways on whose way it is, and to which it must
+// agree.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -12,22 +13,24 @@
 
 namespace mlcca::core::cluster {
 
+/// Reports such admissions as events (Adopt, Opened, Ended) and sends this gateway's votes.
 class Adoptions {
  public:
   explicit Adoptions(std::size_t self) : self_(self) {}
 
-  /// Takes up what has changed since it joined.
+  /// Acts on what has changed since the last call.
   void step(View& view, bool joined, std::vector<Event>& events);
-  /// Once more for the same admission: this one may not keep it any more, or can.
+  /// Changes the vote on an adopted admission: this gateway cannot keep it any more, or now can.
   void vote(const Origin& origin, Vote vote, View& view, std::vector<Event>& events);
   void on_done(const Done& done);
-  /// Everything is closed already.
+  /// The membership is lost; the caller has closed everything.
   void lose(View& view);
   [[nodiscard]] std::optional<Work> next_work(const View& view, const Codec& codec) const;
-  /// Votes on what is no more, in a view that has all own transactions.
+  /// Deletes own votes on admissions that no longer exist. The view must contain all own
+  /// transactions.
   [[nodiscard]] std::optional<Work> clean_up(const View& view) const;
 
-  /// All that it acts on, for a checker.
+  /// Visits all state that affects its behaviour, for the model checker.
   template <class Visit>
   void visit_state(Visit&& visit) const {
     visit(adopted_);
@@ -37,8 +40,8 @@ class Adoptions {
   struct Adopted {
     std::int64_t asked = 0;  ///< see Origin
     std::optional<Vote> vote;
-    std::uint64_t number = 0;  ///< of the vote
-    std::uint64_t stored = 0;  ///< number of the vote that the store has
+    std::uint64_t number = 0;  ///< number of the vote
+    std::uint64_t stored = 0;  ///< number of the vote that the store contains
     bool opened = false;
     template <class Visit>
     void visit_state(Visit&& visit) const {

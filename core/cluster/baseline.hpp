@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Standing promises: what the description alone grants of the networks that gateways share, in the
-// described world. Every gateway with that description computes the same, and counts it always.
+// Standing promises: what the description alone grants on shared networks, in the described world.
+// Every gateway with that description computes the same and always counts it.
 #pragma once
 #include <cstddef>
 #include <span>
@@ -11,16 +11,18 @@
 
 namespace mlcca::core::cluster {
 
+/// The standing promises of a System, computed once.
 class Baseline {
  public:
   explicit Baseline(const System& system);
 
-  /// Flows rising.
+  /// The promises on a network, sorted by flow.
   [[nodiscard]] std::span<const Standing> standing(std::size_t network) const {
     return standing_[network];
   }
+  /// The promise to a flow; null if there is none.
   [[nodiscard]] const Standing* find(const Flow& flow) const;
-  /// By network.
+  /// The promises of all networks, by network.
   [[nodiscard]] const std::vector<std::vector<Standing>>& all() const { return standing_; }
 
  private:

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The transactions of one gateway. Each demands that the gateway's own entry is as the one before
-// left it, and writes it again: so each is a beat, they happen in one order, and one whose answer
-// was lost has either been done by the time that a later one is, or never will be. Times in ns.
+// The transactions of one gateway. Each requires that the gateway's own entry is as the one before
+// left it, and writes it again. So each is a beat, they happen in one order, and a transaction
+// whose answer was lost has either happened before a later one succeeds, or never will. See ADR 47.
+// Times are in ns.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -15,7 +16,7 @@
 
 namespace mlcca::core::cluster {
 
-/// What one transaction is to do beside the beat.
+/// The content of one transaction beside the beat.
 struct Work {
   enum class Kind : std::uint8_t {
     join,
@@ -31,27 +32,27 @@ struct Work {
     judge,
     decide,
     leave,
-    clean,  ///< of what nobody can use any more
+    clean,  ///< deletes entries that nobody can use any more
   };
   Kind kind = Kind::beat;
   std::uint64_t id = 0;      ///< of an admission
   std::size_t gateway = 0;   ///< that it concerns
-  std::uint64_t number = 0;  ///< the sender's
-  std::uint64_t stage = 0;   ///< of a rollout: the one that is staged, by number
+  std::uint64_t number = 0;  ///< chosen by the sender, who gets it back in Done
+  std::uint64_t stage = 0;   ///< of a rollout: the number of the call of stage()
   std::vector<Compare> compares = {};
   std::vector<Put> puts = {};
   std::vector<std::string> deletes = {};
   std::vector<std::string> reads = {};
-  Role role = Role::standby;  ///< that the beat says
+  Role role = Role::standby;  ///< that the beat states
 };
 
-/// What became of a work.
+/// The outcome of a Work.
 struct Done {
   enum class Fate : std::uint8_t {
     done,
-    not_done,  ///< and it never will be; nothing is known against it
-    conflict,  ///< one of its own compares did not hold
-    unsure,    ///< a later Done says it
+    not_done,  ///< and it never will be; no other reason is known
+    conflict,  ///< one of its own compares failed
+    unsure,    ///< not known yet; another Done follows
     refused,   ///< by the store
   };
   Work work;
@@ -61,6 +62,8 @@ struct Done {
   std::string why = {};
 };
 
+/// Sends transactions one after the other, finds out what became of those without an answer, and
+/// keeps the lease. It does no I/O: send() returns a transaction, on_result() takes its answer.
 class Chain {
  public:
   enum class Trouble : std::uint8_t { none, fenced, new_epoch, gone_back };
@@ -68,10 +71,11 @@ class Chain {
   Chain(std::shared_ptr<const Keys> keys, const Codec& codec, std::size_t self,
         std::uint64_t session, Value lease);
 
-  /// The own entry is at revision `base`. `incarnation`: that goes on; 0: a new one begins.
-  /// `lease`: the former one, which the gates may still have.
+  /// Starts with the own entry at revision `base`. `incarnation`: the one that goes on; 0: a new
+  /// one begins. `former_lease`: the lease under which the gates may still be open.
   void begin(std::int64_t base, std::int64_t incarnation, std::int64_t epoch, Value former_lease);
-  /// What was sent is forgotten, and nothing is valid from `now` on. The next one waits a little.
+  /// Forgets everything that was sent; nothing is valid from `now` on. The next transaction waits a
+  /// little.
   void end(Value now);
 
   [[nodiscard]] bool joined() const { return joined_; }
@@ -79,24 +83,26 @@ class Chain {
   [[nodiscard]] std::int64_t incarnation() const { return incarnation_; }
   [[nodiscard]] std::int64_t epoch() const { return epoch_; }
   [[nodiscard]] Value valid_until() const { return valid_until_; }
-  /// One is under way that others must wait for.
+  /// Whether a transaction is under way, or a retry is not due yet.
   [[nodiscard]] bool busy(Value now) const { return flight_.has_value() || now < retry_at_; }
-  /// What may be done is not known: nothing but beats may be sent.
+  /// Whether the outcome of an earlier transaction is unknown. Then only beats may be sent.
   [[nodiscard]] bool unsure() const { return !unsure_.empty(); }
+  /// Whether a work of that kind and id is under way or its outcome unknown.
   [[nodiscard]] bool has(Work::Kind kind, std::uint64_t id) const;
   [[nodiscard]] Value beat_due() const;
-  /// The answer of what is under way is given up then; what was refused is asked again then.
+  /// The next time at which on_time() has something to do: it gives up waiting for an answer, or
+  /// sends again what was refused. Nullopt: never.
   [[nodiscard]] std::optional<Value> next_time(Value now) const;
 
-  /// Fills in what a beat says of the gateway and its transaction.
-  /// `seen`: revision that the store had by then.
+  /// Completes a beat and returns the transaction to be sent. `seen`: the revision of the store
+  /// that the view has reached.
   [[nodiscard]] Txn send(Work work, Beat beat, std::int64_t seen, Value now);
   [[nodiscard]] std::vector<Done> on_result(const TxnResult& result, Value now);
   [[nodiscard]] std::vector<Done> on_time(Value now);
-  /// What a conflict has brought to light.
+  /// What a conflict has revealed about the own entry.
   [[nodiscard]] Trouble trouble() const { return trouble_; }
 
-  /// All that it acts on, for a checker.
+  /// Visits all state that affects its behaviour, for the model checker.
   template <class Visit>
   void visit_state(Visit&& visit) const {
     visit(lease_, base_, incarnation_, epoch_, seq_, joined_, trouble_, valid_until_, last_beat_,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which gateways can be chosen to carry what several could carry. All choose by the same order
-// among those that have not failed, so the only question is who has: and whoever comes back must
-// hear from the others that they know it.
+// Elects the gateway that carries what several gateways could carry. All choose by the same order
+// among those that have not failed, so they only have to agree on who has failed. A gateway that
+// comes back must be acknowledged by the others first.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -11,22 +11,26 @@
 
 namespace mlcca::core::cluster {
 
+/// The role of this gateway (standby, taking, active) and which other gateways have failed.
 class Election {
  public:
   Election(std::size_t self, std::size_t gateways) : self_(self), failed_(gateways, true) {}
 
-  /// It can carry. The caller has closed everything of that before it says that it cannot.
+  /// Sets whether this gateway can carry. Before the caller sets false, it must have closed all that
+  /// this gateway carries in the place of others.
   void set_able(bool able) { able_ = able; }
-  /// An incarnation goes on, or a new one begins.
+  /// Begins as standby, or as active if the incarnation that goes on was active.
   void begin(Role role) { role_ = role == Role::active ? role : Role::standby; }
   void lose() { role_ = Role::standby; }
-  /// What the next beat is to say.
+  /// The role that the next beat is to state.
   [[nodiscard]] Role wanted(const View& view, Value now, bool draining) const;
   [[nodiscard]] Role role() const { return role_; }
+  /// The transaction with this role was committed at `revision`.
   void on_committed(Role role, std::int64_t revision);
+  /// Reports changes of Failed as events. `joined`: this gateway is a member.
   void step(const View& view, Value now, bool joined, std::vector<Event>& events);
 
-  /// All that it acts on, for a checker.
+  /// Visits all state that affects its behaviour, for the model checker.
   template <class Visit>
   void visit_state(Visit&& visit) const {
     visit(able_, role_, taking_since_, failed_);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a channel takes of the networks that several gateways share, beyond what the description
-// promises: what a gateway has to reserve before it may use it.
+// Computes the footprint of a channel: what it takes of shared networks beyond the standing
+// promises. A gateway must reserve that before it uses it.
 #pragma once
 #include <cstddef>
 
@@ -10,15 +10,15 @@
 
 namespace mlcca::core::cluster {
 
-/// Of a channel as it would be decided, with all of its ends; what a standing promise covers is
-/// left out, and what another gateway has reserved of the same traffic that this one carries.
+/// The footprint of the proposed decision of a channel, with all its endpoints. Left out is what a
+/// standing promise covers, and what another gateway has reserved of the same traffic.
 [[nodiscard]] Footprint footprint_of(const Proposal& proposal, const Baseline& baseline,
                                      std::size_t self);
-/// Of a channel as it is decided.
+/// The footprint of the present decision of a channel.
 [[nodiscard]] Footprint footprint_of(const State& state, std::size_t channel,
                                      const Baseline& baseline, std::size_t self);
 
-/// What a gateway has reserved of a network counts for the others.
+/// Adds what `gateway` has reserved of a network to what counts as held by others.
 void add(Foreign& foreign, const Part& part, std::size_t gateway);
 
 }  // namespace mlcca::core::cluster

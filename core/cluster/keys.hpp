@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The keys of a cluster in the store, and whose they are.
+// The keys of a cluster in the store (docs/reference/cluster-store.md), and to whom they belong.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -15,7 +15,7 @@
 
 namespace mlcca::core::cluster {
 
-/// A key that was understood. What it does not name is 0.
+/// A key that was understood. Parts that the kind does not have are 0.
 struct Key {
   enum class Kind : std::uint8_t {
     epoch,
@@ -32,25 +32,27 @@ struct Key {
   };
   Kind kind = Kind::epoch;
   std::size_t network = 0;
-  std::size_t gateway = 0;  ///< that writes it; of a fence: whose it is
-  std::size_t from = 0;     ///< of a vote: who asks
-  std::uint64_t id = 0;     ///< of an admission; of a blob: its number
+  std::size_t gateway = 0;  ///< the gateway that writes it; of a fence the fenced one
+  std::size_t from = 0;     ///< of a vote: the gateway that asks
+  std::uint64_t id = 0;     ///< of an admission: its number; of a blob: the number of the chunk
   std::string digest = {};  ///< of a blob, in hexadecimal digits
   bool operator==(const Key&) const = default;
 };
 
-/// A key of a gateway that the description does not have: a former one has had it.
+/// A key of a gateway that the description does not contain, left by a former description.
 struct LeftKey {
-  Key::Kind kind = Key::Kind::member;  ///< or fence, reservation, asked, vote or rollout_vote
+  Key::Kind kind = Key::Kind::member;  ///< member, fence, reservation, asked, vote or rollout_vote
   std::string_view gateway;            ///< encoded
   std::optional<std::size_t> network = std::nullopt;
-  std::optional<std::size_t> voter = std::nullopt;  ///< that has written a vote for it
+  std::optional<std::size_t> voter = std::nullopt;  ///< the gateway that has written a vote on its
+                                                    ///< request
 };
 
-/// Names are percent-encoded outside [A-Za-z0-9._-], so that a key has one reading.
+/// Builds and parses the keys of one cluster. Names are percent-encoded outside [A-Za-z0-9._-], so
+/// that each key has exactly one reading.
 class Keys {
  public:
-  /// The prefix ends with '/', or is empty.
+  /// `prefix` is empty or ends with '/'.
   Keys(const System& system, std::string prefix);
 
   [[nodiscard]] const std::string& prefix() const { return prefix_; }
@@ -67,22 +69,24 @@ class Keys {
   [[nodiscard]] std::string asked(std::size_t gateway, std::uint64_t id) const;
   [[nodiscard]] std::string vote(std::size_t gateway, std::size_t from, std::uint64_t id) const;
 
-  /// nullopt: not a key of this cluster, or of something that the description does not have.
+  /// Parses a key. Nullopt if it is not a key of this cluster, or names a gateway or network that
+  /// the description does not contain.
   [[nodiscard]] std::optional<Key> parse(std::string_view key) const;
+  /// Parses a key of a gateway that the description does not contain; nullopt for any other.
   [[nodiscard]] std::optional<LeftKey> parse_left(std::string_view key) const;
-  /// What `gateway` has written about a network that the description does not have.
+  /// Whether `gateway` has written this key about a network that the description does not contain.
   [[nodiscard]] bool is_of_removed_network(std::string_view key, std::size_t gateway) const;
-  /// Of a key that parse() does not understand: the network of which it would take something.
+  /// For a key that parse() does not understand: the network of which it may reserve something.
   [[nodiscard]] std::optional<std::size_t> network_of(std::string_view key) const;
 
   [[nodiscard]] std::size_t gateways() const { return gateways_.size(); }
   [[nodiscard]] std::size_t networks() const { return networks_.size(); }
-  /// As it was given in the description.
+  /// The name as it is in the description.
   [[nodiscard]] const std::string& gateway_name(std::size_t gateway) const {
     return gateway_names_[gateway];
   }
   [[nodiscard]] std::optional<std::size_t> gateway(std::string_view name) const;
-  /// Two gateways could carry the same from one network to another.
+  /// Whether the two gateways share two networks, so that either could carry events between them.
   [[nodiscard]] bool side_by_side(std::size_t gateway, std::size_t other) const {
     return beside_[(gateway * gateways_.size()) + other];
   }
@@ -98,13 +102,13 @@ class Keys {
   std::string prefix_;
   std::vector<std::string> gateways_, networks_;  ///< encoded
   std::vector<std::string> gateway_names_;
-  Names gateway_of_, network_of_;  ///< of encoded ones
+  Names gateway_of_, network_of_;  ///< by encoded name
   std::vector<bool> beside_;
 };
 
-/// A name as it is in a key.
+/// The percent-encoded form of a name in a key.
 [[nodiscard]] std::string encoded(std::string_view name);
-/// 64 hexadecimal digits.
+/// The octets as hexadecimal digits, 64 for a digest.
 [[nodiscard]] std::string hex_of(std::string_view octets);
 template <std::size_t N>
 [[nodiscard]] std::string hex_of(const std::array<std::uint8_t, N>& octets) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is in the store, as it was understood: a value that a snapshot exchanges as a whole.
+// The contents of the store as they were understood. It is a value, which a new snapshot replaces
+// as a unit.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -19,38 +20,43 @@
 
 namespace mlcca::core::cluster {
 
-/// What the store has of a gateway. Without a beat at a revision above 0 it is unreadable.
+/// The beat and fence of one gateway. If `mod` is above 0 and there is no beat, the entry is
+/// unreadable.
 struct MemberRecord {
-  std::int64_t mod = 0;    ///< of m/<gateway>; 0: it is not there
-  std::int64_t fence = 0;  ///< of f/<gateway>
+  std::int64_t mod = 0;    ///< revision of m/<gateway>; 0: there is no such entry
+  std::int64_t fence = 0;  ///< revision of f/<gateway>
   std::optional<Beat> beat;
 };
-/// Without `taken` it is unreadable.
+/// A reservation. Without `taken` it is unreadable.
 struct ReservationRecord {
   std::optional<Taken> taken;
   std::int64_t mod = 0;
-  Value over_from = kUnbounded;  ///< of a dead gateway, since all on the way have closed it
+  Value over_from = kUnbounded;  ///< for a dead gateway: when it ends, since all gateways on its
+                                 ///< way have closed it; kUnbounded: not known yet
 };
+/// A request for an admission that others must agree to: x/<gateway>/<id>.
 struct AskedRecord {
   Asked asked;
   std::int64_t create = 0, mod = 0;
 };
+/// An entry of the store that there is once.
 template <class T>
 struct Record {
   std::optional<T> value;
-  std::int64_t mod = 0;  ///< 0: it is not there; else without a value it is unreadable
+  std::int64_t mod = 0;  ///< 0: there is no such entry; otherwise an entry without a value is
+                         ///< unreadable
 };
 
-/// What the store has of a gateway that the description does not have.
+/// The entries of a gateway that the description does not contain (any more).
 struct LeftRecord {
   struct Taken {
     std::size_t network = 0;
     std::int64_t mod = 0;
   };
   MemberRecord member;
-  /// By key: what it has taken of networks that the description has.
+  /// By key: what it has reserved of described networks.
   std::map<std::string, Taken, std::less<>> taken;
-  /// All that there is of it, and what others have written for it, as far as there is room.
+  /// By key: all its entries, and votes that others have written for it, as far as there is room.
   struct Key {
     cluster::Key::Kind kind = cluster::Key::Kind::member;
     std::optional<std::size_t> voter;
@@ -59,6 +65,7 @@ struct LeftRecord {
   std::map<std::string, Key, std::less<>> keys;
 };
 
+/// All entries of the store, decoded. put() takes one in.
 class Records {
  public:
   struct ReservationKey {
@@ -66,16 +73,17 @@ class Records {
     std::uint64_t id = 0;
     auto operator<=>(const ReservationKey&) const = default;
   };
-  using AskedKey = std::pair<std::size_t, std::uint64_t>;               ///< gateway, id
-  using VoteKey = std::tuple<std::size_t, std::size_t, std::uint64_t>;  ///< voter, from, id
+  using AskedKey = std::pair<std::size_t, std::uint64_t>;  ///< gateway, id
+  using VoteKey =
+      std::tuple<std::size_t, std::size_t, std::uint64_t>;  ///< voter, origin's gateway, id
 
   Records() = default;
   Records(std::size_t gateways, std::size_t networks)
       : members(gateways), versions(networks), rollout_votes(gateways) {}
 
-  /// Takes an entry in; the key that it has, if that is understood.
+  /// Takes in an entry, also one that is gone. Returns its key if that was understood.
   std::optional<Key> put(const Keys& keys, const Codec& codec, const Entry& entry);
-  /// There is something of the network that cannot be read, or more than may be.
+  /// Whether some reservation of the network cannot be read, or there are more than the limit.
   [[nodiscard]] bool unreadable(std::size_t network) const;
 
   std::vector<MemberRecord> members;
@@ -87,14 +95,14 @@ class Records {
   Record<Current> current;
   Record<Next> next;
   std::vector<Record<RolloutVote>> rollout_votes;
-  /// By digest and number.
+  /// By digest and number of the chunk.
   std::map<std::pair<std::string, std::uint64_t>, std::string> blobs;
-  /// Keys whose entries are not understood, with the network of which they take something.
+  /// Keys of entries that are not understood, with the network of which they may reserve something.
   std::map<std::string, std::optional<std::size_t>, std::less<>> strange;
-  /// By encoded name.
+  /// By encoded name of the gateway.
   std::map<std::string, LeftRecord, std::less<>> left;
-  std::size_t left_keys = 0;  ///< of all of them
-  bool too_many = false;      ///< stays until the next snapshot
+  std::size_t left_keys = 0;  ///< number of keys of all of them
+  bool too_many = false;      ///< the limit was exceeded; stays set until the next snapshot
 
  private:
   void put_reservation(const Codec& codec, const Key& key, const Entry& entry);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// One description for all gateways: it is proposed, judged by all, and comes into force for all in
-// one generation or for none. Between two generations nothing of shared networks is in use, so the
-// sum of both is never on a medium. Times in ns.
+// The rollout of a description: it is proposed, judged by all gateways, and comes into force for
+// all in one generation or for none. Between two generations nothing of shared networks is in use,
+// so the two are never on a medium together. See docs/explanation/cluster.md, "One description".
+// Times are in ns.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -15,40 +16,46 @@
 
 namespace mlcca::core::cluster {
 
+/// One gateway's part in rollouts: it proposes, votes, and does the next step that is due. It does
+/// no I/O: step() and on_done() take input, next_work() returns the next transaction.
 class Rollouts {
  public:
-  /// Who proposes waits for so long for the votes; if it has gone, others wait twice as long.
-  /// If not all are in it after as long, the former one comes back.
+  /// How long the proposer waits for votes; others wait twice as long before they end its proposal.
+  /// If not all gateways follow within this time, the former description comes back.
   static constexpr Value kPatience = 60'000'000'000;
-  /// What the store has refused is not tried again before, so that beats go on.
+  /// How long nothing is tried again after the store refused something, so that beats go on.
   static constexpr Value kForbidden = 2'000'000'000;
 
-  /// `own`: of the description that this gateway decides from.
+  /// `own`: digest of the description from which this gateway decides.
   Rollouts(std::size_t self, const Digest& own) : self_(self), own_(own) {}
 
-  /// It has one end, as an event: NotRolledOut, or a Switch to it.
+  /// Starts a rollout. Its one result is an event: NotRolledOut, or a Switch to it.
   void stage(Rollout rollout);
-  /// One that a member before this one has staged ends as one of this member does.
+  /// Continues to wait for a rollout that a former Member of this process staged; it ends as in
+  /// stage().
   void resume(const Digest& digest) { pending_ = digest; }
   [[nodiscard]] bool stages() const { return staged_.has_value(); }
-  /// What gateways propose by themselves where none is in force calls nobody off. It gives way to a
-  /// proposal that does.
+  /// Whether the present proposal gives way to one for the gateways without `without`. If no
+  /// description is in force, gateways propose theirs on their own and call nobody off; such a
+  /// proposal gives way to one that calls gateways off.
   [[nodiscard]] static bool gives_way(const Records& records,
                                       const std::vector<std::string>& without);
+  /// Records this gateway's judgement about the proposed description.
   void vote(const Digest& digest, bool ok, std::string reason);
-  /// One that is taken back cannot be put in force here: the former one is to come back.
+  /// Reports that the description that comes into force cannot be loaded here, so that the former
+  /// one comes back for all.
   void cannot_switch(const View& view, std::string reason);
-  /// Of the one that is taken back: not all are in it.
+  /// Whether a gateway has reported in its beat that it follows the description in force.
   [[nodiscard]] static bool is_in(const View& view, std::size_t gateway);
-  /// Revisions of before mean nothing any more. What was staged is not staged again.
+  /// The membership was lost: revisions known before are invalid, and what was staged is dropped.
   void lose() { not_before_ = claimed_ = 0, staged_.reset(); }
-  /// `caught_up`: the view has everything that was committed here.
+  /// Acts on the view. `caught_up`: the view contains all transactions of this gateway.
   void step(const View& view, Value now, bool caught_up, std::vector<Event>& events);
   void on_done(const Done& done, Value now, std::vector<Event>& events);
   [[nodiscard]] std::optional<Work> next_work(const View& view, const Codec& codec, Value now);
   [[nodiscard]] std::optional<Value> next_time(const View& view, Value now) const;
 
-  /// All that it acts on, for a checker.
+  /// Visits all state that affects its behaviour, for the model checker.
   template <class Visit>
   void visit_state(Visit&& visit) const {
     visit(staged_, stage_, chunk_, claimed_, current_since_, quiet_until_, current_seen_,
@@ -57,10 +64,10 @@ class Rollouts {
   }
 
  private:
-  /// What the votes make of the proposal.
+  /// The result of the votes on a proposal.
   struct Tally {
     bool all = true;
-    std::string objection;  ///< or who has not voted
+    std::string objection;  ///< the first objection, or who has not voted
     bool refused = false;
   };
 
@@ -75,9 +82,10 @@ class Rollouts {
   [[nodiscard]] std::optional<Work> open(const View& view, const Codec& codec, Value now);
   [[nodiscard]] bool is_ours(const View& view, const Next& next) const;
   [[nodiscard]] bool is_staged(const Next& next) const;
-  /// The proposal is called off then, if nothing else has ended it.
+  /// When the proposal is called off unless something else has ended it.
   [[nodiscard]] Value over_at(const View& view) const;
-  /// Who has the description in force knows every gateway that has something to leave.
+  /// Whether this gateway has the description in force, and so knows every gateway that must leave
+  /// it.
   [[nodiscard]] bool knows_all(const View& view) const;
   [[nodiscard]] static bool all_in(const View& view, Value now);
   [[nodiscard]] static Tally tally(const View& view, const Next& next, Work& work, Value now);
@@ -86,21 +94,23 @@ class Rollouts {
   std::size_t self_;
   Digest own_;
   std::optional<Rollout> staged_;
-  std::uint64_t stage_ = 0;        ///< counts them
-  std::optional<Digest> pending_;  ///< was staged: what became of it is not known yet
-  std::string trouble_;            ///< why the store does not take its text
-  std::size_t chunk_ = 0;          ///< the next one that is to be put into the store
-  std::int64_t claimed_ = 0;       ///< revision of the d/next that they belong to; 0: none yet
-  Value current_since_ = 0;        ///< when one that is taken back was seen
-  Value quiet_until_ = 0;          ///< the store has refused something
+  std::uint64_t stage_ = 0;        ///< counts the calls of stage()
+  std::optional<Digest> pending_;  ///< staged here, and its outcome is unknown yet
+  std::string trouble_;            ///< why the store refuses its text
+  std::size_t chunk_ = 0;          ///< number of the next chunk to be stored
+  std::int64_t claimed_ = 0;       ///< revision of the d/next to which the chunks belong; 0: not
+                                   ///< proposed yet
+  Value current_since_ = 0;        ///< when the present d/current was first seen
+  Value quiet_until_ = 0;  ///< the store has refused something: no transaction before this time
   std::int64_t current_seen_ = 0, next_seen_ = 0, judged_ = 0;
   Value next_since_ = 0;
   std::optional<Digest> proposed_;
-  std::string why_;  ///< it was given up
+  std::string why_;  ///< why it was given up
   std::optional<RolloutVote> ballot_;
-  /// Since when all are known to have left the former description; nothing: not all.
+  /// Since when all are known to have left the former description; nullopt: not all have.
   std::optional<Value> left_at_;
-  std::int64_t not_before_ = 0;  ///< the view must be as new: what was tried was refuted there
+  std::int64_t not_before_ = 0;  ///< the view must have reached this revision, because what was
+                                 ///< tried before was refuted there
 };
 
 }  // namespace mlcca::core::cluster

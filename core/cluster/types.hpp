@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The records of a cluster as plain structs, and what its protocol reports. How a record is
-// written is the business of a Codec.
+// The records of a cluster as plain structs, and the events of its protocol. A Codec defines how
+// records are written.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -17,15 +17,15 @@ namespace mlcca::core::cluster {
 
 /// SHA-256 of a description.
 using Digest = std::array<std::uint8_t, 32>;
-/// Random octets that an operator puts into the store after it was restored.
+/// Random octets that an operator writes into the store after it was restored from a backup.
 using Epoch = std::array<std::uint8_t, 16>;
 
-/// Bounds of what is believed of a store. What is above them counts as unreadable.
+/// Limits of what is accepted from a store. What exceeds them counts as unreadable.
 inline constexpr std::size_t kMostEntryBytes = 65536;
 inline constexpr std::size_t kMostReservations = 200'000;
 inline constexpr std::size_t kMostChunks = 256;
 inline constexpr std::size_t kMostChunkBytes = 32768;
-/// Chunks of all descriptions: the one in force, the former and the next one, and what is left.
+/// Chunks of all descriptions: the present, the former and the next one, and remainders.
 inline constexpr std::size_t kMostBlobs = 4 * kMostChunks;
 /// Networks of one admission, and puts of one transaction.
 inline constexpr std::size_t kMostNetworks = 32;
@@ -33,46 +33,47 @@ inline constexpr std::size_t kMostPuts = 120;
 
 /// Whether a gateway carries what another one could carry as well.
 enum class Role : std::uint8_t {
-  standby,  ///< it carries nothing of that
+  standby,  ///< it carries nothing of that kind
   taking,   ///< it asks the others to leave that to it
-  active,   ///< it carries what is its turn
+  active,   ///< it carries what it is elected for
 };
 
-/// m/<gateway>: with each transaction of a gateway.
+/// m/<gateway>: the beat, written with each transaction of a gateway.
 struct Beat {
-  std::int64_t incarnation = 0;  ///< revision at which it joined; 0: of this very entry
-  std::uint64_t session = 0;     ///< random, of its process
-  std::uint64_t seq = 0;         ///< of the transaction
-  Digest digest = {};            ///< of the description that it decides from
-  std::uint64_t generation = 0;  ///< of that description; 0: it is not in force
+  std::int64_t incarnation = 0;  ///< revision at which it joined; 0: the revision of this entry
+  std::uint64_t session = 0;     ///< random number of its process
+  std::uint64_t seq = 0;         ///< number of the transaction
+  Digest digest = {};            ///< of the description from which it decides
+  std::uint64_t generation = 0;  ///< generation of that description; 0: it is not in force
   std::int64_t applied = 0;      ///< it has acted on everything up to this revision
   Role role = Role::standby;
   bool draining = false;
   Value lease = 0;
 };
 
-/// r/<network>/<gateway>/<id>
+/// r/<network>/<gateway>/<id>: a reservation.
 struct Taken {
   std::string channel, publisher;
   Part part;
-  std::vector<std::size_t> through;  ///< gateways that may send it too
+  std::vector<std::size_t> through;  ///< gateways on its way, which may send it too
 };
 
-/// What becomes of an admission that others must agree to.
+/// The progress of an admission that other gateways must agree to.
 enum class Stage : std::uint8_t {
-  prepared,  ///< everything is taken, nothing is open
+  prepared,  ///< everything is reserved, nothing is open
   granted,
-  ending,  ///< it is closed where it was asked for, the others are to close it
+  ending,  ///< it is closed at the gateway that asked; the others are to close it
 };
 
-/// x/<gateway>/<id>
+/// x/<gateway>/<id>: a request to the gateways on the way of an admission.
 struct Asked {
   Stage stage = Stage::prepared;
-  std::string admission;              ///< the caller's
-  std::vector<std::size_t> gateways;  ///< that must agree
+  std::string admission;              ///< in the encoding of the caller
+  std::vector<std::size_t> gateways;  ///< whose agreement is needed
 };
 
-/// An admission in the store. `asked`: revision at which x/<gateway>/<id> came to be.
+/// Identifies an admission in the store. `asked` is the revision at which x/<gateway>/<id> was
+/// created.
 struct Origin {
   std::size_t gateway = 0;
   std::uint64_t id = 0;
@@ -80,6 +81,7 @@ struct Origin {
   auto operator<=>(const Origin&) const = default;
 };
 
+/// A decision about an admission of another gateway.
 struct Vote {
   bool ok = false;
   Place hop;
@@ -87,7 +89,7 @@ struct Vote {
   bool operator==(const Vote&) const = default;
 };
 
-/// a/<gateway>/<origin>/<id>
+/// a/<gateway>/<origin>/<id>: a vote.
 struct VoteOf {
   std::int64_t asked = 0;  ///< see Origin
   Vote vote;
@@ -97,31 +99,31 @@ struct VoteOf {
 struct Current {
   std::uint64_t generation = 0;
   Digest digest = {}, former = {};
-  bool open = false;               ///< false: nothing of shared networks may be used
-  std::vector<std::string> waits;  ///< gateways that must be in it before it is open
-  bool undone = false;             ///< it is the former one, because not all came into the other
+  bool open = false;               ///< if false, nothing of shared networks may be used
+  std::vector<std::string> waits;  ///< gateways that must follow it before it is open
+  bool undone = false;  ///< it is the former one again, because not all followed the other
 };
 
-/// d/next: the description that is to be in force.
+/// d/next: the proposed description.
 struct Next {
   std::uint64_t generation = 0;
   Digest digest = {};
   std::uint32_t chunks = 0;
-  std::string by;                    ///< gateway
-  std::vector<std::string> without;  ///< gateways that are off, as the operator says
+  std::string by;                    ///< name of the gateway that proposes it
+  std::vector<std::string> without;  ///< gateways that are switched off, according to the operator
   Value patience = 0;
 };
 
-/// d/vote/<gateway>
+/// d/vote/<gateway>: a vote on a proposed description, or against the one in force.
 struct RolloutVote {
   std::int64_t next = 0;  ///< revision of the d/next that it answers, or of the d/current
   bool ok = false;
   std::string reason;
 };
 
-/// Records as they are in the store. A record that is not understood is nullopt: of a later
-/// version, damaged, or made by somebody hostile. Gateways and networks that the description does
-/// not have are not understood either.
+/// Encodes and decodes the records of the store. A decoder returns nullopt for a record that it
+/// does not understand: of a later version, damaged or hostile, or one with gateways or networks
+/// that the description does not contain.
 class Codec {
  public:
   Codec() = default;
@@ -138,7 +140,7 @@ class Codec {
   [[nodiscard]] virtual std::string write(const Next& next) const = 0;
   [[nodiscard]] virtual std::string write(const RolloutVote& vote) const = 0;
   [[nodiscard]] virtual std::optional<Beat> beat(std::string_view value) const = 0;
-  /// `network`: that of the key.
+  /// `network`: index of the network in the record's key.
   [[nodiscard]] virtual std::optional<Taken> taken(std::string_view value,
                                                    std::size_t network) const = 0;
   [[nodiscard]] virtual std::optional<Asked> asked(std::string_view value) const = 0;
@@ -149,17 +151,18 @@ class Codec {
   [[nodiscard]] virtual std::optional<Epoch> epoch(std::string_view value) const = 0;
 };
 
-/// What a gateway must remember over a restart. Written before what follows from it is done.
+/// What a gateway must remember over a restart. It is written before anything that depends on it is
+/// done.
 struct Journalled {
   Epoch epoch = {};
   std::int64_t epoch_revision = 0;
-  std::int64_t incarnation = 0;    ///< 0: it is in no cluster
-  std::int64_t seen_revision = 0;  ///< may lag behind; later than `incarnation` or the same
-  Digest voted_digest = {};        ///< the last one that it agreed to
+  std::int64_t incarnation = 0;    ///< 0: it is not a member of a cluster
+  std::int64_t seen_revision = 0;  ///< may lag behind; never earlier than `incarnation`
+  Digest voted_digest = {};        ///< the description that it last agreed to
   bool operator==(const Journalled&) const = default;
 };
 
-/// A description that is to be rolled out.
+/// A description that is to be rolled out. `without`: gateways that are called off.
 struct Rollout {
   Digest digest = {};
   std::vector<std::string> chunks;
@@ -169,92 +172,96 @@ struct Rollout {
 /// What is known of another gateway.
 enum class Alive : std::uint8_t {
   present,
-  silent,  ///< it may be dead, and may still send
-  fenced,  ///< it is dead, and surely does not send what is leased
+  silent,  ///< its lease may have ended, and it may still send
+  fenced,  ///< it is dead, and surely sends nothing that is leased
   draining,
   standby,
   absent,
 };
 
-/// Committed, and open at all gateways on the way: decide again and put it in force.
+/// The reservation is committed, and open at all gateways on the way: decide again and put it in
+/// force.
 struct Reserved {
   std::uint64_t id = 0;
   std::int64_t revision = 0;
 };
-/// Somebody else took something meanwhile, which the view has by now: decide again.
+/// Another gateway reserved something meanwhile, which the view contains by now: decide again.
 struct Conflict {
   std::uint64_t id = 0;
   std::size_t network = 0;
-  std::string by;  ///< "gateway id", as the store has it
+  std::string by;  ///< "gateway id" as in the store
   unsigned tries = 0;
 };
-/// The one answer of an admission that is not granted.
+/// The answer to an admission that is not granted. There is exactly one answer.
 struct Refused {
   std::uint64_t id = 0;
   Vote why;
-  std::optional<std::size_t> by;  ///< gateway
+  std::optional<std::size_t> by;  ///< index of the gateway that refused it
 };
-/// Of an admission that was granted: close it and release it.
+/// A granted admission is withdrawn: close it and release it.
 struct Withdrawn {
   std::uint64_t id = 0;
   Vote why;
   std::optional<std::size_t> by;
 };
-/// Everything that is leased closes now, before any further transaction is sent. It is in the
-/// store no longer, or will not be soon.
+/// The membership is lost or about to be: close everything that is leased at once, before any
+/// further transaction is sent.
 struct Lost {
   std::string why;
 };
-/// After a start: the store still has this of ours. Release it unless it is in force.
+/// After a start: the store still contains this reservation of this gateway. Release it unless it
+/// is in force.
 struct Found {
   std::uint64_t id = 0;
   std::string admission;
 };
-/// This gateway is a member from now on. What is in force and was neither Found before nor is to be
-/// adopted by the events that follow at once is not in the store: close it, and ask again.
-/// `goes_on`: as the one that it was before.
+/// This gateway is a member from now on. Whatever is in force, but was not reported by Found and is
+/// not adopted by the events that follow at once, is not in the store: close it and ask again.
+/// `goes_on`: the former incarnation continues.
 struct Joined {
   bool goes_on = false;
 };
-/// Decide about an admission of another gateway, with everything closed, and vote.
+/// Decide about an admission of another gateway, with everything of it closed, and vote.
 struct Adopt {
   Origin origin;
   std::string admission;
   Footprint footprint;
 };
-/// It is granted everywhere: open it.
+/// The admission is granted everywhere: open it.
 struct Opened {
   Origin origin;
 };
-/// Close it.
+/// The admission has ended: close it.
 struct Ended {
   Origin origin;
   std::string why;
 };
+/// What others hold of a network has changed.
 struct ForeignChanged {
   std::size_t network = 0;
 };
-/// Whether a gateway can be chosen to carry what another one could carry as well.
+/// A gateway has failed, or can be elected again, to carry what another one could carry.
 struct Failed {
   std::size_t gateway = 0;
   bool failed = true;
 };
-/// Another description is to be judged: vote_rollout().
+/// Judge this proposed description and answer with vote_rollout().
 struct Judge {
   Digest digest = {};
   std::string content;
 };
-/// What became of a rollout that did not come into force, with the first gateway that objected.
+/// A rollout did not come into force; `why` names the first gateway that objected.
 struct NotRolledOut {
   std::string why;
 };
-/// The description in force.
+/// Another description is in force, or its state has changed.
 struct Switch {
   Digest digest = {}, former = {};
   std::uint64_t generation = 0;
   bool open = false;
   bool undone = false;
 };
+/// This gateway has left its cluster.
 struct Drained {};
 
 using Event =

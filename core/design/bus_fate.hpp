@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is said of a message on a bus, wherever it is: one verdict and one time.
+// The result for one message of a bus, in the same words everywhere: a fate and a time.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -16,15 +16,15 @@ enum class BusFate : std::uint8_t {
   late,
   not_bounded,
   queue_too_short,
-  refused_for_others,  ///< others would be late or lost on this bus
-  refused,             ///< for something else than this bus
-  run_time,            ///< left to the run time whether it takes the place of others
+  refused_for_others,  ///< because others would be late or lost on this bus
+  refused,             ///< for a reason other than this bus
+  run_time,            ///< the run time decides whether it takes the place of others
 };
 
-/// What a check decides about a message of a bus.
+/// What a check decides about a message of a bus; the fields are those of BusMessage.
 struct BusDecision {
   Outcome outcome = Outcome::fit;
-  bool held = true;     ///< as of BusMessage, and the others too
+  bool held = true;     ///< see BusMessage
   bool counted = true;  ///< it can be on the bus
   bool in_vain = false;
   std::optional<Value> refused_response = {};
@@ -34,16 +34,17 @@ struct BusDecision {
 
 [[nodiscard]] BusDecision decision_of(const BusMessage& message);
 
-/// What is on the bus has the times that it has beside all that can be there. What is not, because
-/// a gate drops it before, has those for which the check refuses it, if it does for any.
+/// A message that can be on the bus has the times that it has together with everything that can be
+/// there. One that a gate drops before has those for which the check refuses it, if it does so for
+/// any.
 struct BusRow {
   BusFate fate = BusFate::met;
-  std::optional<Value> response;        ///< kNever: not bounded; nothing: it has none here
-  Value jitter = 0;                     ///< that is in the response
-  std::optional<std::uint32_t> frames;  ///< that wait in its queue
+  std::optional<Value> response;        ///< kNever: not bounded; nullopt: it has none on this bus
+  Value jitter = 0;                     ///< that the response contains
+  std::optional<std::uint32_t> frames;  ///< that wait in its queue; nullopt: not bounded
 };
 
-/// `sent` with `response`: beside what counts.
+/// `sent` and `response` are those beside the messages that count.
 [[nodiscard]] BusRow row_of(const BusDecision& decision, const can::Assumptions& assumptions,
                             const can::Message& sent, const can::Response& response);
 

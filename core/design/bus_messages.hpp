@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The messages of every analysed CAN bus as a check of the description decides them: those that are
-// granted, and those that were tried in vain.
+// The messages of every analysed CAN bus as the design-time check decides them: granted ones, and
+// those that were tried and refused.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -17,38 +17,40 @@
 
 namespace mlcca::core {
 
-/// The frames of one publisher on one bus, coming from one place.
+/// The frames of one publisher on one bus, arriving from one place.
 struct BusMessage {
   std::size_t network = 0;
   std::size_t publisher = 0;
-  std::size_t from = Flow::kOwn;  ///< as of Flow
-  /// With the jitter of the way so far and the deadline that is left for this bus; nothing where
-  /// the description does not say enough.
+  std::size_t from = Flow::kOwn;  ///< see Flow::from
+  /// With the jitter of the route so far and the deadline left for this bus; nullopt if the
+  /// description is not sufficient.
   std::optional<can::Message> message;
-  /// The same with the jitter that it has beside what counts there, and of what is held the
+  /// The same with the jitter that results from the messages that count; if it is held, with the
   /// deadline of that alone.
   std::optional<can::Message> sent;
-  std::size_t set = 0;  ///< attribute set
-  /// The worst of what is decided about those behind the bus to whom anything may come: fit is
-  /// granted with certainty, to all of these. Unfit: it is granted to nobody.
+  std::size_t set = 0;  ///< index of the attribute set
+  /// The worst outcome for the places behind the bus that events may reach. Fit: granted with
+  /// certainty to all of these. Unfit: granted to none.
   Outcome outcome = Outcome::fit;
-  bool held = false;     ///< granted to somebody, at best perhaps: the ledger holds it
-  bool present = false;  ///< on the bus if all best cases hold: held, or sent there though refused
-  /// With nothing on the buses but what is granted, if this is: as of Schedule, kNever if not
-  /// bounded, and the jitter with it.
+  bool held = false;     ///< granted to at least one place if best cases hold, so that the ledger
+                         ///< holds it
+  bool present = false;  ///< on the bus if all best cases hold: held, or sent there although
+                         ///< refused
+  /// If it is granted: its response (as of Schedule, kNever if not bounded) and its jitter, with
+  /// only granted messages on the buses.
   std::optional<Value> granted_response;
   Value granted_jitter = 0;
-  /// Where a check refuses it because it would be late itself: the response time that the check
-  /// found, with what was granted before it; kNever if not bounded. And the jitter with it.
+  /// If the check refuses it because it would be late: the response that the check found among what
+  /// was granted before (kNever if not bounded), and its jitter.
   std::optional<Value> refused_response;
   Value refused_jitter = 0;
-  /// Where a check refuses it because frames could be lost in its queue: how many wait there.
+  /// If the check refuses it because its queue could lose frames: how many wait there.
   std::optional<std::uint32_t> refused_frames;
   bool in_vain = false;  ///< refused because something would be late or lost on this bus
-  bool several = false;  ///< for several places behind the bus, each decided for itself
-  /// Hops before the bus of which nobody knows how long they delay events: they count as none.
+  bool several = false;  ///< for several places behind the bus, which are decided separately
+  /// Hops before the bus with an unknown delay. They count as if they had none.
   std::vector<Place> unknown;
-  /// Where there are any: the longest jitter with which it can be granted; kNever: no bound.
+  /// With unknown hops: the longest jitter with which it can be granted; kNever: unlimited.
   can::Time most_jitter = 0;
   /// The bus before this one, and what the hops in between may add to the jitter.
   struct Before {
@@ -58,42 +60,43 @@ struct BusMessage {
   };
   std::optional<Before> before;
 
-  /// It can be on the bus, at run time perhaps in the place of others.
+  /// Whether it can be on the bus, if need be at run time in the place of others.
   [[nodiscard]] bool is_counted() const { return present || outcome == Outcome::run_time; }
 };
 
-/// What is on the analysed buses. Vectors by network.
+/// What is on the analysed buses. All vectors are indexed by network.
 struct InspectedBuses {
-  std::vector<std::optional<can::Assumptions>> assumptions;  ///< where analysed
-  std::vector<BusMessage> messages;                          ///< by network, then publisher
-  /// Nothing can be there that admission did not find in time with all others: so what is granted
-  /// is in time, whatever holds at run time.
+  std::vector<std::optional<can::Assumptions>> assumptions;  ///< nullopt: not analysed
+  std::vector<BusMessage> messages;                          ///< sorted by network, then publisher
+  /// Nothing can be there that admission did not find in time together with all others. So what is
+  /// granted is in time whatever holds at run time.
   std::vector<bool> guarded;
-  /// Nothing can be there in another form than that of the messages above.
+  /// Nothing can be there except for the messages above in exactly these forms.
   std::vector<bool> all_known;
-  /// The same but for BusMessage::most_jitter: nothing but delays is not known.
+  /// Like all_known, except for BusMessage::most_jitter: only delays are unknown.
   std::vector<bool> forms_known;
-  /// Channels that may use another attribute set or way than the messages above have.
+  /// Channels that may use another attribute set or route than the messages above.
   std::vector<std::vector<std::size_t>> varying;
 };
 
-/// Makes the jitter of what is refused that which it would have: as late as the bus before lets it
-/// be, in `message` with all messages on all buses, in `sent` with those that count. Whatever is
-/// granted is in time everywhere, so if everything is nothing changes. Not bounded there:
-/// can::kNever. Finds out which buses are guarded, and of which all is known. `buses` has all else,
-/// messages in the order of BusMessages::take().
+/// Sets the jitter of refused messages to what they would have: as late as the bus before makes
+/// them, in `message` with all messages on all buses, in `sent` with those that count; can::kNever
+/// if not bounded there. If everything is granted nothing changes, because granted messages are in
+/// time everywhere. Also computes guarded, all_known and forms_known. On entry all else is set,
+/// with the messages in the order of BusMessages::take().
 void inherit_jitter(InspectedBuses& buses);
 
+/// Collects the messages of all analysed buses during a check.
 class BusMessages {
  public:
-  /// All verdicts of a channel as they were decided in the end.
+  /// Adds the final verdicts of a channel.
   void add(const Situation& situation, const Ledger& ledger, const Decision& decision);
 
-  /// Those alone that may be granted in the place of others.
+  /// Adds only the verdicts that may be granted in the place of others.
   void add_contested(const Decision& decision);
 
-  /// When everything is decided. `ledger` is left as it was. In the order of networks and
-  /// publishers.
+  /// Returns the messages, sorted by network and publisher, when everything is decided. The ledger
+  /// is used and left unchanged.
   [[nodiscard]] std::vector<BusMessage> take(const Situation& situation, Ledger& ledger);
 
  private:
@@ -103,7 +106,7 @@ class BusMessages {
   void take_granted(const Ledger& ledger);
 
   std::vector<BusMessage> messages_;
-  /// Their places, by network, publisher and from.
+  /// Indices into messages_, by network, publisher and `from`.
   std::map<std::tuple<std::size_t, std::size_t, std::size_t>, std::size_t> known_;
   std::vector<Verdict> refused_;
 };

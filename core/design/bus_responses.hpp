@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// How late messages can be on a bus, beside all that can be there at once: what is granted, what
-// may be granted at run time, and what a publisher of that bus sends although it is refused, since
-// no gate lies between the two. What is refused for sure and comes from another network is dropped
-// by a gate before it reaches the bus.
+// Response times of messages on a bus together with everything that can be there at once: granted
+// messages, those that may be granted at run time, and those that a publisher of that bus sends
+// although they are refused (no gate is in between). What is certainly refused and comes from
+// another network does not count, because a gate drops it.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -18,60 +18,64 @@ namespace mlcca::core {
 
 /// What is known of a message beside its frames.
 struct Standing {
-  bool counted = true;    ///< it can be on the bus, and counts in the response times of others
-  bool admitted = false;  ///< it is on the bus only if admission found it and all others in time
-  /// If a delay on its way to the bus is not known: the longest jitter that it can have; 0: all are
+  bool counted = true;    ///< it can be on the bus, so it affects the response times of others
+  bool admitted = false;  ///< it is on the bus only if admission found all messages in time with it
+  /// The longest jitter (ns) it can have if a delay on its route is unknown; 0: all delays are
   /// known.
   can::Time most_jitter = 0;
 };
 
-/// How much is known of what can be on a bus, beside its messages.
+/// How completely the messages of a bus are known.
 enum class Known : std::uint8_t {
-  all,     ///< there is nothing else
-  forms,   ///< nothing else but jitters of up to Standing::most_jitter
-  little,  ///< there may be other messages, or others of them
+  all,     ///< completely
+  forms,   ///< except for jitters of up to Standing::most_jitter
+  little,  ///< there may be other messages, or the same in other forms
 };
 
+/// A response time, and where the bound comes from.
 struct BusResponse {
   can::Response response;
-  /// The bound is the deadline (or the length of the queue): admission grants nothing that would
-  /// exceed it. The analysis has no smaller bound, since it takes all that may be granted together,
-  /// or does not know all of it.
+  /// The bound is the deadline (or the length of the queue), because admission grants nothing that
+  /// exceeds it. The analysis has no smaller bound, since it assumes everything at once that may be
+  /// granted, or does not know everything.
   bool by_admission = false;
 };
 
-/// Of each message as it is beside those that count; of one that does not: as if it came beside
-/// them. Of very many that do not at most that: as if all of them came. Where delays are not known,
-/// the message with such a delay has the jitter that is stated, and all others are analysed beside
-/// the longest one that it can have.
+/// The response times of all messages. Those that count are analysed together; each of the others
+/// as if it were added alone, or if there are very many, as if all were added. If delays are
+/// unknown, a message with such a delay has its stated jitter, and all others are analysed with the
+/// longest jitter that it can have.
 [[nodiscard]] std::vector<BusResponse> responses_beside(const can::Assumptions& assumptions,
                                                         std::span<const can::Message> messages,
                                                         std::span<const Standing> standing,
                                                         Known known);
 
+/// How completely the messages of a bus are known.
 [[nodiscard]] Known known_of(const InspectedBuses& buses, std::size_t network);
+/// What is known of that message.
 [[nodiscard]] Standing standing_of(const InspectedBuses& buses, const BusMessage& message);
 
-/// The messages of a network of which the description says enough, as they are on the bus, or would
-/// be. None where it is not analysed.
+/// The messages of a network that are described sufficiently, with their response times; empty if
+/// the bus is not analysed.
 [[nodiscard]] std::vector<SentMessage> sent_beside(const InspectedBuses& buses,
                                                    std::size_t network);
 
-/// Shares of the time of a bus, 1e-6.
+/// Shares of the time of a bus, in 1e-6.
 struct BusLoad {
-  std::uint64_t present = 0;  ///< what is there if all best cases hold
-  /// Nothing may be granted in its place: `present`. Otherwise all that can be there, as if at
-  /// once: at most the whole time.
+  std::uint64_t present = 0;  ///< if all best cases hold
+  /// Everything that can be there, as if at once, but at most all of the time. Equal to `present`
+  /// if nothing may be granted in the place of what is present.
   std::uint64_t at_most = 0;
 };
+/// A message and whether it is on the bus if all best cases hold.
 struct BusLoadPart {
   can::Message message;
   bool present = true;
 };
-/// Of messages that count.
+/// The load of messages that count.
 [[nodiscard]] BusLoad load_of(const can::Assumptions& assumptions,
                               std::span<const BusLoadPart> messages);
-/// Nothing where the bus is not analysed.
+/// The load of a network; nullopt if the bus is not analysed.
 [[nodiscard]] std::optional<BusLoad> load_on(const InspectedBuses& buses, std::size_t network);
 
 }  // namespace mlcca::core

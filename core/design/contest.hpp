@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What best cases decide for others. A best case may hold at run time or not, and a channel whose
-// best case does not hold leaves its room to others, or takes another way or another attribute set.
-// Who shares something with it is granted for certain only what it gets whichever of them hold, and
-// refused for certain only what it never gets.
+// What best cases decide for other channels. A best case may or may not hold at run time. A channel
+// whose best case does not hold leaves its room to others, or takes another route or attribute set.
+// So channels that share something with it are granted with certainty only what they get in every
+// case, and refused with certainty only what they never get.
 //
 // Example: a network has room for 20 kB/s. x needs 10 kB/s and arrives over a mesh whose links are
 // measured; v needs 12 and w 5. If x is granted, v is refused; if not, v is granted. So v is
-// decided at run time. w has room both ways: it is granted for certain.
+// decided at run time. w has room in both cases: it is granted with certainty.
 #pragma once
 #include <cstddef>
 #include <functional>
@@ -23,23 +23,24 @@
 
 namespace mlcca::core {
 
+/// Tries the combinations of best cases, and marks the decisions that depend on them.
 class Contest {
  public:
-  /// `situation`: lets best cases pass; it must outlive this.
+  /// `situation` must let best cases pass and must outlive this.
   explicit Contest(const Situation& situation);
 
-  /// By channel: how each is decided if all best cases hold. A channel that is missing was decided
-  /// before any that has a best case, and depends on none.
+  /// By channel: the decision if all best cases hold. A missing channel was decided before any with
+  /// a best case and depends on none.
   using Decisions = std::map<std::size_t, Decision>;
 
-  /// Marks deliveries as decided at run time that are granted or refused depending on which best
-  /// cases hold. Returns the channels whose attribute set depends on that, sorted.
+  /// Marks deliveries as decided at run time whose grant depends on which best cases hold. Returns
+  /// the channels whose attribute set depends on that, sorted.
   [[nodiscard]] std::vector<std::size_t> settle(Decisions& decisions);
 
  private:
-  /// A delivery in an attribute set on a way: its best cases hold there or do not.
+  /// A delivery in an attribute set on a route, whose best cases hold or do not.
   using Question = std::tuple<std::size_t, Place, std::size_t, Route>;
-  /// What a channel gets, over all that was tried.
+  /// What a channel gets over all cases that were tried.
   struct Range;
   class Answers;
 
@@ -57,9 +58,9 @@ class Contest {
   void take_out(const std::vector<std::size_t>& channels);
 
   const Situation& s_;
-  Ledger ledger_;                ///< to try things out: empty between two calls
-  std::vector<Decision> tried_;  ///< of each channel, as it was tried last
-  std::vector<bool> uncertain_;  ///< by channel: something of it is granted at best
+  Ledger ledger_;                ///< for trying; empty between two calls
+  std::vector<Decision> tried_;  ///< by channel: its last tried decision
+  std::vector<bool> uncertain_;  ///< by channel: something of it depends on a best case
   std::vector<std::vector<std::size_t>> shared_;           ///< limited resources by channel
   std::map<std::size_t, std::vector<std::size_t>> users_;  ///< channels by resource
   std::set<std::size_t> open_sets_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A verdict as findings: for each publisher and subscriber what does not fit, where, by how much,
-// who asked for it and what would be right.
+// Explains verdicts as findings: for each publisher and subscriber what does not fit, where, by how
+// much, who required it, and what would be right.
 #pragma once
 #include <cstddef>
 #include <string>
@@ -14,24 +14,25 @@
 
 namespace mlcca::core {
 
+/// Adds findings for verdicts to a list.
 class Explainer {
  public:
-  /// The ledger is used to try things out, and left as it is.
+  /// The ledger is used to try things out and left unchanged. All arguments must outlive this.
   Explainer(const Situation& situation, Ledger& ledger, std::vector<Finding>& findings)
       : s_(situation), ledger_(ledger), findings_(findings) {}
 
-  /// Nothing for a fit one, a note for one that is decided at run time.
+  /// Adds nothing for a fit verdict, and a note for one that is decided at run time.
   void add(const Verdict& verdict);
-  /// That a lower attribute set is used, or would be by what is decided at run time alone; nothing
-  /// for the preferred one.
+  /// Adds a note that a lower attribute set is used (or would be, depending on the run time);
+  /// nothing for the preferred one.
   void add_lower_set(std::size_t channel, std::size_t set, Outcome outcome);
-  /// That the run time decides which attribute set is used.
+  /// Adds a note that the run time decides which attribute set is used.
   void add_open_set(std::size_t channel);
 
  private:
   void add_obstacle(const Verdict& v);
   void add_run_time(const Verdict& v);
-  /// What of a hop over CAN becomes known at run time only, in words.
+  /// What becomes known of a CAN hop at run time only, as texts.
   [[nodiscard]] std::vector<std::string> open_on_bus(const Verdict& v, Place hop) const;
   void add_pair(const Verdict& v, std::size_t subscriber);
   void add_row(const Verdict& v, const Row& row, std::size_t subscriber);

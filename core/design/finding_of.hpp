@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which finding says that a delivery is refused.
+// Maps obstacles and failed rows to kinds of findings.
 #pragma once
 #include "core/design/findings.hpp"
 #include "core/model/verdict.hpp"

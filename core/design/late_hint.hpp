@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What would help a message that comes too late on a bus.
+// Hints for a message that is late on a bus.
 #pragma once
 #include <string>
 
@@ -9,7 +9,8 @@
 
 namespace mlcca::core {
 
-/// A better identifier only where others are in its way, and the bus has time for all of them.
+/// Suggests what would help. A better identifier is suggested only if other messages delay this one
+/// and the bus has time for all of them.
 [[nodiscard]] std::string late_hint(const Situation& situation, const can::Schedule& bus,
                                     const Verdict& verdict, const Row& row);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is granted takes of each network, when everything is decided.
+// The load of each network by what is granted, when everything is decided.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -12,18 +12,18 @@
 
 namespace mlcca::core {
 
-/// What all fit channels together take of the time of a domain of a mesh.
+/// The share of a contention domain that all granted channels take together.
 struct DomainLoad {
   std::string name;
-  std::uint64_t time_ppm = 0;  ///< 1e-6, rounded up
+  std::uint64_t time_ppm = 0;  ///< in 1e-6, rounded up
 };
 
-/// What all fit channels together need of a network.
+/// What all granted channels together take of a network.
 struct NetworkLoad {
   Value reserved = 0;  ///< payload bytes/s
-  /// 1e-6 of the time of a bus, or of the fullest domain of a mesh, where that is computed.
+  /// The share (1e-6) of a bus, or of the fullest domain of a mesh; nullopt if it is not computed.
   std::optional<std::uint64_t> time_ppm{};
-  std::vector<DomainLoad> domains{};  ///< of a mesh: those that something is taken of
+  std::vector<DomainLoad> domains{};  ///< for a mesh: the domains with a load
 };
 
 [[nodiscard]] NetworkLoad load_of(const Ledger& ledger, const World& world, std::size_t network);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is refused and yet may be sent: no gate lies between a publisher and the bus that it is on.
+// Finds refused messages that may be sent all the same, because no gate is between a publisher and
+// its own bus (MLCCA044).
 #pragma once
 #include <cstddef>
 #include <map>
@@ -16,28 +17,28 @@
 
 namespace mlcca::core {
 
+/// Collects final verdicts, then reports the buses on which granted messages could become late.
 class RefusedOnBus {
  public:
-  /// A verdict as it was decided in the end.
+  /// Adds a final verdict.
   void add(const Verdict& verdict);
-  /// MLCCA044 of each analysed bus where something that is granted, or may be, would be late if
-  /// what is refused there is sent all the same, or may be because nobody knows how much that is.
-  /// When everything is decided. `contested`: messages on buses that may be granted in the place of
-  /// others.
+  /// Reports each analysed bus on which a granted or contested message would be late if refused
+  /// messages of that bus are sent, or may be because their load is unknown. Call it when
+  /// everything is decided. `contested`: messages that may be granted in the place of others.
   void report(const System& system, const Members& members, const Ledger& ledger,
               std::span<const BusMessage> contested, std::vector<Finding>& to) const;
 
  private:
-  /// `contested`: of this bus, with their keys.
+  /// `contested`: those of this bus, with their keys.
   void report(const System& system, const Members& members, const can::Schedule& bus,
               std::size_t network, std::span<const can::Message> contested,
               std::vector<Finding>& to) const;
   void add(const Members& members, const std::vector<std::size_t>& senders, std::size_t network,
            const std::string& harm, std::vector<Finding>& to) const;
 
-  std::set<std::size_t> granted_;  ///< publishers to somebody: the bus has their frames
-  std::map<std::size_t, std::size_t> refused_{};  ///< publishers, with their attribute sets
-  std::set<std::size_t> perhaps_;                 ///< those of them that the run time decides about
+  std::set<std::size_t> granted_;  ///< publishers granted to somebody, whose frames are on the bus
+  std::map<std::size_t, std::size_t> refused_{};  ///< refused publishers with their attribute sets
+  std::set<std::size_t> perhaps_;  ///< those of them about which the run time decides
 };
 
 }  // namespace mlcca::core

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a description may say and hardly means: notes, which refuse nothing.
+// Finds statements of a description that are allowed but hardly intended. They become notes, which
+// refuse nothing.
 #pragma once
 #include <vector>
 
@@ -9,11 +10,11 @@
 
 namespace mlcca::core {
 
-/// Periods of this length and more on a channel with a safe side are reported.
+/// Periods of at least this length (ns) on a channel with a safe side are reported.
 inline constexpr Value kLongPeriod = 3'600'000'000'000;  // ns, one hour
 
-/// MLCCA038 to 041, of the preferred attribute sets: one note at most of each kind for a channel or
-/// a port.
+/// Adds the notes MLCCA038 to 041 for the preferred attribute sets, at most one of each kind per
+/// channel or port.
 void add_sense_notes(const System& system, const Members& members, std::vector<Finding>& to);
 
 }  // namespace mlcca::core

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Meshes whose links nothing knows: MLCCA042.
+// Finds meshes whose links nothing can know (MLCCA042).
 #pragma once
 #include <set>
 #include <vector>
@@ -11,21 +11,22 @@
 
 namespace mlcca::core {
 
+/// Collects where events enter such meshes and reports those meshes that matter.
 class UnlinkedMeshes {
  public:
   explicit UnlinkedMeshes(const System& system);
 
-  /// A verdict as it was decided in the end.
+  /// Adds a final verdict.
   void add(const Situation& situation, const Verdict& verdict);
-  /// Those that something has to go over, or that nothing comes to. Where all events stay at the
-  /// node that they come to, no link is missing.
+  /// Reports those meshes over which events must travel, or that no event reaches. If all events
+  /// leave a mesh at the node where they enter it, no link is missing.
   void report(std::vector<Finding>& to) const;
 
  private:
   const System& system_;
-  std::set<std::size_t> meshes_{};   ///< networks
-  std::set<std::size_t> visited_{};  ///< of them: events come there
-  std::set<std::size_t> crossed_{};  ///< and would go from node to node
+  std::set<std::size_t> meshes_{};   ///< indices of meshes without links
+  std::set<std::size_t> visited_{};  ///< meshes that events reach
+  std::set<std::size_t> crossed_{};  ///< meshes that events would cross from node to node
 };
 
 }  // namespace mlcca::core

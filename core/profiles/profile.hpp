@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is asked of a profile: how the frames of a network name their channel and their sender, how
-// long they are, what passes beside channels, and what descriptions say of it. Each profile answers
-// in the file of its name; list.inc has them all.
+// The interface of profiles: how frames name their channel and sender, how long they are, what
+// control traffic passes, and what descriptions state. Each profile is defined in the file of its
+// name; list.inc lists all.
 #pragma once
 #include <array>
 #include <compare>
@@ -16,134 +16,143 @@
 
 namespace mlcca::core {
 
-/// Flags of a CAN identifier as the kernel carries them.
+/// Flags of a CAN identifier as the kernel has them (linux/can.h).
 inline constexpr std::uint32_t kExtendedFlag = 0x80000000U;
 inline constexpr std::uint32_t kRemoteFlag = 0x40000000U;
 
-/// Bits of an identifier without flags.
+/// The bits of an identifier without flags.
 inline constexpr std::uint32_t kStandardBits = 0x7ff;
 inline constexpr std::uint32_t kExtendedBits = 0x1fffffff;
 
-/// Frames of which (identifier & mask) == id, with kExtendedFlag in its place. What a description
-/// leaves open is not in the mask.
+/// Matches frames with (identifier & mask) == id, where kExtendedFlag is part of both. Bits that a
+/// description leaves open are not in the mask.
 struct FrameIdentity {
   std::uint32_t id = 0;
   std::uint32_t mask = 0;
   auto operator<=>(const FrameIdentity&) const = default;
 };
 
-/// Of a message about a subscription, at most: what it requires, or why it is refused.
+/// The most payload bytes of a message about a subscription: its requirements, or why it is
+/// refused.
 inline constexpr std::uint16_t kSubscriptionBytes = 256;
 
-/// As FAMOUSO's nodes have it in such messages.
+/// The priority that FAMOUSO nodes use for such messages.
 inline constexpr std::uint8_t kSubscriptionPriority = 0x7d;
 
-/// Frames of a kind of control traffic, as identifier and mask with kExtendedFlag in both.
+/// Frames of one kind of control traffic; identifier and mask contain kExtendedFlag.
 struct ControlFrames {
   FrameIdentity identity;
   std::uint16_t max_length = 8;
-  bool asks_for_tag = false;  ///< of the broker
-  /// Of messages that only a network with a SubscriptionPolicy has.
+  bool asks_for_tag = false;  ///< they ask the broker for a tag
+  /// They occur only on a network with a SubscriptionPolicy.
   bool of_subscriptions = false;
 };
 
-/// What a profile needs beside its channels.
+/// A kind of control traffic, which a profile needs beside its channels.
 struct ControlKind {
   std::string_view name;  ///< "address-claim"
   std::span<const ControlFrames> frames;
-  std::uint32_t rate = 0;   ///< frames/s in each direction, unless a description says another
-  std::uint32_t burst = 0;  ///< frames that may come at once, beyond one
-  /// can-j1939 sends them itself, whoever gave it the data. Such frames carry what no gate can look
-  /// into, so that they pass only where a description names them.
+  std::uint32_t rate = 0;   ///< frames/s in each direction, unless the description states another
+  std::uint32_t burst = 0;  ///< frames that may arrive at once, beyond one
+  /// can-j1939 in the kernel sends these frames itself for whatever program. Gates cannot check
+  /// what they carry, so they pass only where a description names them.
   bool is_carrier = false;
-  /// Its frames have the etag of kSubscribeSubject, which is dealt at run time: here it is open.
+  /// Its frames carry the etag of kSubscribeSubject, which is assigned at run time and left open
+  /// here.
   bool is_tagged = false;
 };
 
-/// How events are carried that are longer than a frame.
+/// How a profile carries events that are longer than a frame.
 struct Fragmentation {
-  unsigned tail = 0;  ///< payload bytes of an unfragmented frame that are not the event's
-  /// At most: of an event that is too long, those of the longest one or more.
+  unsigned tail = 0;  ///< payload bytes of an unfragmented frame that do not belong to the event
+  /// The number of frames of an event; for one that is too long, at least that of the longest.
   unsigned (*frames)(Value bytes, unsigned frame_bytes) = nullptr;
-  Value (*largest)(unsigned frame_bytes) = nullptr;  ///< event
-  /// Payload bytes of the last frame; 0: all but one frame are full, and it is not said which.
+  Value (*largest)(unsigned frame_bytes) = nullptr;  ///< payload bytes of the largest event
+  /// Payload bytes of the last frame; 0: all frames but one are full, and it is open which one is
+  /// not.
   unsigned (*last_frame)(Value bytes, unsigned frames, unsigned frame_bytes) = nullptr;
-  std::string_view room;  ///< in which the largest event is carried: "in 4096 frames"
-  /// What keeps events of this binding in one frame, as a clause; empty: nothing. nullptr: nothing.
+  std::string_view room;  ///< in what the largest event is carried, as text: "in 4096 frames"
+  /// Why events of this binding stay in one frame, as a clause; empty if they need not. Null:
+  /// always empty.
   std::string_view (*obstacle)(const Binding& binding) = nullptr;
-  /// Identities of the frames that carry an event in several frames, where these are not its own,
-  /// from its own identity: the first frame, and the others.
+  /// For transport protocols with identifiers of their own: the identities of the first and of all
+  /// other frames, derived from that of the event. Null: fragments have the event's identity.
   std::array<FrameIdentity, 2> (*carriers)(const FrameIdentity& event) = nullptr;
-  /// Between two frames of an event, as the sender takes it, at least and at most; 0: nothing.
+  /// The pause of the sender between two frames of an event, at least and at most, in ns; 0: none.
   Value least_pause = 0;    ///< ns
   Value longest_pause = 0;  ///< ns
 };
 
 enum class IdentifierForm : std::uint8_t { extended, standard, stated };
 
-/// A profile. What it does not have is left out; what has no default here each must have.
+/// What defines a profile. Members without a default must be set by every profile.
 struct ProfileTraits {
-  std::string_view element;  ///< of a Binding, with its article: "an ETag"
+  std::string_view element;  ///< element of a Binding with its article: "an ETag"
   IdentifierForm form = IdentifierForm::extended;
-  std::uint32_t first = 0;      ///< of the numbers that channels may have
-  std::uint32_t last = 0;       ///< where the form is stated: of extended identifiers
-  int last_node = -1;           ///< of senders, -1: they have no numbers of their own
-  std::string_view nodes = {};  ///< these numbers in words: "0 to 127"
-  /// Bits of an identifier that are the number. What a binding leaves open may be others.
+  std::uint32_t first = 0;      ///< smallest number of a channel
+  std::uint32_t last = 0;       ///< largest number; for form `stated` that of extended identifiers
+  int last_node = -1;           ///< largest node number of a sender; -1: senders have none
+  std::string_view nodes = {};  ///< the node numbers as text: "0 to 127"
+  /// The bits of an identifier that hold the number. Other bits may be left open by a binding.
   std::uint32_t number_bits = kExtendedFlag | kExtendedBits;
-  bool deals_tags = false;           ///< a broker deals the numbers, in the low bits, up to `last`
-  bool has_sender_priority = false;  ///< a publisher states it
-  bool has_number_priority = false;  ///< a binding states it with the number
+  bool deals_tags = false;  ///< a broker assigns the numbers, which are in the low bits, up to
+                            ///< `last`
+  bool has_sender_priority = false;  ///< a publisher states the priority
+  bool has_number_priority = false;  ///< a binding states the priority with the number
 
-  /// What is wrong with the number of a described binding, a clause each.
+  /// Returns what is wrong with the number of a described binding, a clause each.
   std::vector<std::string> (*problems)(const Binding& binding);
-  /// The same of a channel that is not described, of a number from `first` to `last`; or nullptr.
+  /// Returns what is wrong with a number between `first` and `last` for an unlisted channel; empty
+  /// if nothing is. Null: nothing ever is.
   std::string (*unlisted_problem)(const Binding& binding) = nullptr;
-  /// kExtendedFlag is not in it. The publisher has a node where there are any.
+  /// The identity of frames, without kExtendedFlag. The publisher must have a node if the profile
+  /// has nodes.
   FrameIdentity (*identity)(const Publisher& publisher, const Binding& binding, bool fragmented);
-  /// A frame can belong to both bindings, which have identifiers of one form.
+  /// Whether a frame can match both bindings, which have identifiers of the same form.
   bool (*overlap)(const Binding& a, const Binding& b);
 
-  bool remote_frames = false;  ///< there are some
+  bool remote_frames = false;  ///< remote frames exist
   bool xl = false;
-  const Fragmentation* fragmentation = nullptr;  ///< of CAN frames; nullptr: there is none
+  const Fragmentation* fragmentation = nullptr;  ///< of CAN frames; null: events are never
+                                                 ///< fragmented
   std::span<const ControlKind> control = {};     ///< in the order of ControlPolicy::kinds
 
-  /// Datagrams of an event that is longer than one, on networks other than CAN, where they carry
-  /// the 64-bit subject itself; nullptr: the profile is for CAN alone.
+  /// On networks other than CAN, where datagrams carry the 64-bit subject: the number of datagrams
+  /// of an event that does not fit one. Null: the profile is for CAN only.
   unsigned (*datagrams)(Value bytes) = nullptr;
   std::span<const ControlKind> datagram_control = {};
 };
+/// The definition of a profile.
 [[nodiscard]] const ProfileTraits& traits_of(Profile profile);
 
-/// The profile whose bindings have the element.
+/// The profile whose bindings have that element; null if there is none.
 [[nodiscard]] const ProfileTraits* profile_with_element(std::string_view element);
 
-/// "raw and canopen": those that have what is asked for, in their order. `last`: between the last
-/// two.
+/// The names of the profiles for which `has` returns true: "raw and canopen". `last` separates the
+/// last two.
 [[nodiscard]] std::string profiles_with(bool (*has)(const ProfileTraits&),
                                         std::string_view last = " and ");
-/// The same behind "profile " or "profiles ".
+/// The same after "profile " or "profiles ".
 [[nodiscard]] std::string for_profiles_with(bool (*has)(const ProfileTraits&));
-/// "a PGN and a SubjectID".
+/// The elements of such profiles: "a PGN and a SubjectID".
 [[nodiscard]] std::string elements_with(bool (*has)(const ProfileTraits&));
 
-/// A broker deals the numbers of this bus.
+/// Whether a broker assigns the numbers of channels on this bus.
 [[nodiscard]] inline bool has_broker(const Network& network) {
   return network.kind == NetworkKind::can && traits_of(network.profile).deals_tags;
 }
 
-/// Its nodes subscribe by the subject SUBSCRIB.
+/// Whether its nodes announce their subscriptions under the subject SUBSCRIB.
 [[nodiscard]] bool has_subscriptions(const Network& network);
 
-/// Senders have numbers there, and each must state its own.
+/// Whether senders have node numbers, so that each must state its own.
 [[nodiscard]] inline bool has_nodes(Profile profile) { return traits_of(profile).last_node >= 0; }
 
-/// The publisher has what its frames on the network must carry.
+/// Whether the publisher states the node number that its frames on the network need.
 [[nodiscard]] bool can_send(const Publisher& publisher, const Network& network);
 
-/// Who a publisher is to those who receive its frames. Two publishers with one sender could not be
-/// distinguished: what one is granted the other would use.
+/// By what receivers recognise a publisher. Two publishers with the same Sender cannot be
+/// distinguished: one would use what the other is granted.
 struct Sender {
   std::size_t channel = 0;
   Place place;
@@ -151,20 +160,20 @@ struct Sender {
   std::optional<std::uint32_t> uid;
   auto operator<=>(const Sender&) const = default;
 };
-/// Nothing where several may be alike (Ethernet without nodes, networks without a profile), or
-/// where what would tell them apart is not stated.
+/// The sender of a publisher's frames. Nullopt if several may be alike (Ethernet without nodes,
+/// networks without a profile), or if what would distinguish them is not stated.
 [[nodiscard]] std::optional<Sender> sender_of(const System& system, const Publisher& publisher);
-/// What the second publisher with a sender needs to be another one, as a clause.
+/// What the second publisher with the same sender must change, as a clause.
 [[nodiscard]] std::string_view way_to_differ(const Publisher& publisher);
 
-/// What all frames of a publisher on the network have. Nothing where it lacks a node or has one
-/// that the profile does not know, and where the network has no profile. `fragmented`: see
-/// core/model/medium.hpp; the frames of an event are marked.
+/// What all frames of a publisher on the network have in common. Nullopt if the publisher lacks a
+/// valid node number that the profile needs, or the network has no profile. `fragmented`: an event
+/// takes several frames (core/model/medium.hpp), which are marked.
 [[nodiscard]] std::optional<FrameIdentity> identity_of(const Publisher& publisher,
                                                        const Network& network,
                                                        const Binding& binding, bool fragmented);
 
-/// Whether a frame can belong to both bindings of a network of that profile.
+/// Whether a frame can match both bindings of a network with that profile.
 [[nodiscard]] bool clash(Profile profile, const Binding& a, const Binding& b);
 
 }  // namespace mlcca::core
