@@ -8,10 +8,10 @@
 namespace mlcca::core::cluster {
 namespace {
 
-/// In one transaction.
+/// The most deletes of one transaction.
 constexpr std::size_t kMostDeletes = 64;
 
-/// What was taken for an admission, of the networks that all follow.
+/// What was reserved for an admission on all networks.
 Footprint taken_for(const View& view, const Records::AskedKey& key) {
   Footprint footprint;
   const auto& reservations = view.records().reservations;
@@ -26,7 +26,8 @@ Footprint taken_for(const View& view, const Records::AskedKey& key) {
 
 }  // namespace
 
-/// It needs this gateway, and is not to end.
+/// The admission if it needs the agreement of this gateway and is not ending or dead; null
+/// otherwise.
 const AskedRecord* Adoptions::live(const View& view, const Records::AskedKey& key) const {
   const auto it = view.records().asked.find(key);
   if (it == view.records().asked.end() || key.first == self_) return nullptr;
@@ -89,7 +90,7 @@ void Adoptions::on_done(const Done& done) {
   if (done.work.kind != Work::Kind::vote) return;
   const auto it = adopted_.find({done.work.gateway, done.work.id});
   if (it == adopted_.end()) return;
-  // In a conflict it is another one, or has gone: the view will say so.
+  // After a conflict the admission has changed or is gone; the view will show that.
   if (done.fate == Done::Fate::done || done.fate == Done::Fate::conflict)
     it->second.stored = done.work.number;
 }

@@ -11,7 +11,7 @@
 namespace mlcca::core::cluster {
 namespace {
 
-/// What one granted delivery needs of shared networks.
+/// Adds what one granted delivery needs of shared networks.
 void take(const State& state, const Verdict& v, std::map<Flow, Standing>& all) {
   const System& system = state.system();
   const bool elected = has_another_way(state.topology(), state.members(), v);
@@ -44,7 +44,7 @@ Baseline::Baseline(const System& system) : standing_(system.networks.size()) {
   const World described = described_world(system);
   for (std::size_t n = 0; n < system.networks.size(); ++n)
     if (described.meshes[n]) state.set_graph(n, described.meshes[n]->graph);
-  // From nothing, so that it depends on the description alone.
+  // All is decided from nothing, so that the result depends on the description alone.
   state.decide();
   std::map<Flow, Standing> all;
   for (const Decision& decision : state.decisions())

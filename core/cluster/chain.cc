@@ -10,10 +10,10 @@
 namespace mlcca::core::cluster {
 namespace {
 
-/// Beats without an answer that are remembered. An older one that was done after all is recognised,
-/// but gives no time.
+/// The most beats without an answer that are remembered. An older one that was committed after all
+/// is recognised, but does not extend the lease.
 constexpr std::size_t kMostUnsure = 8;
-/// Parts of a lease: between two beats; until an answer is given up; until it is asked again.
+/// Fractions of a lease: between two beats; until an answer is given up; until a retry.
 constexpr Value kBeats = 4, kPatience = 8, kRetries = 16;
 
 std::int64_t revision_in(const std::vector<Entry>& entries, const std::string& key) {
@@ -47,7 +47,7 @@ void Chain::end(Value now) {
   flight_.reset();
   unsure_.clear();
   valid_until_ = std::min(valid_until_, now);
-  // What is known may be as old as when it was lost.
+  // The view may be as old as at the time when the connection was lost.
   retry_at_ = now + (lease_ / kRetries);
 }
 
@@ -143,7 +143,7 @@ void Chain::conflict(Sent sent, const TxnResult& result, std::vector<Done>& done
   done.push_back(std::move(failed));
 }
 
-/// The own entry is another one: by an earlier transaction of this chain, or of the process before.
+/// The own entry was changed by an earlier transaction of this chain, or of a former process.
 void Chain::follow(std::int64_t own, const TxnResult& result, std::vector<Done>& done) {
   if (own == 0) {
     const auto leave = std::ranges::find(unsure_, Work::Kind::leave,
@@ -167,7 +167,7 @@ void Chain::follow(std::int64_t own, const TxnResult& result, std::vector<Done>&
   }
 }
 
-/// They demanded the own entry as it was before, so they will never be done.
+/// These transactions demanded the own entry as it was before, so they will never be done.
 void Chain::drop_unsure(std::vector<Done>& done) {
   for (Sent& other : std::exchange(unsure_, {}))
     done.push_back({.work = std::move(other.work), .fate = Done::Fate::not_done});
@@ -193,7 +193,8 @@ std::vector<Done> Chain::on_result(const TxnResult& result, Value now) {
   if (!sent) return done;
   const bool answered = result.outcome == Outcome::committed || result.outcome == Outcome::conflict;
   if (answered && result.revision < sent->seen) {
-    // The answer may be older than what was seen since, but not than what was seen before.
+    // The answer may be older than what was seen since it was sent, but not than what was seen
+    // before.
     trouble_ = Trouble::gone_back;
     return done;
   }

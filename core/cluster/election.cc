@@ -3,8 +3,8 @@
 
 namespace mlcca::core::cluster {
 
-/// Who carries something, or is about to, and could carry the same as this gateway, has acted on
-/// its coming back.
+/// Whether all gateways beside this one that carry something, or are about to, have acted on this
+/// gateway's request to take over again.
 bool Election::all_know(const View& view, Value now) const {
   for (std::size_t g = 0; g < failed_.size(); ++g) {
     if (!view.keys().side_by_side(self_, g)) continue;
@@ -18,7 +18,7 @@ bool Election::all_know(const View& view, Value now) const {
 Role Election::wanted(const View& view, Value now, bool draining) const {
   if (!able_ || draining) return Role::standby;
   if (role_ != Role::taking) return role_ == Role::active ? Role::active : Role::taking;
-  // The view must be as new as the request, or it may not have who came before it.
+  // The view must be as new as the request; otherwise it may lack gateways that came before it.
   return view.revision() >= taking_since_ && all_know(view, now) ? Role::active : Role::taking;
 }
 

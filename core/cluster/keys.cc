@@ -18,7 +18,7 @@ bool stands_for_itself(char c) {
          c == '_' || c == '-';
 }
 
-/// The parts of a key; none if there are more than a key has.
+/// Separates the parts of a key; returns 0 if there are more than a key has.
 std::size_t split(std::string_view text, std::array<std::string_view, 4>& words) {
   std::size_t count = 0;
   while (count < words.size()) {
@@ -30,7 +30,7 @@ std::size_t split(std::string_view text, std::array<std::string_view, 4>& words)
   return 0;
 }
 
-/// A number as to_string() writes it, so that it has one form.
+/// Parses a number as to_string() writes it, so that each number has one form.
 std::optional<std::uint64_t> plain_number(std::string_view text) {
   const auto number = number_in<std::uint64_t>(text);
   return number && (text.size() == 1 || text.front() != '0') ? number : std::nullopt;
@@ -188,7 +188,7 @@ std::optional<LeftKey> Keys::parse_left(std::string_view key) const {
             .gateway = words[2],
             .network = index_in(network_of_, words[1])};
   }
-  // It may be shown, and become a part of a command.
+  // The name may be displayed and become a part of a command.
   const bool plain =
       std::ranges::all_of(key, [](char c) { return stands_for_itself(c) || c == '%' || c == '/'; });
   return !plain || left.gateway.empty() || gateway_of_.contains(left.gateway) ? std::nullopt

@@ -6,14 +6,16 @@
 namespace mlcca::core::cluster {
 namespace {
 
-/// Entries that are not understood, by name. More of them are not kept apart.
+/// The most entries that are not understood and are remembered by name. With more, all is
+/// unreadable.
 constexpr std::size_t kMostStrange = 4096;
 
-/// Gateways that a former description had. Of more of them nothing is ever taken for over.
+/// The most gateways that only a former description had. Entries of further ones are never
+/// considered to be over.
 constexpr std::size_t kMostLeft = 1024;
 constexpr std::size_t kMostLeftKeys = 4096;
 
-/// `read` is not asked about what is gone or too long.
+/// Decodes the value of an entry; nullopt if it is gone or too long.
 template <class Read>
 auto value_of(const Entry& entry, Read read) -> decltype(read(entry.value)) {
   if (entry.gone || entry.value.size() > kMostEntryBytes) return std::nullopt;

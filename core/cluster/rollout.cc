@@ -10,7 +10,7 @@
 namespace mlcca::core::cluster {
 namespace {
 
-/// Chunks of former descriptions that one transaction deletes.
+/// The most chunks of former descriptions that one transaction deletes.
 constexpr std::size_t kMostOldChunks = 64;
 constexpr const char* kOther = "another description is being rolled out";
 constexpr const char* kOthersOff = "it is being rolled out already, with other gateways called off";
@@ -21,10 +21,10 @@ constexpr const char* kGone = "what was proposed is not in the store any more";
 constexpr const char* kChanged =
     "its text cannot be put into the store: what is proposed there was ended or changed meanwhile";
 constexpr const char* kIncomplete = "its text is not complete in the store";
-/// Of a work that only makes room.
+/// Value of Work::number for a work that only makes room.
 constexpr std::uint64_t kNoChunk = ~std::uint64_t{0};
 
-/// All of it, or nothing.
+/// The text of the proposed description; nullopt if chunks are missing.
 std::optional<std::string> content_of(const Records& records, const Next& next) {
   std::string all;
   const std::string digest = hex_of(next.digest);
@@ -36,7 +36,7 @@ std::optional<std::string> content_of(const Records& records, const Next& next) 
   return all;
 }
 
-/// Every chunk is there.
+/// Whether all chunks are in the store.
 bool is_complete(const Records& records, const Next& next) {
   const std::string digest = hex_of(next.digest);
   for (std::uint32_t n = 0; n < next.chunks; ++n)
@@ -48,15 +48,16 @@ bool is_in_force(const Records& records, const std::optional<Digest>& digest) {
   return records.current.value && digest && records.current.value->digest == *digest;
 }
 
-/// It is not there, or others have ended what it had.
+/// Whether the gateway is absent, or dead and fenced.
 bool is_gone(const View& view, std::size_t gateway, Value now) {
   const Alive alive = view.alive(gateway, now);
   return alive == Alive::absent || alive == Alive::fenced;
 }
 
-/// Of one that is called off. `work` demands that it has not come back when it is committed.
+/// Whether a gateway that is called off is really gone. Adds a compare to `work`, so that it fails
+/// if the gateway has come back when it is committed.
 bool is_off(const View& view, std::size_t gateway, Value now, Work& work) {
-  // Where no description is in force nobody has anything to leave.
+  // If no description is in force, nobody has anything to leave.
   if (view.records().current.mod == 0) return true;
   if (!is_gone(view, gateway, now)) return false;
   work.compares.push_back(
@@ -83,7 +84,7 @@ void Rollouts::stage(Rollout rollout) {
   trouble_.clear();
 }
 
-/// Of what was staged here.
+/// Ends what was staged here, with an event.
 void Rollouts::give_up(std::string why, std::vector<Event>& events) {
   staged_.reset();
   pending_.reset();
@@ -114,7 +115,7 @@ void Rollouts::judge(const View& view, std::vector<Event>& events) {
 void Rollouts::step_next(const View& view, Value now, std::vector<Event>& events) {
   const Records& records = view.records();
   if (records.next.mod == next_seen_) return;
-  // What is staged here may have taken the place of another one of the same description.
+  // What is staged here may have replaced another proposal of the same description.
   const bool replaced = staged_ && records.next.value && is_ours(view, *records.next.value) &&
                         is_staged(*records.next.value);
   const bool ours = pending_ && proposed_ == pending_ && !replaced;
@@ -143,13 +144,13 @@ bool Rollouts::gives_way(const Records& records, const std::vector<std::string>&
   return records.current.mod == 0 && next && next->without.empty() && !without.empty();
 }
 
-/// The same description for the same gateways.
+/// Whether it is the staged description, with the same gateways called off.
 bool Rollouts::is_staged(const Next& next) const {
   return next.digest == staged_->digest && has_all(next.without, staged_->without) &&
          has_all(staged_->without, next.without);
 }
 
-/// What the store has to be proposed may be what is proposed here, or bars it.
+/// Drops the staged description if another proposal bars it, or if this gateway may not roll out.
 void Rollouts::step_staged(const View& view, std::vector<Event>& events) {
   const auto& next = view.records().next;
   if (!staged_ || claimed_ != 0) return;
@@ -171,7 +172,8 @@ void Rollouts::step_staged(const View& view, std::vector<Event>& events) {
     give_up(next.value->digest == staged_->digest ? kOthersOff : kOther, events);
 }
 
-/// It may have ended while this gateway saw nothing, or with the member that has staged it.
+/// Ends a rollout whose proposal has ended while this gateway saw nothing, or under a former
+/// Member.
 void Rollouts::step_pending(const View& view, std::vector<Event>& events) {
   const auto& next = view.records().next;
   const bool waits = staged_ && claimed_ == 0;
@@ -205,8 +207,8 @@ void Rollouts::step(const View& view, Value now, bool caught_up, std::vector<Eve
     left_at_ = now;
 }
 
-/// It is proposed first, so that no other one is staged at the same time; then come its chunks.
-/// Those of former ones make room for them.
+/// The entry d/next is written first, so that no other rollout is staged at the same time. Then
+/// come the chunks; those of former descriptions are deleted to make room.
 std::optional<Work> Rollouts::propose(const View& view, const Codec& codec) const {
   const Keys& keys = view.keys();
   const Records& records = view.records();
@@ -247,7 +249,7 @@ std::optional<Work> Rollouts::propose(const View& view, const Codec& codec) cons
   return work;
 }
 
-/// Every gateway of the description in force has a say, but those that are off.
+/// Counts the votes of all gateways of the description in force, except for those that are off.
 Rollouts::Tally Rollouts::tally(const View& view, const Next& next, Work& work, Value now) {
   Tally tally;
   const Records& records = view.records();
@@ -279,7 +281,7 @@ bool Rollouts::is_ours(const View& view, const Next& next) const {
   return next.by == view.keys().gateway_name(self_);
 }
 
-/// What is stated there is not believed where it is longer.
+/// The patience that another gateway states is limited.
 Value Rollouts::over_at(const View& view) const {
   const auto& next = view.records().next.value;
   const bool ours = next && is_ours(view, *next);
@@ -304,7 +306,7 @@ std::optional<Work> Rollouts::decide(const View& view, const Codec& codec, Value
   const bool ours = is_ours(view, next);
   Tally votes = tally(view, next, work, now);
   if (!knows_all(view)) votes = {.all = false, .objection = kElsewhere, .refused = true};
-  // Nobody puts the rest of it into the store.
+  // Nobody will store the missing chunks.
   if (ours && !staged_ && !is_complete(records, next))
     votes = {.all = false, .objection = kIncomplete, .refused = true};
   if (ours && staged_ && !votes.refused && !trouble_.empty())
@@ -334,7 +336,8 @@ bool Rollouts::is_in(const View& view, std::size_t gateway) {
          beat->generation == record.value->generation && beat->applied >= record.mod;
 }
 
-/// All have left the former description: those that are waited for, and whoever else is there.
+/// Whether all gateways have left the former description: those that must follow, and all others
+/// that are present.
 bool Rollouts::all_in(const View& view, Value now) {
   if (!std::ranges::all_of(view.records().current.value->waits, [&](const std::string& name) {
         const auto g = view.keys().gateway(name);
@@ -347,7 +350,8 @@ bool Rollouts::all_in(const View& view, Value now) {
   return true;
 }
 
-/// One cannot follow, or has not for too long. Once: who is not in the former one either is away.
+/// Takes the rollout back if a gateway cannot follow, or has not for too long. That is done once
+/// only, because a gateway that follows neither description is away.
 std::optional<Work> Rollouts::undo(const View& view, const Codec& codec, Value now) const {
   const auto& record = view.records().current;
   if (!record.value || record.value->open || record.value->undone || left_at_ ||
@@ -369,7 +373,7 @@ std::optional<Work> Rollouts::undo(const View& view, const Codec& codec, Value n
               .puts = {{.key = view.keys().current(), .value = codec.write(current)}}};
 }
 
-/// When no frame of the former description waits in a queue any more.
+/// Opens shared networks when no frame of the former description is in a queue any more.
 std::optional<Work> Rollouts::open(const View& view, const Codec& codec, Value now) {
   if (!left_at_ || !knows_all(view) || now < queues_empty_at(*left_at_)) return std::nullopt;
   const auto& record = view.records().current;
@@ -390,14 +394,14 @@ std::optional<Work> Rollouts::next_work(const View& view, const Codec& codec, Va
                       .revision = ballot_->next}},
         .puts = {{.key = view.keys().rollout_vote(self_), .value = codec.write(*ballot_)}}};
   if (view.revision() < not_before_) return std::nullopt;
-  // It also ends where the store takes no text.
+  // decide() also ends a rollout whose text the store refuses, so it comes first.
   if (auto work = decide(view, codec, now)) return work;
   if (auto work = propose(view, codec)) return work;
   if (auto work = undo(view, codec, now)) return work;
   return open(view, codec, now);
 }
 
-/// Of what is proposed here.
+/// Handles the result of a transaction for what is proposed here.
 void Rollouts::on_staged(const Done& done, std::vector<Event>& events) {
   if (done.work.stage != stage_) return;
   const bool is_done = done.fate == Done::Fate::done;
@@ -431,7 +435,7 @@ void Rollouts::on_done(const Done& done, Value now, std::vector<Event>& events) 
       return;
   }
   if (refuted && done.work.kind != Work::Kind::judge) not_before_ = done.revision;
-  // Others may do it; beats go on here.
+  // Other gateways may do it; meanwhile this one goes on sending beats.
   if (forbidden) quiet_until_ = add_saturating(now, kForbidden);
 }
 

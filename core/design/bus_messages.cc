@@ -21,7 +21,7 @@ bool is_unknown(const AttributeSet& provision) {
          provision[latency] == kUnbounded;
 }
 
-/// Hops before the one of that number whose delay nobody knows.
+/// The hops before hop number `hop` whose delay is unknown.
 std::vector<Place> unknown_before(const Verdict& v, std::size_t hop) {
   const auto places = hops_of(v.route);
   std::vector<Place> out;
@@ -30,8 +30,8 @@ std::vector<Place> unknown_before(const Verdict& v, std::size_t hop) {
   return out;
 }
 
-/// With more it would be late behind the bus, for everybody there, and refused. A hop that says
-/// that delays vary by more than they take is not understood.
+/// The longest jitter with which it is not late behind the bus for all subscribers there, and so
+/// refused. A hop whose stated jitter exceeds its latency is ignored.
 can::Time most_jitter(const Members& members, const Verdict& v, std::size_t hop) {
   Value latest = kUnbounded;
   for (const Attribute a : {Attribute::deadline, Attribute::latency})
@@ -47,7 +47,7 @@ can::Time most_jitter(const Members& members, const Verdict& v, std::size_t hop)
   return add_saturating(source, latest);
 }
 
-/// What of the way to a bus is not known before the run time.
+/// What is unknown of the route to a bus before the run time.
 struct WayThere {
   std::vector<Place> unknown;
   can::Time most_jitter = 0;
@@ -64,7 +64,7 @@ bool is_in_vain(const Verdict& v, std::size_t network) {
   });
 }
 
-/// What the check found the message itself to take, its jitter included.
+/// The response that the check found for the refused message itself, its jitter included.
 std::optional<Value> refused_response(const Verdict& v, std::size_t network,
                                       const can::Message& message) {
   const auto row = std::ranges::find_if(v.rows, [&](const Row& one) {
@@ -78,7 +78,8 @@ std::optional<Value> refused_response(const Verdict& v, std::size_t network,
   return c.required == 0 ? add_saturating(c.provided, message.jitter) : c.provided;
 }
 
-/// How many frames the check found to wait in its queue, if that is too short for them.
+/// The number of frames that the check found waiting in its queue, if the queue is too short for
+/// them.
 std::optional<std::uint32_t> refused_frames(const Verdict& v, const can::Schedule& bus,
                                             std::size_t network, const can::Message& message) {
   for (const Row& row : v.rows) {
@@ -121,7 +122,7 @@ std::optional<BusMessage::Before> bus_before(const System& system, const Ledger&
 
 auto order_of(const BusMessage& m) { return std::tuple(m.network, m.publisher, m.from); }
 
-/// Two of one flow: the stricter of both, as for the bus.
+/// Combines two messages of one flow: the stricter values count, as on the bus.
 void join(std::optional<can::Message>& there, const std::optional<can::Message>& next) {
   if (!there || !next) {
     if (!there) there = next;
@@ -175,8 +176,8 @@ void BusMessages::add(const Situation& situation, const Ledger& ledger, const Ve
   }
 }
 
-/// Where a message is there already, for another place: the stricter of both. What is held for one
-/// is sent for that one.
+/// Adds a message, or combines it with that of the same flow for another place: the stricter values
+/// count. If it is held for one place only, it is sent with the values for that one.
 void BusMessages::put(BusMessage next) {
   const auto [at, fresh] = known_.try_emplace(order_of(next), messages_.size());
   if (fresh) {
@@ -189,12 +190,12 @@ void BusMessages::put(BusMessage next) {
     join(there.sent, next.sent);
   else if (next.held)
     there.sent = next.sent;
-  // What is refused for one place crosses the bus for the others, if it does for any.
+  // What is refused for one place still crosses the bus for the others, if granted for any.
   if (there.outcome == Outcome::unfit)
     there.outcome = next.outcome;
   else if (next.outcome != Outcome::unfit)
     there.outcome = worse(there.outcome, next.outcome);
-  // What is granted for one place harms nobody here, whyever it is refused for another one.
+  // What is granted for one place harms nobody here, for whatever reason it is refused for another.
   if (there.held == next.held)
     there.in_vain = there.in_vain || next.in_vain;
   else if (next.held)
@@ -219,7 +220,7 @@ void BusMessages::put(BusMessage next) {
 void BusMessages::add_refused(const Situation& situation, Ledger& ledger, Verdict v) {
   const Publisher& publisher = situation.members.publisher(v.publisher);
   if (hops_of(v.route).empty()) {
-    // Nothing leads there, and what is published is on the publisher's own network all the same.
+    // No route leads there, but what is published is on the publisher's own network all the same.
     if (publisher.place.kind != Place::Kind::network || v.to == publisher.place) return;
     v.route = {publisher.place};
   }
@@ -261,7 +262,7 @@ void BusMessages::add_refused(const Situation& situation, Ledger& ledger, Verdic
   }
 }
 
-/// The messages and response times of what is granted.
+/// Fills in the messages and response times of what is granted.
 void BusMessages::take_granted(const Ledger& ledger) {
   std::map<std::size_t, std::map<std::uint64_t, std::pair<const can::Message*, can::Response>>>
       on_bus;
@@ -310,17 +311,17 @@ void find_all_known(InspectedBuses& buses) {
     if (m.is_counted() && !m.unknown.empty()) buses.all_known[m.network] = false;
 }
 
-/// Before it is known where messages may come later than admission found.
+/// Computes `guarded`, before it is known where messages may be later than admission found.
 void find_guarded(InspectedBuses& buses) {
   buses.guarded.assign(buses.assumptions.size(), true);
-  // Whether more can be there than if all best cases hold.
+  // Whether more messages can be there than if all best cases hold.
   std::vector<bool> more = buses.all_known;
   more.flip();
   for (const BusMessage& m : buses.messages)
     if (m.is_counted() && !m.present) more[m.network] = true;
   for (const BusMessage& m : buses.messages) {
     if (m.present && !m.held) buses.guarded[m.network] = false;
-    // The stricter of two deadlines holds only as long as the place that needs it is granted.
+    // The stricter of two deadlines holds only while the place that needs it is granted.
     if (m.several && m.is_counted() && m.outcome != Outcome::fit) buses.guarded[m.network] = false;
     // If it is refused at run time it is sent all the same, and others may be granted in its place.
     const bool may_be_refused = m.held && m.outcome != Outcome::fit && !is_from_elsewhere(m);
@@ -328,7 +329,7 @@ void find_guarded(InspectedBuses& buses) {
   }
 }
 
-/// Makes jitters those that messages have from the bus before, in one of their forms.
+/// Sets the jitter of messages to what they inherit from the bus before, in one of their two forms.
 class Inheritance {
  public:
   Inheritance(InspectedBuses& buses, Form form)
@@ -375,7 +376,7 @@ class Inheritance {
     return found ? &*last : nullptr;
   }
 
-  /// True: something there may be later now.
+  /// Returns whether something on its bus may be later now.
   bool takes_over(BusMessage& m, bool bounded) {
     const BusMessage* const last = m.*form_ ? before(m) : nullptr;
     if (last == nullptr) return false;

@@ -6,10 +6,10 @@
 namespace mlcca::core {
 namespace {
 
-/// Of so many messages each is analysed as if it came alone.
+/// The most messages that are each analysed as if they were added alone.
 constexpr std::size_t kMostApart = 256;
 
-/// Responses of the messages of that number, in their order.
+/// The responses of the messages with these indices, in that order.
 std::vector<can::Response> responses_of(const can::Assumptions& assumptions,
                                         std::span<const can::Message> messages,
                                         const std::vector<std::size_t>& which,
@@ -52,7 +52,7 @@ std::vector<can::Response> analysed_beside(const can::Assumptions& assumptions,
   return out;
 }
 
-/// Of those that count, with the longest jitters that they can have.
+/// The responses of the messages that count, with the longest jitters that they can have.
 std::vector<can::Response> analysed_late(const can::Assumptions& assumptions,
                                          std::span<const can::Message> messages,
                                          std::span<const Standing> standing) {
@@ -68,7 +68,7 @@ std::vector<can::Response> analysed_late(const can::Assumptions& assumptions,
   return out;
 }
 
-/// The bound that admission keeps, where the analysis has none that is smaller.
+/// The bound that admission guarantees, if the analysis has no smaller one.
 BusResponse bound_of(const can::Assumptions& assumptions, const can::Message& message,
                      const can::Response& analysed, bool all_known) {
   if (all_known && can::fits(assumptions, message, analysed)) return {analysed, false};

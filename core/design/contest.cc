@@ -14,8 +14,8 @@
 namespace mlcca::core {
 namespace {
 
-/// Channels that are decided at most to find out what the best cases of one group of them do. A
-/// group of n channels is decided 2^q times where q best cases matter.
+/// The most channels that are decided to find out what the best cases of one group do. A group of n
+/// channels is decided 2^q times if q best cases matter.
 constexpr std::size_t kMostDecided = 4000;
 
 bool is_at_best(const Decision& decision) {
@@ -23,7 +23,7 @@ bool is_at_best(const Decision& decision) {
                              [](const Verdict& v) { return v.outcome == Outcome::run_time; });
 }
 
-/// The same is granted over the same ways in the same attribute set.
+/// Whether the same is granted, over the same routes in the same attribute set.
 bool grants_the_same(const Decision& a, const Decision& b) {
   return a.set == b.set &&
          std::ranges::equal(a.verdicts, b.verdicts, [](const auto& x, const auto& y) {
@@ -31,7 +31,7 @@ bool grants_the_same(const Decision& a, const Decision& b) {
          });
 }
 
-/// Another delivery of the channel may be in the way: without it this one may be granted.
+/// Whether this delivery may be granted if another one of the channel is not.
 bool may_be_beside_another(const Decision& decision, const Verdict& v) {
   if (v.obstacle == Obstacle::sender_twice || v.obstacle == Obstacle::echo) return true;
   return !v.granted && decision.granted != 0 && std::ranges::any_of(v.rows, is_for_want_of_room);
@@ -43,7 +43,8 @@ bool is_held_up_by_itself(const Decision& decision) {
   });
 }
 
-/// What is granted gets the rows for want of room that it has where it is refused.
+/// Marks a verdict as open. A granted one gets the rows about lack of room that it has in the cases
+/// in which it is refused.
 void leave_open_for(Verdict& v, const Verdict* refused) {
   v.contested = true;
   v.outcome = Outcome::run_time;
@@ -53,8 +54,8 @@ void leave_open_for(Verdict& v, const Verdict* refused) {
 
 }  // namespace
 
-/// Goes through all answers to the questions that are asked, depth first: yes before no. A question
-/// that is asked again has the same answer.
+/// Enumerates all combinations of answers to the questions that are asked, depth first, yes before
+/// no. A repeated question gets the same answer.
 class Contest::Answers {
  public:
   bool operator()(const Verdict& v) {
@@ -63,7 +64,7 @@ class Contest::Answers {
     if (fresh) given_.emplace_back(it, true);
     return given_[it->second].second;
   }
-  /// The next answers; false: there are no more.
+  /// Goes to the next combination; returns false if there are no more.
   bool advance() {
     while (!given_.empty() && !given_.back().second) {
       place_of_.erase(given_.back().first);
@@ -82,8 +83,9 @@ class Contest::Answers {
 
 struct Contest::Range {
   std::vector<bool> ever;                       ///< by delivery: granted in some case
-  std::vector<bool> always;                     ///< in all cases
-  std::vector<std::optional<Verdict>> refused;  ///< that says for want of which room
+  std::vector<bool> always;                     ///< by delivery: granted in all cases
+  std::vector<std::optional<Verdict>> refused;  ///< by delivery: a refusal that names the lack of
+                                                ///< room
   std::set<std::size_t> sets;
 
   void add(const Decision& decision) {
@@ -129,7 +131,7 @@ std::vector<std::size_t> Contest::settle(Decisions& decisions) {
   return {open_sets_.begin(), open_sets_.end()};
 }
 
-/// There is only so much of it for all that it carries.
+/// Whether the resource has a limit that its channels share.
 bool Contest::is_limited(std::size_t resource) const {
   const std::size_t networks = s_.system.networks.size();
   if (resource >= networks)
@@ -138,7 +140,7 @@ bool Contest::is_limited(std::size_t resource) const {
          s_.system.networks[resource].provision.has(Attribute::bandwidth);
 }
 
-/// Limited resources of all ways that its events may take.
+/// The limited resources of all routes that the channel's events may take.
 std::vector<std::size_t> Contest::shared_by(std::size_t channel) const {
   std::set<std::size_t> all;
   for (const std::size_t p : s_.members.publishers_of(channel))
@@ -168,14 +170,15 @@ void Contest::take_out(const std::vector<std::size_t>& channels) {
   ledger_.commit();
 }
 
-/// As if there were nobody else.
+/// Whether the channel gets no more even if no other channel existed.
 bool Contest::gets_all_that_it_can(std::size_t channel, const Decision& decision) {
   decide_some(s_, {channel}, tried_, ledger_);
   take_out({channel});
   return grants_the_same(tried_[channel], decision);
 }
 
-/// Besides what is held already. What is granted at best may take each of its ways.
+/// Whether the channel's grants fit beside what is held already; if it depends on best cases, over
+/// each of its routes.
 bool Contest::holds_all_ways(std::size_t channel, const Decision& decision) {
   const std::vector<Target> targets = targets_of(s_.members, channel);
   for (const Verdict& v : decision.verdicts) {
@@ -193,8 +196,8 @@ bool Contest::holds_all_ways(std::size_t channel, const Decision& decision) {
   return true;
 }
 
-/// Everything that these channels may ever hold fits at once: then it does not matter which of them
-/// hold it.
+/// Whether everything that these channels may ever hold fits at once. Then it does not matter which
+/// of them hold it.
 bool Contest::have_room_together(const std::vector<std::size_t>& channels,
                                  const Decisions& decisions) {
   for (const std::size_t c : channels) {
@@ -217,7 +220,7 @@ bool Contest::have_room_together(const std::vector<std::size_t>& channels,
   return fits;
 }
 
-/// False: there are too many cases.
+/// Tries all cases; returns false if there are too many.
 bool Contest::try_all(const std::vector<std::size_t>& channels, Decisions& decisions) {
   std::map<std::size_t, Range> ranges;
   Answers answers;
@@ -247,8 +250,8 @@ bool Contest::try_all(const std::vector<std::size_t>& channels, Decisions& decis
   return true;
 }
 
-/// Of more than can be tried: who gets a thing only if it is alone is decided at run time, and so
-/// is all that is granted.
+/// Handles groups with too many cases: everything that is granted, or that a channel would get if
+/// it were alone, is decided at run time.
 void Contest::leave_open(const std::vector<std::size_t>& channels, Decisions& decisions) {
   for (const std::size_t c : channels) {
     const auto found = decisions.find(c);

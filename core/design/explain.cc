@@ -25,8 +25,8 @@
 namespace mlcca::core {
 namespace {
 
-/// Where a network states a bandwidth and its links are known, only the tighter of both limits is
-/// said: a reader needs one number.
+/// Whether another row of the same network states a tighter limit of the bandwidth. If a network
+/// states a bandwidth and its links are known, a reader needs only the tighter one.
 bool has_tighter(const Verdict& v, const Row& row) {
   const auto is_limit = [](const Row& one) {
     return (one.against == Against::capacity || one.against == Against::medium_time) &&
@@ -39,14 +39,14 @@ bool has_tighter(const Verdict& v, const Row& row) {
          });
 }
 
-/// "robot-can, bridge, second-can"
+/// Lists the places of a route: "robot-can, bridge, second-can".
 std::string way_of(const System& system, const Route& route) {
   std::string text;
   for (const Place place : route) text += (text.empty() ? "" : ", ") + name_of(system, place);
   return text;
 }
 
-/// Which of the two states the value that is required: the subscriber where both do.
+/// The name of the endpoint that states the required value; the subscriber if both do.
 const std::string& asker(const Situation& s, const Verdict& v, const Row& row,
                          std::size_t subscriber) {
   const Publisher& publisher = s.members.publisher(v.publisher);
@@ -66,8 +66,8 @@ const std::string& asker(const Situation& s, const Verdict& v, const Row& row,
   return subscribers || !publishers ? listener.name : publisher.name;
 }
 
-/// What is provided and how far that is from what is required. A payload that is accepted is a
-/// most, and there is no margin to speak of; what has no bound is said so once.
+/// States what is provided and the margin. A payload that is accepted is an upper limit and has no
+/// margin; what is unbounded is said once.
 std::string numbers_of(const System& system, const Row& row) {
   const Comparison& c = row.comparison;
   if (!c.known) return "none";
@@ -80,13 +80,14 @@ std::string numbers_of(const System& system, const Row& row) {
   return text + " (" + format_margin(system, row) + ")";
 }
 
-/// What must be stated or improved for an attribute: nobody provides a Deadline.
+/// The name of the attribute that must be stated or improved: for a Deadline the Latency, since
+/// nobody provides a Deadline.
 std::string provided_name(const System& system, const Row& row) {
   if (row.is_user()) return attribute_name(system, row);
   return info(held_against(row.comparison.attribute)).name;
 }
 
-/// Where a hop states what it provides of the row's attribute. PerHop has none of the user's own.
+/// Where a hop states what it provides of the attribute. PerHop has no user-defined attributes.
 std::string stated_by(const System& system, const Row& row) {
   const Place place = row.place;
   const bool is_mesh = place.kind == Place::Kind::network && system.networks[place.index].mesh;
@@ -94,8 +95,8 @@ std::string stated_by(const System& system, const Row& row) {
   return (row.is_user() ? "the Provision of " : "PerHop of ") + name_of(system, place);
 }
 
-/// What a mesh provides of it is composed of what each of its links does, unless the mesh itself is
-/// said to give no more.
+/// Whether what a mesh provides is composed of what its links provide, because the mesh itself
+/// states nothing worse.
 bool follows_from_links(const System& system, const Row& row) {
   if (row.is_user() || row.place.kind != Place::Kind::network) return false;
   const Network& network = system.networks[row.place.index];
@@ -112,7 +113,7 @@ std::string no_path_hint(const Network& network) {
          "without a mesh-node an end may be at any node";
 }
 
-/// Events longer than a packet are carried in fragments.
+/// Whether long events are carried in fragments there.
 bool is_of_fragments(const Network& network) {
   return network.carries_subjects() && network.kind != NetworkKind::ieee802154;
 }
@@ -130,14 +131,14 @@ std::string carrier_hint(const System& system, const Verdict& v) {
          (has_relay ? "" : ", or forward=\"relay\" to the Gateway: then mlcca-relay carries them");
 }
 
-/// An event of several frames is lost with any of them, and nothing says how many events in a row
-/// those are that a network may lose.
+/// Whether the omission is unbounded because events take several frames: such an event is lost with
+/// any of its frames, and nothing bounds how many events in a row that affects.
 bool is_unbounded_omission(const Row& row) {
   return !row.is_user() && row.comparison.attribute == Attribute::omission &&
          row.comparison.provided == kUnbounded;
 }
 
-/// What would let a hop give what it does not.
+/// What would make a hop provide what is required.
 std::string hop_hint(const System& system, const Row& row, const std::string& required) {
   const std::string provided = provided_name(system, row);
   const std::string& place = name_of(system, row.place);
@@ -153,7 +154,8 @@ std::string hop_hint(const System& system, const Row& row, const std::string& re
          " or better, ask less, or take another way";
 }
 
-/// FD frames on a bus that states no bit rate for their data phase: all such buses of the way.
+/// The hint for FD frames on buses that state no data bit rate; it covers all such buses of the
+/// route.
 std::string data_rate_hint(const System& system, const Verdict& v, const Publisher& publisher) {
   std::string hint;
   for (const Place hop : hops_of(v.route)) {
@@ -172,7 +174,7 @@ std::string data_rate_hint(const System& system, const Verdict& v, const Publish
   return fits_classic ? hint + ", or let the Binding have format=\"classic\"" : hint;
 }
 
-/// False where a required Deadline follows from a Period.
+/// Whether a Deadline is stated; false if it only follows from a Period.
 bool states_deadline(const Situation& s, const Verdict& v, std::size_t subscriber) {
   if (attributes_in(s.members.publisher(v.publisher), v.set).has(Attribute::deadline)) return true;
   return subscriber != kNone &&
@@ -204,7 +206,7 @@ void Explainer::add(const Verdict& v) {
     add_run_time(v);
     return;
   }
-  // Of two senders of one identifier both are named: see Inspection.
+  // Of two senders of one identifier both are named, see Inspection.
   const bool obstructed = v.obstacle != Obstacle::none && v.obstacle != Obstacle::sender_twice;
   if (obstructed) add_obstacle(v);
   if (obstructed && id_of(v.obstacle) != FindingId::no_traffic) return;
@@ -365,14 +367,15 @@ void Explainer::add_pair(const Verdict& v, std::size_t subscriber) {
   for (const Row& row : pair.rows) {
     if (!is_unfit(row) || row.against == Against::capacity || is_about_medium(row)) continue;
     if (pair.obstacle != Obstacle::none && is_left_open(row)) continue;
-    // What a medium has left is known of all together.
+    // The free room of a medium is known although an obstacle stands in the way.
     if (row.against == Against::hop && is_said_by_another(v, row)) continue;
     if (is_said_by_another(pair, row)) continue;
     add_row(pair, row, subscriber);
   }
 }
 
-/// What an obstacle kept from being computed: nobody may say that it is not provided.
+/// Whether the row's provision is unknown only because of an obstacle. It must not be reported as
+/// not provided.
 bool Explainer::is_left_open(const Row& row) const {
   if (row.comparison.known) return false;
   if (row.against == Against::end_to_end) return true;
@@ -456,7 +459,7 @@ void Explainer::add_medium(const Verdict& v, const Row& row) {
       f.hint = late_hint(s_, *ledger_.schedule(row.place.index), v, row);
     return;
   }
-  // On the mesh itself several stations may want the events, each over other links.
+  // Several stations of the mesh may receive the events, each over other links.
   std::string towards;
   for (const std::size_t s : v.subscribers)
     towards += (towards.empty() ? "" : ", ") + s_.members.subscriber(s).name;

@@ -7,7 +7,7 @@
 namespace mlcca::core {
 namespace {
 
-/// The name of a row with hyphens, as people and tools read it.
+/// The name of a row with hyphens, as it is printed.
 template <std::size_t kSize>
 constexpr std::array<char, kSize> hyphenated(const char (&name)[kSize]) {
   std::array<char, kSize> out{};

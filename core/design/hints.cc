@@ -6,7 +6,7 @@
 namespace mlcca::core {
 
 std::string queue_hint(std::uint64_t frames, const std::string& why) {
-  constexpr std::uint64_t most = 10'000;  // as the schema has it
+  constexpr std::uint64_t most = 10'000;  // the largest value of the schema
   const std::string less = "send less often, or smaller events";
   const std::string needed = std::to_string(frames);
   if (frames > most)
@@ -17,7 +17,7 @@ std::string queue_hint(std::uint64_t frames, const std::string& why) {
 
 std::string address_words(const std::string& a, const std::string& b, std::uint32_t sender,
                           const std::string& network) {
-  constexpr std::uint32_t address = 0xff;  // of can::Message::sender
+  constexpr std::uint32_t address = 0xff;  // the address bits of can::Message::sender
   return a + " and " + b + " claim one address on " + network + ", " +
          std::to_string(sender & address) + ": no bound holds there";
 }

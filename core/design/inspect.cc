@@ -64,7 +64,7 @@ class Inspector {
     const bool plain = is_plain(s_);
     decide_each(situation, ledger_, [&](std::size_t channel, const Decision& decision) {
       note_best_cases(decision);
-      // Of a plain system only what was decided before is in the way.
+      // In a plain system only what was decided before can be in the way.
       if (plain && !has_best_cases_)
         examine(situation, channel, decision);
       else
@@ -127,7 +127,7 @@ class Inspector {
     std::vector<Finding> errors;
   };
 
-  /// Ends of one place are one thing to a reader, who sees texts.
+  /// Removes findings with equal text at one line, which come from several endpoints of one place.
   static void remove_repeated(std::vector<Finding>& findings) {
     std::set<std::tuple<std::uint32_t, int, FindingId, std::string>> said;
     std::erase_if(findings, [&](const Finding& f) {
@@ -142,7 +142,7 @@ class Inspector {
     return out;
   }
 
-  /// Until everything is decided where that changes the numbers.
+  /// Keeps a decision until all are decided, if that can still change its numbers.
   void keep(std::size_t channel, const Decision& decision, std::span<const Finding> findings) {
     const bool waits =
         std::ranges::any_of(decision.verdicts, [](const Verdict& v) { return !v.media.empty(); });
@@ -185,7 +185,7 @@ class Inspector {
     inherit_jitter(*buses_);
   }
 
-  /// Where channels may be that use another attribute set or another way in some cases.
+  /// Finds the buses that channels may use whose attribute set or route depends on best cases.
   void find_varying(const Situation& situation) {
     buses_->varying.assign(s_.networks.size(), {});
     for (const auto& [c, decision] : waiting_) {
@@ -195,7 +195,7 @@ class Inspector {
       for (const std::size_t n : networks_of_ways(situation, c)) buses_->varying[n].push_back(c);
     }
   }
-  /// Of publishers and targets between which there is more than one attribute set or way.
+  /// The networks between publishers and targets that have more than one attribute set or route.
   [[nodiscard]] std::set<std::size_t> networks_of_ways(const Situation& situation,
                                                        std::size_t c) const {
     std::set<std::size_t> networks;
@@ -254,7 +254,7 @@ class Inspector {
     if (result.outcome == Outcome::unfit) return;
     const bool any_fit =
         std::ranges::any_of(verdicts, [](const Verdict& v) { return v.outcome == Outcome::fit; });
-    // The note of what is decided at run time says enough where there is one.
+    // If there is a note that the run time decides, it says enough.
     if (!result.open_set)
       explain.add_lower_set(c, result.set, any_fit ? Outcome::fit : Outcome::run_time);
     else if (result.outcome == Outcome::fit)
@@ -290,14 +290,14 @@ class Inspector {
     return !publishers.empty() || subscribers.empty();
   }
 
-  /// The name of the bus there whose response times are analysed; nullptr: none.
+  /// The name of the bus at that place whose response times are analysed; null if there is none.
   [[nodiscard]] const std::string* analysed_bus(Place place) const {
     if (place.kind != Place::Kind::network) return nullptr;
     const Network& network = s_.networks[place.index];
     return can::timing_of(network).bitrate != 0 ? &network.name : nullptr;
   }
 
-  /// Says of each bus that a second sender of one identifier would be there, and who both are.
+  /// Reports each bus on which one identifier would have a second sender, and names both senders.
   void check_senders(std::size_t c, const std::vector<Verdict>& verdicts) {
     Senders senders(s_, members_);
     std::set<std::size_t> said;
@@ -310,8 +310,8 @@ class Inspector {
       const auto conflict = senders.conflict(v->publisher, v->route);
       senders.add(v->publisher, v->route);
       if (!conflict || s_.networks[conflict->network.index].kind != NetworkKind::can) continue;
-      // Whoever repairs what is refused must not find the next mistake only then. But its way may
-      // be another one then.
+      // Refused deliveries are examined too, so that their repair does not reveal the next mistake
+      // only then. But a repaired delivery may take another route.
       const bool one_own = conflict->first >= kOwn || conflict->other >= kOwn;
       const bool certain =
           v->outcome != Outcome::unfit || v->obstacle == Obstacle::sender_twice || one_own;
@@ -330,7 +330,8 @@ class Inspector {
     }
   }
 
-  /// Where frames carry the subject their sender's address is all that tells publishers apart.
+  /// Reports publishers that share an address on a network whose frames carry the subject, because
+  /// nothing else distinguishes them.
   void check_shared_limits(std::size_t c) {
     std::map<std::pair<std::size_t, Station>, std::size_t> alike;
     std::set<std::pair<std::size_t, Station>> said;
@@ -366,7 +367,7 @@ class Inspector {
     }
   }
 
-  /// "publisher pb (line 6)", as of a finding at `here`.
+  /// Names a device for a finding at `here`: "publisher pb (line 6)".
   [[nodiscard]] std::string sender_words(Origin here, Device device) const {
     const bool own = device >= kOwn;
     const Origin there =
@@ -380,7 +381,8 @@ class Inspector {
     return words + ")";
   }
 
-  /// A gate drops what it does not know, after a crash too: a danger for what must arrive.
+  /// Reports events that must arrive to be safe and cross a gate, which drops what it does not
+  /// know, also after a crash.
   void check_safe_side(std::size_t c, const std::vector<Verdict>& verdicts) {
     for (const Verdict& v : verdicts) {
       const auto gateway = std::ranges::find(v.route, Place::Kind::gateway, &Place::kind);
@@ -412,12 +414,12 @@ class Inspector {
   Members members_;
   World world_;
   std::vector<bool> withdrawn_;
-  std::vector<bool> reached_;  ///< networks that some gateway has a port on
+  std::vector<bool> reached_;  ///< networks that gateways have ports on
   Ledger ledger_;
   Inspection out_;
 };
 
-/// How long the queues of gateways must be, with all messages of a bus.
+/// How long the queues of gateways must be for all messages of a bus.
 class QueueLengths {
  public:
   QueueLengths(const InspectedBuses& buses, std::size_t network) {
@@ -428,8 +430,8 @@ class QueueLengths {
       longest = std::max(longest, sent.response.bounded ? sent.response.queued_frames : kNone);
     }
   }
-  /// Of the queue that the frames of the publisher wait in; nothing: there is no bound, or no
-  /// queue.
+  /// The necessary length of the queue in which the publisher's frames wait; nullopt if there is no
+  /// queue or no bound.
   [[nodiscard]] std::optional<std::uint32_t> of(std::size_t publisher) const {
     const auto queue = queue_of_.find(publisher);
     if (queue == queue_of_.end() || longest_.at(queue->second) == kNone) return std::nullopt;
@@ -441,8 +443,8 @@ class QueueLengths {
   std::map<std::uint32_t, std::uint32_t> longest_;  ///< by queue
 };
 
-/// What is decided one after the other says how long a queue must be for those before. The hints
-/// say how long it must be for all.
+/// Adapts the hints about short queues. Decisions one after the other state the length for the
+/// messages before; the hints must state it for all.
 void state_queue_lengths(const System& system, Inspection& inspection,
                          const InspectedBuses& buses) {
   std::map<std::size_t, QueueLengths> lengths;  // by network

@@ -20,7 +20,8 @@ bool is_too_much_jitter(const can::Schedule& bus, can::Message message, Value ji
          (message.period != 0 && jitter / message.period >= can::kMaxInstances);
 }
 
-/// The late publisher, or the new one, of whose frames on the bus the tag is not known.
+/// The late publisher or the new one, if the tag of its frames on the bus is unknown; null
+/// otherwise.
 const Publisher* untagged_of(const Situation& s, const Verdict& v, const Row& row) {
   for (const std::size_t number : {std::size_t{row.end}, v.publisher}) {
     const Publisher& p = s.members.publisher(number);
@@ -36,7 +37,7 @@ std::string without_promise(const System& system, const Row& row, Value promised
          format_value(Attribute::latency, promised);
 }
 
-/// Where the bus itself promises to take no longer; empty: it does not.
+/// The hint if the stated Latency of the bus is the limit; empty otherwise.
 std::string promise_of(const System& system, const Row& row) {
   const AttributeSet& provision = system.networks[row.place.index].provision;
   if (!provision.has(Attribute::latency) ||
@@ -45,7 +46,7 @@ std::string promise_of(const System& system, const Row& row) {
   return without_promise(system, row, row.comparison.required);
 }
 
-/// Where it promises less than the frames of one event take; empty: it does not.
+/// The hint if the bus states less than the frames of one event take; empty otherwise.
 std::string unkept_promise(const System& system, const Row& row, const can::Message& own) {
   const AttributeSet& provision = system.networks[row.place.index].provision;
   if (!provision.has(Attribute::latency) || own.transmission <= provision[Attribute::latency])
@@ -54,8 +55,8 @@ std::string unkept_promise(const System& system, const Row& row, const can::Mess
          ", and the frames of one event take " + format_value(Attribute::latency, own.transmission);
 }
 
-/// Where a Jitter allows less than a time does: what a bus delays counts as both. Empty: it does
-/// not.
+/// The hint if a Jitter limits the time more than a Latency does, since the delay of a bus counts
+/// as both; empty otherwise.
 std::string jitter_hint(const System& system, const Verdict& v, const Row& row) {
   const std::string bus = name_of(system, row.place);
   const AttributeSet& gives = system.networks[row.place.index].provision;
@@ -74,7 +75,7 @@ std::string jitter_hint(const System& system, const Verdict& v, const Row& row) 
          format_value(Attribute::jitter, jitter) + " is required";
 }
 
-/// Where the gateways on its way take most of its time; empty: they do not.
+/// The hint if the gateways on the route use most of the time; empty otherwise.
 std::string gateways_hint(const System& system, const Verdict& v, const std::string& late) {
   Value asked = kUnbounded;
   for (const Attribute a : {Attribute::deadline, Attribute::latency})
@@ -90,7 +91,7 @@ std::string gateways_hint(const System& system, const Verdict& v, const std::str
          format_value(Attribute::latency, asked);
 }
 
-/// Events whose sender pauses between their frames; empty: these pauses are not the cause.
+/// The hint if the pauses of a sender between frames are the cause; empty otherwise.
 std::string pauses_hint(const std::string& late, const can::Message& own, const Row& row) {
   const bool bounded = row.comparison.provided != kUnbounded;
   const Value taken = add_saturating(own.transmission, own.pauses);
@@ -105,7 +106,7 @@ std::string pauses_hint(const std::string& late, const can::Message& own, const 
               : ", and the next event comes after " + format_value(Attribute::period, own.period));
 }
 
-/// What lies in the message itself, or in what is asked of it; empty: nothing.
+/// The hint if the cause is in the message itself or in its requirements; empty otherwise.
 std::string own_hint(const System& system, const Verdict& v, const Row& row,
                      const can::Message& own, const std::string& late) {
   std::string hint = unkept_promise(system, row, own);
@@ -113,10 +114,10 @@ std::string own_hint(const System& system, const Verdict& v, const Row& row,
   return hint.empty() ? pauses_hint(late, own, row) : hint;
 }
 
-// What helps a message that waits for others: a better identifier, where there is one.
+// The hint for a message that waits for others: a better identifier, if there is one.
 std::string identifier_hint(const can::Schedule& bus, const std::optional<can::Message>& newcomer,
                             const std::optional<can::Message>& own, const std::string& late) {
-  // Of several identifiers the last one decides how long it waits.
+  // With several identifiers the lowest priority determines how long it waits.
   const auto goes_before = [&](const can::Message& m) {
     return m.priority < std::max(own->priority, own->lowest_priority);
   };
@@ -130,8 +131,8 @@ std::string identifier_hint(const can::Schedule& bus, const std::optional<can::M
          "less often, or allow more time";
 }
 
-/// Whether all that is described for a bus, granted or not, takes more time than there is: what its
-/// own publishers send there, and what somebody on it subscribes to. It ends with the first message
+/// Whether everything that is described for a bus, granted or not, takes more time than it has:
+/// what its own publishers send there, and what is subscribed on it. It stops at the first message
 /// that is too much.
 bool is_asked_too_much(const Situation& s, std::size_t network, const can::Timing& timing) {
   const Place bus{Place::Kind::network, network};
@@ -152,10 +153,10 @@ bool is_asked_too_much(const Situation& s, std::size_t network, const can::Timin
   return false;
 }
 
-// Another node that claims the newcomer's address; empty: none does.
+// The hint if another node claims the newcomer's address; empty otherwise.
 std::string address_hint(const Situation& s, const can::Schedule& bus, const Verdict& v,
                          const Row& row, const can::Message& newcomer) {
-  constexpr std::uint32_t address = 0xff;  // of can::Message::sender
+  constexpr std::uint32_t address = 0xff;  // the address bits of can::Message::sender
   if (newcomer.sender == can::kNoSender) return {};
   const Publisher& publisher = s.members.publisher(v.publisher);
   for (const can::Message& m : bus.messages()) {
@@ -170,7 +171,7 @@ std::string address_hint(const Situation& s, const can::Schedule& bus, const Ver
   return {};
 }
 
-// What helps where the messages together need more time than there is, or nothing.
+// The hint if the messages together need more time than the bus has; empty otherwise.
 std::string overload_hint(const can::Schedule& bus, const std::optional<can::Message>& newcomer) {
   const std::uint64_t all =
       bus.utilisation_ppm() +

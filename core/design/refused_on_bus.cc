@@ -13,7 +13,7 @@
 namespace mlcca::core {
 namespace {
 
-/// " could take 810 us of the 600 us"
+/// Describes the harm to a message: " could take 810 us of the 600 us".
 std::string harm_to(const can::Message& message, const can::Response& response) {
   if (!response.bounded) return " could wait without a bound";
   if (response.meets(message.deadline)) return " could lose frames in its queue";
@@ -21,7 +21,7 @@ std::string harm_to(const can::Message& message, const can::Response& response) 
   return " could take " + words.bound + " of the " + words.limit;
 }
 
-/// Messages of which it is open whether they are on the bus: of so many all combinations are tried.
+/// The most messages that may or may not be on the bus and for which all combinations are tried.
 constexpr std::size_t kMostCombined = 6;
 
 struct Late {
@@ -31,18 +31,18 @@ struct Late {
   [[nodiscard]] std::size_t publisher() const { return Ledger::publisher_of(message.key); }
 };
 
-/// What can be on a bus.
+/// Everything that can be on a bus.
 class Traffic {
  public:
   explicit Traffic(const can::Assumptions& assumptions) : assumptions_(assumptions) {}
 
-  /// If all best cases hold; `surely`: whichever hold. `here`: a node of the bus sends it, granted
-  /// or not. Before all others.
+  /// Adds a granted message; call it before the others. `surely`: granted in all cases. `here`:
+  /// sent by a node of the bus, granted or not.
   void add_granted(const can::Message& message, bool surely, bool here) {
     parts_.push_back({message, surely, surely || here});
     ++held_;
   }
-  /// In the place of others.
+  /// Adds a message that may be granted in the place of others.
   void add_contested(const can::Message& message, bool here) {
     contested_.emplace_back(place_of(message, here), message);
   }
@@ -51,10 +51,10 @@ class Traffic {
     static_cast<void>(place_of(message, true));
   }
 
-  /// Nothing can be granted.
+  /// Whether nothing can be granted.
   [[nodiscard]] bool empty() const { return held_ == 0 && contested_.empty(); }
 
-  /// What is late though it is granted, if a node of the bus sends what is refused.
+  /// The granted messages that would be late if nodes of the bus send what is refused.
   [[nodiscard]] std::vector<Late> late() const {
     std::vector<can::Message> all;
     all.reserve(parts_.size());
@@ -80,7 +80,8 @@ class Traffic {
     bool always = false;  ///< sent in all cases
   };
 
-  /// The frames may be there already, for another place behind the bus.
+  /// Adds the message unless it is there already, for another place behind the bus; returns its
+  /// index.
   std::size_t place_of(const can::Message& message, bool here) {
     const auto found =
         std::ranges::find(parts_, message.key, [](const Part& part) { return part.message.key; });
@@ -96,7 +97,8 @@ class Traffic {
     return open;
   }
 
-  /// Beside all that is sent in any case, and those of the `open` that can be granted with it.
+  /// The longest response of a message together with everything that is sent in any case, over all
+  /// combinations of the `open` ones that can be granted with it.
   [[nodiscard]] can::Response longest_of(std::size_t place, const can::Message& message,
                                          const std::vector<std::size_t>& open) const {
     can::Response longest{.response = 0, .bounded = true, .queued_frames = 0};
@@ -131,11 +133,12 @@ class Traffic {
 
   const can::Assumptions& assumptions_;
   std::vector<Part> parts_;
-  std::size_t held_ = 0;                                           ///< the first of them
-  std::vector<std::pair<std::size_t, can::Message>> contested_{};  ///< with their places
+  std::size_t held_ = 0;  ///< number of granted messages, which come first
+  std::vector<std::pair<std::size_t, can::Message>> contested_{};  ///< with their indices in parts_
 };
 
-/// "v could take 810 us of the 600 us, and one message more may fail so"
+/// Describes the harm to several messages: "v could take 810 us of the 600 us, and one message more
+/// may fail so".
 std::string harm_words(const Members& members, const std::vector<Late>& late) {
   const Late& first = late.front();
   std::string harm =
@@ -187,7 +190,8 @@ void RefusedOnBus::report(const System& system, const Members& members, const ca
     traffic.add_contested(message, is_here(Ledger::publisher_of(message.key)));
   if (traffic.empty()) return;
   std::vector<std::size_t> senders;
-  // Refused at run time they are sent all the same, and others may be granted in their place.
+  // If these are refused at run time they are sent all the same, while others may be granted in
+  // their place.
   for (const std::size_t number : perhaps_)
     if (!contested.empty() && granted_.contains(number) && is_here(number))
       senders.push_back(number);
@@ -212,7 +216,7 @@ void RefusedOnBus::report(const System& system, const Members& members, const ca
         to);
   if (senders.empty()) return;
   std::vector<Late> late = traffic.late();
-  // What is granted is not refused at the same time.
+  // A message is not granted and refused at the same time.
   std::erase_if(late, [&senders](const Late& one) {
     return senders == std::vector<std::size_t>{one.publisher()};
   });
@@ -221,7 +225,7 @@ void RefusedOnBus::report(const System& system, const Members& members, const ca
   add(members, senders, network, name + ": while they are sent, " + harm_words(members, late), to);
 }
 
-/// `harm`: what the frames of the publishers do, from the name of the bus on.
+/// Adds the finding. `harm`: what the frames of the senders do, beginning with the name of the bus.
 void RefusedOnBus::add(const Members& members, const std::vector<std::size_t>& senders,
                        std::size_t network, const std::string& harm,
                        std::vector<Finding>& to) const {

@@ -53,7 +53,7 @@ class Sense {
   }
 
  private:
-  /// A program has to carry events from another port of the gateway to this one.
+  /// Whether a program must carry events from another port of the gateway to this one.
   [[nodiscard]] bool is_sender_used(const Gateway& gateway, const Port& port) const {
     return std::ranges::any_of(gateway.ports, [&](const Port& from) {
       return from.network != port.network &&
@@ -75,7 +75,8 @@ class Sense {
     f.has_place = true;
   }
 
-  /// To who does not say how many events may stay out it is never reported that they do.
+  /// Notes subscribers that do not state how many events may be missing. Their silence is never
+  /// reported.
   void heart_beat(std::size_t c) {
     for (const std::size_t p : members_.publishers_of(c))
       for (const std::size_t s : members_.subscribers_of(c)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// CANopen: a COB-ID of 11 bits is the subject's.
+// CANopen: the 11-bit COB-ID identifies the subject.
 #include "base/number.hpp"
 #include "core/profiles/definition.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Cyphal/CAN 1.0: priority, service, anonymous, reserved, two bits that receivers ignore,
-// subject-id, reserved, source.
+// Cyphal/CAN 1.0 identifiers: priority, service, anonymous, reserved, two bits that receivers
+// ignore, subject-id, reserved, source.
 #include <algorithm>
 
 #include "core/model/medium.hpp"
@@ -9,14 +9,15 @@
 namespace mlcca::core::profiles {
 namespace {
 
-// The last byte of each frame is the transfer's, and a transfer of several frames ends with a CRC.
+// The last byte of each frame is the tail byte, and a transfer of several frames ends with a CRC.
 constexpr unsigned kTail = 1;
 constexpr unsigned kCrc = 2;
 constexpr std::uint32_t kIgnoredBits = 3U << 21U;
 constexpr std::uint32_t kNumberBits = 0x001fff00;
 
-// Cyphal Specification v1.0, 5.3: heartbeat (7509) of every node once a second, and the allocation
-// of node-ids (8165, 8166), asked for anonymously. Services (GetInfo too) are no messages.
+// Cyphal Specification v1.0, 5.3: the heartbeat (7509) of every node once a second, and the
+// allocation of node-ids (8165, 8166), which is requested anonymously. Services (such as GetInfo)
+// are no messages.
 constexpr std::uint32_t kAnyNode = kPriorityBits | kIgnoredBits | 0x7f;
 constexpr std::uint32_t kAnonymous = 0x1000000;
 constexpr std::array kHeartbeat = {extended(7509U << kNumberShift, kAnyNode)};

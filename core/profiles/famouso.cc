@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// FAMOUSO on CAN: priority, fragment bit, node, etag, which a broker deals. On Ethernet and what
-// looks like it: datagrams that carry the subject itself.
+// FAMOUSO on CAN: priority, fragment bit, node, and the etag that a broker assigns. On
+// Ethernet-like networks datagrams carry the subject itself.
 #include <algorithm>
 
 #include "base/number.hpp"
@@ -15,8 +15,8 @@ constexpr std::uint32_t kTagBits = 0x3fff;
 constexpr std::uint32_t kFragmentBit = 1U << 21U;
 constexpr unsigned kTopShift = 22;  // of the priority
 
-// All with priority 0x7d. The request of a stage has stage and nibble where the node and the
-// fragment bit are; its answer keeps the top bit of the stage. Tags are given by node 0x7f.
+// All have priority 0x7d. The request of a stage has stage and nibble in the place of the node and
+// the fragment bit; its answer keeps the top bit of the stage. Tags are assigned by node 0x7f.
 constexpr std::uint32_t kNode = 0x1fc000;
 constexpr std::uint32_t kStage = 0x3fc000;
 constexpr std::array kConfiguration = {extended(0x1f400000, kStage),
@@ -31,7 +31,7 @@ constexpr ControlFrames of_subscriptions(ControlFrames frames) {
   frames.of_subscriptions = true;
   return frames;
 }
-// What a node of FAMOUSO sends fits in a frame; what states attributes goes in fragments.
+// What a plain FAMOUSO node sends fits one frame; a message with attributes is fragmented.
 constexpr std::array kSubscribe = {
     extended(0x1f400000, kNode | kTagBits),
     of_subscriptions(extended(0x1f400000 | kFragmentBit, kNode | kTagBits))};
@@ -41,7 +41,7 @@ constexpr ControlKind kSubscribing{
 constexpr std::array kControl = {
     ControlKind{.name = "configuration", .frames = kConfiguration, .rate = 200, .burst = 32},
     ControlKind{.name = "binding", .frames = kBinding, .rate = 200, .burst = 32}, kSubscribing};
-// Where frames carry the subject itself, nothing is configured or bound.
+// If frames carry the subject itself, nothing is configured or bound.
 constexpr std::array kDatagramControl = {kSubscribing};
 
 std::vector<std::string> problems(const Binding& b) {
@@ -50,7 +50,7 @@ std::vector<std::string> problems(const Binding& b) {
           " is not right: 0x64 to 0x3fff (the smaller ones are the protocol's own)"};
 }
 
-/// As long as the etag is not known, it may be any.
+/// While the etag is unknown, its bits are open.
 FrameIdentity identity(const Publisher& p, const Binding& b, bool fragmented) {
   const std::uint32_t known = b.waits_for_tag() ? kExtendedBits & ~kTagBits : kExtendedBits;
   return {
@@ -60,8 +60,8 @@ FrameIdentity identity(const Publisher& p, const Binding& b, bool fragmented) {
       .mask = fragmented ? known & ~kFragmentBit : known};
 }
 
-// Fragments have headers of one byte, while the count of followers fits in 5 bits, or of two. All
-// but the last are full; which one is short beyond those 32 is not relied on.
+// Fragments have a header of one byte while the count of followers fits 5 bits, otherwise of two.
+// All but the last are full; beyond those 32, the analysis does not rely on which one is short.
 constexpr unsigned kShortHeaders = 32;
 
 unsigned frames(Value bytes, unsigned mtu) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// SAE J1939-21: priority, PGN with the destination of PDU1 in its low byte, source.
+// SAE J1939-21 identifiers: priority, PGN with the destination of PDU1 in its low byte, source.
 #include <algorithm>
 
 #include "base/number.hpp"
@@ -13,8 +13,8 @@ constexpr std::uint32_t kDestinationBits = 0xffU << kNumberShift;
 constexpr std::uint32_t kNumberBits = 0x03ff0000;
 
 // SAE J1939-81 (address claim), J1939-21 (request, acknowledgement, transport), ISO 11783-3
-// (extended transport). Priorities and, where there are some, destinations are open. An address is
-// claimed towards everybody, from the null address too.
+// (extended transport). Priorities and destinations, if any, are open. An address is claimed
+// towards all nodes, also from the null address.
 constexpr std::uint32_t kSource = 0xff;
 constexpr std::uint32_t kAnyTwo = kPriorityBits | kDestinationBits | kSource;
 constexpr std::array kAddressClaim = {extended(0x00eeff00, kPriorityBits | kSource)};
@@ -35,7 +35,7 @@ constexpr std::array kControl = {
                 .burst = 300,
                 .is_carrier = true}};
 
-/// A PGN below PDU format 240 (PDU1) is sent to somebody, and its low byte is 0.
+/// Whether the PGN has a destination: PDU format below 240 (PDU1). Its low byte is 0.
 constexpr bool has_destination(std::uint32_t pgn) {
   constexpr std::uint32_t pdu2 = 240;
   return (pgn >> 8 & 0xff) < pdu2;
@@ -75,9 +75,9 @@ FrameIdentity identity(const Publisher& p, const Binding& b, bool /*fragmented*/
   return f;
 }
 
-// The transport protocol (5.10 and annex C): a broadcast announce message (TP.CM_BAM) and packets
-// of 7 bytes (TP.DT), each 50 to 200 ms behind the one before, all towards everybody. What goes to
-// one address is asked for by its receiver, whose frames no channel admits.
+// The transport protocol (J1939-21, 5.10 and annex C): a broadcast announce message (TP.CM_BAM) and
+// packets of 7 bytes (TP.DT), each 50 to 200 ms after the one before, all towards all nodes. A
+// message to one address is requested by its receiver, whose frames no channel admits.
 constexpr std::uint32_t kNumberAndDestination = 0x03ffff00;
 constexpr std::uint32_t kConnectionManagement = 0x00ecff00;
 constexpr std::uint32_t kDataTransfer = 0x00ebff00;
@@ -92,7 +92,7 @@ unsigned frames(Value bytes, unsigned /*mtu*/) {
 
 Value largest(unsigned /*mtu*/) { return kMessage; }
 
-/// A packet that is not full is filled up.
+/// The last packet is padded to full length.
 unsigned last_frame(Value /*bytes*/, unsigned /*frames*/, unsigned mtu) { return mtu; }
 
 std::string_view obstacle(const Binding& b) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// No profile: frames name nothing, so that there is no subject. What a binding states all the same
-// is an identifier.
+// No profile: frames do not name a subject. A stated binding is an identifier all the same.
 #include "core/profiles/definition.hpp"
 
 namespace mlcca::core::profiles {

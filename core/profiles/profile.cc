@@ -106,7 +106,7 @@ std::optional<Sender> sender_of(const System& system, const Publisher& publisher
   const Network& network = system.networks[publisher.place.index];
   if (network.profile == Profile::none) return std::nullopt;
   if (has_nodes(network.profile)) return publisher.node ? std::optional(local) : std::nullopt;
-  // No frame there names a node: one that is stated is for networks further on.
+  // No frame there contains a node; a stated one applies to networks further on.
   Sender anonymous = local;
   anonymous.node = std::nullopt;
   return anonymous;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Raw CAN: the identifier itself, of 11 or 29 bits, is the subject's.
+// Raw CAN: the 11-bit or 29-bit identifier itself identifies the subject.
 #include "base/number.hpp"
 #include "core/profiles/definition.hpp"
 
@@ -23,7 +23,8 @@ std::vector<std::string> problems_of_identifier(const Binding& b) {
   return out;
 }
 
-/// Of an 11-bit identifier all 29 bits count: those that a standard frame does not have must be 0.
+/// For an 11-bit identifier all 29 bits are compared: those that a standard frame does not have
+/// must be 0.
 FrameIdentity plain(const Publisher& /*publisher*/, const Binding& b, bool /*fragmented*/) {
   return {.id = b.id,
           .mask = b.extended ? b.mask & kExtendedBits : b.mask | (kExtendedBits & ~kStandardBits)};
