@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Integer arithmetic that saturates instead of wrapping and says which way it rounds.
-// C++14, freestanding: no 128-bit type is asked from the compiler.
+// Integer arithmetic that saturates instead of wrapping and states its direction of rounding.
+// C++14, freestanding; it needs no 128-bit type of the compiler.
 #pragma once
 #include <stddef.h>
 #include <stdint.h>
@@ -9,25 +9,25 @@
 
 namespace mlcca {
 
-/// Which neighbour stands for a value between two integers. Requirements round towards harder,
-/// provisions towards worse.
+/// How a value between two integers is rounded. Requirements are rounded towards harder values,
+/// provisions towards worse ones.
 enum class Rounding : uint8_t { down, up };
 
 constexpr Value kNanosecondsPerSecond = 1000000000;
 
-/// a + b, kUnbounded when it does not fit.
+/// a + b, or kUnbounded if it does not fit.
 constexpr Value add_saturating(Value a, Value b) { return b > kUnbounded - a ? kUnbounded : a + b; }
 
 /// a - b, never below 0.
 constexpr Value sub_floor(Value a, Value b) { return a > b ? a - b : 0; }
 
-/// a * b, kUnbounded when it does not fit.
+/// a * b, or kUnbounded if it does not fit.
 constexpr Value mul_saturating(Value a, Value b) {
   if (((a | b) >> 32) == 0) return a * b;
   return b != 0 && a > kUnbounded / b ? kUnbounded : a * b;
 }
 
-/// a / b rounded up. b == 0 gives kUnbounded.
+/// a / b rounded up; kUnbounded if b == 0.
 constexpr Value div_up(Value a, Value b) {
   return b == 0 ? kUnbounded : a / b + (a % b != 0 ? 1 : 0);
 }
@@ -35,14 +35,14 @@ constexpr Value div_up(Value a, Value b) {
 namespace detail {
 
 constexpr Value kLowHalf = 0xffffffff;
-constexpr int kDecimalDigits = 20;  // of the largest Value
+constexpr int kDecimalDigits = 20;  // digits of the largest Value
 
 struct Product {
   Value high;
   Value low;
 };
 
-/// All 128 bits of a * b.
+/// The full 128-bit product a * b.
 constexpr Product multiply(Value a, Value b) {
   const Value low = (a & kLowHalf) * (b & kLowHalf);
   const Value cross = (a >> 32) * (b & kLowHalf) + (low >> 32);
@@ -51,7 +51,7 @@ constexpr Product multiply(Value a, Value b) {
           (middle << 32) | (low & kLowHalf)};
 }
 
-/// Number of bits up to the highest one that is set; 0 for 0.
+/// The number of bits up to the highest set one; 0 for 0.
 constexpr unsigned bit_width(Value v) {
   unsigned bits = 0;
   for (unsigned step = 32; step != 0; step /= 2)
@@ -67,8 +67,8 @@ struct Division {
   Value remainder;
 };
 
-/// One digit of a long division in base 2^32: (high, digit) / divisor, where high < divisor and
-/// the divisor has its highest bit set (Knuth, TAOCP 4.3.1 D).
+/// One digit of a long division in base 2^32: (high, digit) / divisor. Requires high < divisor and
+/// that the highest bit of the divisor is set (Knuth, TAOCP 4.3.1, algorithm D).
 constexpr Division divide_digit(Value high, Value digit, Value divisor) {
   // NOLINTNEXTLINE(clang-analyzer-core.DivideZero): its highest bit is set
   Value q = high / (divisor >> 32);
@@ -81,7 +81,7 @@ constexpr Division divide_digit(Value high, Value digit, Value divisor) {
   return {q, (high << 32) + digit - q * divisor};
 }
 
-/// (high * 2^64 + low) / divisor, where high < divisor, so that the quotient fits.
+/// (high * 2^64 + low) / divisor. Requires high < divisor, so that the quotient fits.
 constexpr Division divide(Value high, Value low, Value divisor) {
   if (high == 0) return {low / divisor, low % divisor};
   const unsigned shift = 64 - bit_width(divisor);
@@ -104,18 +104,18 @@ constexpr Value mul_div(Value a, Value b, Value c, Rounding rounding) {
 
 }  // namespace detail
 
-/// a * b / c rounded down, with all 128 bits in between; kUnbounded when it does not fit or c == 0.
+/// a * b / c rounded down, computed with 128 bits; kUnbounded if it does not fit or c == 0.
 constexpr Value mul_div_down(Value a, Value b, Value c) {
   return detail::mul_div(a, b, c, Rounding::down);
 }
 
-/// a * b / c rounded up, with all 128 bits in between; kUnbounded when it does not fit or c == 0.
+/// a * b / c rounded up, computed with 128 bits; kUnbounded if it does not fit or c == 0.
 constexpr Value mul_div_up(Value a, Value b, Value c) {
   return detail::mul_div(a, b, c, Rounding::up);
 }
 
-/// *out = v * 10^exponent, for magnitudes as they are written by people. False, and *out is left
-/// alone, when the result is larger than a Value.
+/// Sets *out = v * 10^exponent, for magnitudes as people write them. Returns false and leaves *out
+/// unchanged if the result does not fit a Value.
 constexpr bool scale_power_of_ten(Value v, int exponent, Rounding rounding, Value* out) {
   bool inexact = false;
   if (v == 0 || exponent <= -detail::kDecimalDigits) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The five checks: a network layer, a whole route, publisher against subscriber, everybody on a
-// shared medium, capacity. All three levels call these functions.
+// The five checks: one network layer, a complete route, publisher against subscriber, all
+// subscribers of a shared medium, and capacity. Design time, compile time and run time all call
+// these functions. C++14, freestanding.
 #pragma once
 #include "mlcca/arithmetic.hpp"
 #include "mlcca/attribute.hpp"
@@ -9,11 +10,11 @@
 
 namespace mlcca {
 
-/// The answer with a line for each required attribute, in the order of the table.
+/// The result of a check, with a row for each required attribute in the order of the table.
 struct CheckResult {
   Comparison rows[kAttributes];
   uint8_t count = 0;
-  Outcome outcome = Outcome::fit;  ///< the worst of the rows; fit when nothing is required
+  Outcome outcome = Outcome::fit;  ///< the worst outcome of all rows; fit if nothing is required
 
   constexpr void add(const Comparison& row) {
     rows[count++] = row;
@@ -28,7 +29,7 @@ constexpr void set_harder(AttributeSet& requirement, Attribute a, Value value) {
     requirement.set(a, value);
 }
 
-/// The union of two requirements that are both normalised, as it is itself then.
+/// The union of two normalised requirements; the result is normalised too.
 constexpr AttributeSet union_of_normalised(AttributeSet a, const AttributeSet& b) {
   for (size_t i = 0; i < kAttributes; ++i) {
     const Attribute attribute = attribute_at(i);
@@ -37,7 +38,7 @@ constexpr AttributeSet union_of_normalised(AttributeSet a, const AttributeSet& b
   return a;
 }
 
-/// Rows for a requirement and a provision that are both normalised.
+/// Compares a normalised requirement with a normalised provision.
 constexpr CheckResult check_normalised(const AttributeSet& requirement,
                                        const AttributeSet& provision) {
   CheckResult check;
@@ -48,7 +49,7 @@ constexpr CheckResult check_normalised(const AttributeSet& requirement,
   return check;
 }
 
-/// The outcome of the same rows alone, which is less work for a compiler.
+/// Only the outcome of check_normalised(), which is less work for the compiler.
 constexpr Outcome outcome_normalised(const AttributeSet& requirement,
                                      const AttributeSet& provision) {
   Outcome worst = Outcome::fit;
@@ -61,53 +62,53 @@ constexpr Outcome outcome_normalised(const AttributeSet& requirement,
 
 }  // namespace detail
 
-/// The union of two requirements: per attribute the harder value. Both are normalised first, so
-/// that the explicit Deadline of one does not replace the shorter one that the other's Period
-/// implies: a lenient listener never softens what a strict one asks.
+/// The strictest union of two requirements: for each attribute the harder value. Both are
+/// normalised first, so that an explicit Deadline of one does not replace a shorter one that the
+/// other's Period implies: a lenient subscriber never weakens the requirement of a strict one.
 constexpr AttributeSet strictest(const AttributeSet& a, const AttributeSet& b) {
   return detail::union_of_normalised(normalised_requirement(a), normalised_requirement(b));
 }
 
-/// The strictest of n requirements; the empty set for none.
+/// The strictest union of n requirements; the empty set if n is 0.
 constexpr AttributeSet strictest_of(const AttributeSet* all, size_t n) {
   AttributeSet result;
   for (size_t i = 0; i < n; ++i) result = strictest(result, all[i]);
   return result;
 }
 
-/// What one more subscriber of a publisher asks beside `requirement`, which is normalised. So is
-/// the result.
+/// Adds the requirement of a further subscriber to `requirement`, the normalised one of a publisher
+/// and its other subscribers. The result is normalised.
 constexpr AttributeSet with_subscriber(const AttributeSet& requirement,
                                        const AttributeSet& publisher, AttributeSet subscriber) {
   if (publisher.has(Attribute::max_payload)) subscriber.clear(Attribute::max_payload);
   return detail::union_of_normalised(requirement, normalised_requirement(subscriber));
 }
 
-/// What publisher and subscriber together ask of the networks between them, normalised. The
-/// publisher's Latency, Deadline, PacketLoss and Omission are requirements of its own; its Period,
-/// Bandwidth and MaxPayload are what must be carried; its Jitter is a property of the source and
-/// asks nothing. The subscriber's MaxPayload says what it accepts (check_traffic()) and counts as
-/// the size to be carried only when the publisher states none. A publisher whose Period is meant as
-/// a rate only states a longer Deadline of its own.
+/// The normalised requirement of a publisher and a subscriber towards the networks between them. Of
+/// the publisher, Latency, Deadline, PacketLoss and Omission are requirements; Period, Bandwidth
+/// and MaxPayload must be carried; Jitter is a property of the source and requires nothing. The
+/// subscriber's MaxPayload is what it accepts (check_traffic()) and only counts as the size to be
+/// carried if the publisher states none. A publisher whose Period is only a rate states a longer
+/// Deadline.
 constexpr AttributeSet requirement_between(AttributeSet publisher, const AttributeSet& subscriber) {
   publisher.clear(Attribute::jitter);
   return with_subscriber(normalised_requirement(publisher), publisher, subscriber);
 }
 
-/// Check 1 for a requirement that is normalised, as strictest(), requirement_between() and
-/// with_subscriber() give it: who makes many checks of one requirement normalises it once.
+/// Check 1 for a normalised requirement, as strictest(), requirement_between() and
+/// with_subscriber() return it. It saves normalising a requirement that is checked many times.
 constexpr CheckResult check_normalised_layer(const AttributeSet& requirement,
                                              const AttributeSet& provision) {
   return detail::check_normalised(requirement, normalised_provision(provision));
 }
 
-/// Check 1: a requirement against one network layer (figure 5 of the paper). A Deadline is held
-/// against the provided Latency. In a requirement, MaxPayload is the size to be carried.
+/// Check 1: a requirement against one network layer (figure 5 of the paper). A Deadline is compared
+/// with the provided Latency. MaxPayload in a requirement is the size to be carried.
 constexpr CheckResult check_layer(const AttributeSet& requirement, const AttributeSet& provision) {
   return check_normalised_layer(normalised_requirement(requirement), provision);
 }
 
-/// The outcome of check 1 alone.
+/// Only the outcome of check 1.
 constexpr Outcome layer_outcome(const AttributeSet& requirement, const AttributeSet& provision) {
   return detail::outcome_normalised(normalised_requirement(requirement),
                                     normalised_provision(provision));
@@ -115,15 +116,15 @@ constexpr Outcome layer_outcome(const AttributeSet& requirement, const Attribute
 
 namespace detail {
 
-/// What a gateway limits only where it says so.
+/// The attributes that a gateway limits only if it states them.
 constexpr Attribute kMatterOfNetworks[] = {Attribute::period, Attribute::bandwidth,
                                            Attribute::max_payload};
 
 }  // namespace detail
 
-/// Check 1 for one hop of a route, which may take several frames for an event. A gateway is asked
-/// for rate, period and size only if it limits them; the Deadline that a Period implies is asked of
-/// it all the same. The requirement is normalised.
+/// Check 1 for one hop of a route, which may carry an event in several frames. The requirement is
+/// normalised. A gateway is asked for Period, Bandwidth and MaxPayload only if it states them; the
+/// Deadline that a Period implies is compared in any case.
 constexpr CheckResult check_normalised_hop(const AttributeSet& requirement, const Hop& hop) {
   AttributeSet asked = requirement;
   for (const Attribute a : detail::kMatterOfNetworks)
@@ -131,14 +132,14 @@ constexpr CheckResult check_normalised_hop(const AttributeSet& requirement, cons
   return check_normalised_layer(asked, hop.frames == 1 ? hop.provision : compose(&hop, 1));
 }
 
-/// The same for any requirement.
+/// Check 1 for one hop and a requirement that need not be normalised.
 constexpr CheckResult check_hop(const AttributeSet& requirement, const Hop& hop) {
   return check_normalised_hop(normalised_requirement(requirement), hop);
 }
 
-/// Check 2: a requirement against the composed provision of a route. No route, or one of more than
-/// kMaxComposedHops, is unfit even when nothing is required. With one hop this is check 1 for
-/// events of several frames.
+/// Check 2: a requirement against the composed provision of a route. A route without hops, or with
+/// more than kMaxComposedHops, is unfit even if nothing is required. With one hop it is check 1 for
+/// events of several frames. `source_jitter`: the publisher's Jitter in ns.
 constexpr CheckResult check_route(const AttributeSet& requirement, const Hop* hops, size_t count,
                                   Value source_jitter = 0) {
   CheckResult check = detail::check_normalised(normalised_requirement(requirement),
@@ -147,8 +148,9 @@ constexpr CheckResult check_route(const AttributeSet& requirement, const Hop* ho
   return check;
 }
 
-/// Payload bytes per second that a publisher needs: its Bandwidth or one MaxPayload per Period,
-/// the larger one, rounded up. False when it states neither.
+/// Computes the payload bytes per second of a traffic specification: its Bandwidth or one
+/// MaxPayload per Period, the larger of the two, rounded up. Returns false, and leaves
+/// *bytes_per_second unchanged, if it states neither.
 constexpr bool demand_of(const AttributeSet& traffic, Value* bytes_per_second) {
   const bool periodic = traffic.has(Attribute::max_payload) && traffic.has(Attribute::period);
   if (!periodic && !traffic.has(Attribute::bandwidth)) return false;
@@ -164,12 +166,12 @@ constexpr bool demand_of(const AttributeSet& traffic, Value* bytes_per_second) {
 
 namespace detail {
 
-/// What a subscriber may ask of the publisher itself, in the order of the table.
+/// What a subscriber may require of the publisher itself, in the order of the table.
 constexpr Attribute kTraffic[] = {Attribute::jitter, Attribute::period, Attribute::bandwidth,
                                   Attribute::max_payload};
 
-/// What a publisher offers, with the Bandwidth that follows from its payload and period. A Period
-/// of 0 says nothing about the rate.
+/// The traffic of a publisher with the Bandwidth that follows from payload and Period. A Period of
+/// 0 states no rate.
 constexpr AttributeSet offer_of(AttributeSet traffic) {
   const Value period = traffic[Attribute::period];
   if (!traffic.has(Attribute::bandwidth) && traffic.has(Attribute::max_payload) && period != 0)
@@ -182,14 +184,14 @@ constexpr AttributeSet offer_of(AttributeSet traffic) {
 
 }  // namespace detail
 
-/// Check 3: what a publisher really offers against what a subscriber asks of it. Rows only for
-/// what the subscriber states; what the publisher does not state is unknown, hence unfit, also its
-/// Jitter: a strictly periodic source says Jitter 0.
+/// Check 3: what a publisher sends against what a subscriber requires of it. There are rows only
+/// for what the subscriber states. What the publisher does not state is unknown and so unfit, also
+/// its Jitter: a strictly periodic source states Jitter 0.
 ///  - Period: the publisher's is not longer.
 ///  - Bandwidth: the publisher's, or its MaxPayload per Period rounded down, is not smaller.
-///  - MaxPayload: the other way round. The subscriber's is the most that it accepts (`required`),
-///    the published size (`provided`) must not be larger.
-///  - Jitter: that of the source alone; the rest of the route only adds to it.
+///  - MaxPayload: reversed. The subscriber states the most that it accepts (`required`), and the
+///    published size (`provided`) must not be larger.
+///  - Jitter: that of the source alone; the route only adds to it.
 constexpr CheckResult check_traffic(const AttributeSet& traffic, const AttributeSet& subscriber) {
   const AttributeSet offer = detail::offer_of(traffic);
   CheckResult check;
@@ -203,14 +205,14 @@ constexpr CheckResult check_traffic(const AttributeSet& traffic, const Attribute
   return check;
 }
 
-/// Check 4: a frame on a broadcast medium reaches everybody there, so the medium is open only if
-/// everybody is fulfilled. Nobody there requires nothing: fit.
+/// Check 4: a frame on a broadcast medium reaches all subscribers there, so the medium may be used
+/// only if all of them are fulfilled. Without subscribers it is fit.
 constexpr CheckResult check_everybody(const AttributeSet* requirements, size_t n,
                                       const AttributeSet& provision) {
   return check_layer(strictest_of(requirements, n), provision);
 }
 
-/// The answer of check 5, in payload bytes/s.
+/// The result of check 5; rates are in payload bytes/s.
 struct CapacityCheck {
   bool known = false;  ///< the network states a Bandwidth
   Value capacity = 0;
@@ -218,7 +220,7 @@ struct CapacityCheck {
   Value demand = 0;
   Outcome outcome = Outcome::fit;
 
-  /// What is left (fit) or missing (unfit); 0 when the capacity is not known.
+  /// What is left (if fit) or missing (if unfit); 0 if the capacity is unknown.
   constexpr Value margin() const {
     if (!known) return 0;
     const Value load = add_saturating(reserved, demand);
@@ -226,9 +228,9 @@ struct CapacityCheck {
   }
 };
 
-/// Check 5: does the demand fit beside what is reserved already? Nothing is lost by saturation,
-/// and a demand without a bound never fits. A network that states no Bandwidth has no ledger: fit
-/// with known == false, as a channel that requires Bandwidth is refused there by check 1 already.
+/// Check 5: whether a demand fits beside what is reserved already. A demand without a bound never
+/// fits. A network that states no Bandwidth has no ledger: the result is fit with known == false,
+/// since check 1 already refuses a channel there that requires Bandwidth.
 constexpr CapacityCheck check_capacity(const AttributeSet& provision, Value reserved,
                                        Value demand) {
   CapacityCheck check;
@@ -243,10 +245,10 @@ constexpr CapacityCheck check_capacity(const AttributeSet& provision, Value rese
   return check;
 }
 
-/// The longest time in ns from the end of a heart-beat to the reaction of a receiver that tolerates
-/// `Omission` losses: (Omission + 1) * Period + Latency + Jitter. kUnbounded when the Omission, the
-/// Period or a Latency is not stated. A requirement that states no Latency is bounded by its
-/// Deadline; a Jitter that is not stated is at most the Latency.
+/// The worst-case reaction: the longest time in ns from a heart-beat until a receiver that
+/// tolerates `Omission` losses reacts to its absence, (Omission + 1) * Period + Latency + Jitter.
+/// kUnbounded if Omission, Period or a delay is not stated. Without a Latency the Deadline is used;
+/// a Jitter that is not stated is taken as that delay.
 constexpr Value worst_case_reaction(const AttributeSet& attributes) {
   const Attribute delay =
       attributes.has(Attribute::latency) ? Attribute::latency : Attribute::deadline;

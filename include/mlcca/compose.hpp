@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The provision of a whole route from the provisions of its hops, rounded once to the safe side:
-// never better than exact arithmetic, and the same for every order of the hops.
+// Composition: the provision of a route from the provisions of its hops. It is rounded once to the
+// safe side, so it is never better than exact arithmetic and does not depend on the order of the
+// hops. C++14, freestanding.
 #pragma once
 #include "mlcca/arithmetic.hpp"
 #include "mlcca/attribute.hpp"
@@ -11,21 +12,21 @@ namespace mlcca {
 /// One network or gateway of a route.
 struct Hop {
   AttributeSet provision;
-  uint16_t medium = 0;  ///< hops with the same number share one medium's time
-  uint16_t frames = 1;  ///< frames of one event on this hop; 0: not known, assume the worst
+  uint16_t medium = 0;  ///< hops with equal numbers share the time of one medium
+  uint16_t frames = 1;  ///< frames of one event on this hop; 0: unknown, the worst is assumed
   bool gateway =
-      false;  ///< forwards between media: no limit of rate, period or size but stated ones
+      false;  ///< forwards between media: it limits rate, period and size only if it states them
 };
 
-/// One value of a hop, for compose_values().
+/// The value of one attribute on a hop, for compose_values().
 struct HopValue {
   Value value = 0;
   uint16_t medium = 0;
   uint16_t frames = 1;
 };
 
-/// A required Period without a Deadline asks for Deadline = Period. Dynamic marks mean nothing in
-/// a requirement and are cleared.
+/// Adds the Deadline that a required Period without a Deadline implies, and removes dynamic marks,
+/// which have no meaning in a requirement.
 constexpr AttributeSet normalised_requirement(AttributeSet requirement) {
   requirement.clear_dynamic();
   if (requirement.has(Attribute::period) && !requirement.has(Attribute::deadline))
@@ -35,16 +36,16 @@ constexpr AttributeSet normalised_requirement(AttributeSet requirement) {
 
 namespace detail {
 
-/// The attribute whose value a provision gives for `a`: a Period without a Latency promises
-/// Latency = Period.
+/// The attribute whose value a provision uses for `a`: a Period without a Latency promises a
+/// Latency of the same length.
 constexpr Attribute stated_by(const AttributeSet& provision, Attribute a) {
   return a == Attribute::latency && !provision.has(a) ? Attribute::period : a;
 }
 
 }  // namespace detail
 
-/// A provided Period without a Latency promises Latency = Period. A Deadline is nobody's to
-/// provide, and no loss is more than certain.
+/// Adds the Latency that a provided Period without a Latency promises, limits PacketLoss to 1, and
+/// removes a Deadline, which nobody provides.
 constexpr AttributeSet normalised_provision(AttributeSet provision) {
   const Attribute latency = detail::stated_by(provision, Attribute::latency);
   if (provision.has(latency))
@@ -57,7 +58,7 @@ constexpr AttributeSet normalised_provision(AttributeSet provision) {
 
 namespace detail {
 
-/// The values of one attribute or dimension on each hop of a route.
+/// The values of one attribute on all hops of a route.
 struct HopValues {
   const HopValue* hop;
   size_t count;
@@ -89,7 +90,7 @@ constexpr bool is_first_on_medium(const HopValues& hops, size_t index) {
   return true;
 }
 
-/// Every link of a medium takes its share of the medium's time: equation 1 of the paper.
+/// The links of one medium share its time: equation 1 of the paper, 1/R = sum of 1/R_i.
 constexpr Value medium_rate(const HopValues& hops, uint16_t medium) {
   ReciprocalSum sum;
   for (size_t i = 0; i < hops.count; ++i)
@@ -113,8 +114,8 @@ constexpr Value loss(const HopValues& hops) {
   return survival.loss();
 }
 
-/// A run of `a` lost events on one hop can meet a run of `b` on the next after each event that
-/// got through: (a + 1)(b + 1) - 1. A bound on lost frames bounds no events of several frames.
+/// After each event that got through a run of `a` lost events on one hop, a run of `b` on the next
+/// one may follow: (a + 1)(b + 1) - 1. A bound on lost frames bounds no events of several frames.
 constexpr Value consecutive(const HopValues& hops) {
   Value run = 0;
   for (size_t i = 0; i < hops.count; ++i) {
@@ -127,8 +128,8 @@ constexpr Value consecutive(const HopValues& hops) {
 
 }  // namespace detail
 
-/// The value of a route from those of its hops, also for what users define themselves. Composition
-/// survival takes shares of 1e-9; not_provided gives 0. At most kMaxComposedHops hops.
+/// Composes the values of one attribute, built-in or user-defined, of at most kMaxComposedHops
+/// hops. Composition survival takes shares of 1e-9; not_provided returns 0.
 constexpr Value compose_values(Composition composition, const HopValue* values, size_t count) {
   const detail::HopValues hops = {values, count};
   switch (composition) {
@@ -150,8 +151,9 @@ constexpr Value compose_values(Composition composition, const HopValue* values, 
   return 0;
 }
 
-/// What a gateway gives of an attribute of the user's own that it does not state: it limits no
-/// maximum and no minimum. False, and *value is left alone, for what it has to state.
+/// Sets *value to what a gateway provides of a user-defined attribute that it does not state: it
+/// does not limit a maximum or minimum. Returns false and leaves *value unchanged for other
+/// compositions, which a gateway has to state.
 constexpr bool unlimited_by_gateway(Composition composition, Value* value) {
   if (composition != Composition::slowest && composition != Composition::smallest) return false;
   *value = composition == Composition::slowest ? 0 : kUnbounded;
@@ -166,8 +168,8 @@ struct Stated {
   Value value = 0;
 };
 
-/// What a gateway gives where it states nothing. It is no medium: it limits rate, period or size
-/// only where it says so, and nothing bounds its delay unless it states a Latency or a Period.
+/// What a gateway provides if it states nothing. It is no medium: rate, period and size are not
+/// limited, but its delay is unbounded unless it states a Latency or a Period.
 constexpr Stated unstated_by_gateway(Attribute a) {
   switch (a) {
     case Attribute::bandwidth:
@@ -188,7 +190,7 @@ constexpr Stated stated_on(const Hop& hop, Attribute a) {
   return hop.gateway ? unstated_by_gateway(a) : Stated{};
 }
 
-/// Sets one attribute of a route, unless a hop does not state it.
+/// Sets one attribute of a route, unless some hop does not provide it.
 constexpr void compose_attribute(const Hop* hops, size_t count, Attribute a, Value source_jitter,
                                  AttributeSet& result) {
   HopValue values[kMaxComposedHops];
@@ -208,10 +210,10 @@ constexpr void compose_attribute(const Hop* hops, size_t count, Attribute a, Val
 
 }  // namespace detail
 
-/// What a route gives. An attribute that a hop does not state is not stated by the route; one that
-/// is a best case (dynamic) on a hop is a best case of the route. No hops, or more than
-/// kMaxComposedHops, give the empty set: nothing is provided, hence every requirement refused.
-/// source_jitter is the publisher's own, in ns.
+/// The provision of a route. An attribute that some hop does not provide is not provided; one that
+/// is a best case (dynamic) on some hop is a best case of the route. Without hops, or with more
+/// than kMaxComposedHops, the result is the empty set, so that every requirement is refused.
+/// `source_jitter`: the publisher's Jitter in ns.
 constexpr AttributeSet compose(const Hop* hops, size_t count, Value source_jitter = 0) {
   AttributeSet result;
   if (count == 0 || count > kMaxComposedHops) return result;

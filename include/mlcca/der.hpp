@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The run-time representation of an event channel's attributes, proto/mlcca.asn1: writer and
-// reader. C++14, freestanding. docs/reference/nodes.md has the format as a table.
+// The run-time representation (DER) of an event channel's attributes, defined in proto/mlcca.asn1:
+// writer and reader. C++14, freestanding. docs/reference/nodes.md describes the format as a table.
 #pragma once
 #include "mlcca/der_decode.hpp"
 #include "mlcca/der_encode.hpp"

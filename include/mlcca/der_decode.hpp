@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Reads the run-time representation (proto/mlcca.asn1) where it lies: no heap, no copy, never past
-// the end, and nothing but the one encoding that DER allows. C++14, freestanding.
+// Reads the run-time representation (proto/mlcca.asn1) in place: without heap and copies, never
+// past the end, and it accepts only the one encoding that DER allows. C++14, freestanding.
 #pragma once
 #include "mlcca/der_format.hpp"
 
@@ -14,8 +14,8 @@ constexpr Value big_endian(const uint8_t* octets, uint8_t size) {
   return v;
 }
 
-/// Reads element after element; the first offence stops it. Lengths above 127 are read only where
-/// there can be any (`LongForm`).
+/// Reads one element after the other; the first error stops it. Lengths above 127 are accepted only
+/// if `LongForm` is true.
 template <bool LongForm>
 class Reader {
  public:
@@ -27,16 +27,16 @@ class Reader {
   constexpr bool at_limit() const { return at_ == limit_; }
   constexpr uint8_t octet(uint8_t i = 0) const { return at_[i]; }
   constexpr void skip_to(const uint8_t* at) { at_ = at; }
-  /// What is read next ends there.
+  /// Sets the end of what may be read next.
   constexpr void set_limit(const uint8_t* limit) { limit_ = limit; }
 
-  /// Always false, so that callers can return it.
+  /// Records an error. Returns false always, so that callers can return the result.
   constexpr bool refuse(Error error) {
     error_ = error;
     return false;
   }
 
-  /// Reads the header of an element with that tag, up to its contents, which end at end().
+  /// Reads the header of an element with that tag. Its contents follow, up to end().
   constexpr bool open(uint8_t tag) {
     const uint8_t* at = at_;
     if (at == limit_) return refuse(Error::truncated);
@@ -76,7 +76,7 @@ class Reader {
     if (at == end_ || *at >= 0x80) return refuse(Error::integer);
     if (*at == 0) {
       ++at;
-      // The zero is the number itself, or it keeps the next octet from being read as a sign.
+      // The zero is the number itself, or it prevents the next octet from being read as a sign.
       if (at == end_) return true;
       if (*at < 0x80) return refuse(Error::integer);
       at_ = at;
@@ -85,7 +85,7 @@ class Reader {
   }
   constexpr uint8_t magnitude_size() const { return static_cast<uint8_t>(end_ - at_); }
 
-  /// The octets of a BIT STRING, which ends with a bit that is set.
+  /// Reads a BIT STRING, whose last bit must be set.
   constexpr bool read_marks(AttributeBits* marks) {
     if (!open_marks()) return false;
     const uint8_t unused = *at_++;
@@ -112,7 +112,7 @@ class Reader {
     return refuse(Error::length);
   }
 
-  // The octets of a node are fewer than 128: there an 8-bit length is enough.
+  // The encodings that nodes read have less than 128 octets, so an 8-bit length is enough there.
   template <bool Long, class = void>
   struct LengthOf {
     using Type = uint8_t;
@@ -129,7 +129,7 @@ class Reader {
   Error error_ = Error::none;
 };
 
-/// The attributes up to the limit, in the order of the table, each at most once.
+/// Reads the attributes up to the limit. They must be in the order of the table, each at most once.
 template <class Sink>
 constexpr bool read_attributes(Reader<Sink::kTakesUsers>& in, Sink& sink) {
   AttributeBits marks = 0;
@@ -157,8 +157,8 @@ constexpr bool read_attributes(Reader<Sink::kTakesUsers>& in, Sink& sink) {
   return (marks & ~present) == 0 || in.refuse(Error::marks);
 }
 
-/// Version, role, subject: always kHead octets. Refused as a whole, in as little code as that
-/// takes.
+/// Reads version, role and subject, which always have kHead octets. An error is reported at the
+/// beginning of the head, to keep the code small.
 template <class Sink>
 constexpr bool read_head(Reader<Sink::kTakesUsers>& in, Sink& sink) {
   const uint8_t* head = in.at();
@@ -192,13 +192,13 @@ constexpr bool read_channel(Reader<Sink::kTakesUsers>& in, Sink& sink) {
   return in.at_limit() || sink.users(in);
 }
 
-/// Reads an encoding into a sink: an object with
-///  - kMax: most octets that it takes; kTakesUsers: whether there can be user attributes, hence
-///    lengths above 127;
+/// Reads an encoding into a sink, which is an object with:
+///  - kMax: the most octets that it accepts; kTakesUsers: whether there can be user-defined
+///    attributes, and so lengths above 127;
 ///  - bool role(Role), bool subject(const uint8_t*), bool takes_marks();
 ///  - bool attribute(Attribute, const uint8_t* magnitude, uint8_t size, bool dynamic);
 ///  - void end_of_attributes();
-///  - bool users(Reader&): all that follows the attributes, where it kTakesUsers.
+///  - bool users(Reader&): reads all that follows the attributes, if kTakesUsers.
 template <class Sink>
 constexpr Status read(const uint8_t* data, size_t size, Sink& sink) {
   Status status;
@@ -213,7 +213,7 @@ constexpr Status read(const uint8_t* data, size_t size, Sink& sink) {
   return status;
 }
 
-/// A user attribute where it lies.
+/// A user-defined attribute that is read in place.
 struct UserView {
   const uint8_t* name = nullptr;
   size_t name_size = 0;
@@ -223,14 +223,14 @@ struct UserView {
 
 constexpr bool read_user_mark(Reader<true>& in, UserView* out) {
   if (!in.open_fixed(kBoolean, 1)) return false;
-  // FALSE is the default, which is not sent.
+  // FALSE is the default, which DER does not encode.
   if (in.octet() != kTrue) return in.refuse(Error::marks);
   in.skip_to(in.end());
   out->dynamic = true;
   return in.at_limit() || in.refuse(Error::tag);
 }
 
-/// One user attribute, with the limit of the reader set back to what it was.
+/// Reads one user-defined attribute; the limit of the reader is the same afterwards.
 constexpr bool read_user(Reader<true>& in, UserView* out) {
   const uint8_t* limit = in.limit();
   if (!in.open(kSequence)) return false;
@@ -249,7 +249,8 @@ constexpr bool read_user(Reader<true>& in, UserView* out) {
   return true;
 }
 
-/// All user attributes up to the limit: sorted, none twice, 1 to kMaxUserAttributes.
+/// Reads all user-defined attributes up to the limit: 1 to kMaxUserAttributes, sorted by name and
+/// without duplicates.
 constexpr bool read_users(Reader<true>& in, bool takes_marks) {
   UserView before;
   size_t count = 0;
@@ -272,8 +273,8 @@ constexpr bool read_users(Reader<true>& in, bool takes_marks) {
 
 }  // namespace detail
 
-/// The user attributes of an encoding that decode() accepted, read one after the other where they
-/// lie: valid as long as the octets are.
+/// The user-defined attributes of an encoding that decode() has accepted. They are read in place
+/// one after the other, so this is valid as long as the octets are.
 class UserAttributes {
  public:
   class Iterator {
@@ -309,7 +310,7 @@ class UserAttributes {
   };
 
   constexpr UserAttributes() = default;
-  /// The contents of a sequence that has been checked.
+  /// Takes the contents of a sequence that has been checked.
   constexpr UserAttributes(const uint8_t* begin, const uint8_t* end) : begin_(begin), end_(end) {}
 
   constexpr bool empty() const { return begin_ == end_; }
@@ -321,7 +322,7 @@ class UserAttributes {
   const uint8_t* end_ = nullptr;
 };
 
-/// What an encoding says.
+/// A decoded channel.
 struct Decoded {
   Role role = Role::subscriber;
   Subject subject = 0;
@@ -368,7 +369,7 @@ class WideSink {
 
 }  // namespace detail
 
-/// Reads an encoding of `size` octets. On an error *out is left alone.
+/// Decodes an encoding of `size` octets. If there is an error, *out is unchanged.
 __attribute__((warn_unused_result)) constexpr Status decode(const uint8_t* data, size_t size,
                                                             Decoded* out) {
   detail::WideSink sink;

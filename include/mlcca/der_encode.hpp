@@ -8,12 +8,12 @@
 namespace mlcca {
 namespace der {
 
-/// What is encoded.
+/// The attributes of an event channel, or of a network, to be encoded.
 struct Channel {
   Role role = Role::subscriber;
   Subject subject = 0;
   AttributeSet attributes;
-  const UserAttribute* user = nullptr;  ///< sorted by name, none twice
+  const UserAttribute* user = nullptr;  ///< sorted by name without duplicates; owned by the caller
   size_t users = 0;
 
   constexpr Channel() = default;
@@ -24,20 +24,21 @@ struct Channel {
 
 namespace detail {
 
-/// Octets of v without leading zeros, at least one.
+/// The number of octets of v without leading zeros, at least one.
 constexpr uint8_t magnitude_size(Value v) {
   uint8_t size = 1;
   for (; (v >>= 8) != 0;) ++size;
   return size;
 }
 
-/// Octets of an INTEGER's contents: one more where the highest bit would read as a sign.
+/// The number of octets of an INTEGER's contents: one more if the highest bit would be read as a
+/// sign.
 constexpr uint8_t integer_size(Value v) {
   const uint8_t size = magnitude_size(v);
   return static_cast<uint8_t>(size + ((v >> (8 * size - 1)) & 1));
 }
 
-/// Octets of an element with that many octets of contents.
+/// The number of octets of an element with so many octets of contents.
 constexpr size_t element_size(size_t contents) {
   return contents + (contents < 0x80 ? 2 : contents < 0x100 ? 3 : 4);
 }
@@ -50,7 +51,7 @@ constexpr AttributeBits marks_of(const AttributeSet& set) {
   return marks;
 }
 
-/// Trailing zeros are not sent (X.690, 11.2.2).
+/// The number of trailing zero bits, which are not encoded (X.690, 11.2.2).
 constexpr uint8_t unused_bits(AttributeBits marks) {
   uint8_t unused = 0;
   while ((marks >> unused & 1) == 0) ++unused;
@@ -81,7 +82,7 @@ constexpr size_t channel_size(const Channel& channel) {
          (channel.users != 0 ? element_size(users_size(channel)) : 0);
 }
 
-/// Puts octets one after the other. The caller has made sure that there is room.
+/// Appends octets to a buffer. The caller must have made sure that there is room.
 class Writer {
  public:
   constexpr explicit Writer(uint8_t* out) : out_(out) {}
@@ -112,7 +113,7 @@ class Writer {
   size_t at_ = 0;
 };
 
-/// The number of unused bits of the last octet, and the bits.
+/// Writes the number of unused bits of the last octet, then the bits.
 constexpr void write_marks(Writer& out, AttributeBits marks) {
   const size_t octets = mark_octets(marks);
   out.header(kMarks, 1 + octets);
@@ -164,7 +165,7 @@ constexpr Error encodable_user(const Channel& channel, size_t i) {
 
 }  // namespace detail
 
-/// Why a channel has no encoding; Error::none when it has one.
+/// Why a channel has no encoding; Error::none if it has one.
 constexpr Error encodable(const Channel& channel) {
   if (static_cast<uint8_t>(channel.role) >= kRoles) return Error::role;
   if (channel.role != Role::network) {
@@ -179,12 +180,12 @@ constexpr Error encodable(const Channel& channel) {
   return Error::none;
 }
 
-/// Octets of the encoding, at most kMaxSize. The channel is encodable().
+/// The number of octets of the encoding, at most kMaxSize. The channel must be encodable().
 constexpr size_t encoded_size(const Channel& channel) {
   return detail::element_size(detail::channel_size(channel));
 }
 
-/// Writes the encoding and returns its size. 0, and nothing is written, when the channel is not
+/// Writes the encoding and returns its size. Returns 0, and writes nothing, if the channel is not
 /// encodable() or `capacity` is less than encoded_size().
 constexpr size_t encode(const Channel& channel, uint8_t* buffer, size_t capacity) {
   if (encodable(channel) != Error::none || encoded_size(channel) > capacity) return 0;
@@ -202,8 +203,8 @@ struct Blob {
   constexpr const uint8_t* data() const { return octets; }
 };
 
-/// The channel of a specification: Attributes is an AttributeList or any type with a set(). With
-/// attributes of the user's own: a type like this one, whose channel() names them.
+/// The channel of a specification. Attributes is an AttributeList or any type with a set(). For
+/// user-defined attributes write a type like this one whose channel() names them.
 template <Role R, Subject S, class Attributes>
 struct Spec {
   static constexpr Channel channel() { return Channel(R, S, values_of<Attributes>()); }
@@ -216,7 +217,7 @@ using SubscriberSpec = Spec<Role::subscriber, S, Attributes>;
 template <class Attributes>
 using NetworkSpec = Spec<Role::network, 0, Attributes>;
 
-/// The encoding of a specification, a type with a static constexpr channel():
+/// Encodes a specification, a type with a static constexpr channel(), at compile time:
 /// `constexpr auto kBlob = der::encode(der::SubscriberSpec<0x17, Attributes>{});`
 template <class ChannelSpec>
 constexpr Blob<encoded_size(ChannelSpec::channel())> encode(ChannelSpec) {

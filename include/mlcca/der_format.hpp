@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What writer and reader of the run-time representation share: proto/mlcca.asn1 in C++.
-// C++14, freestanding.
+// The definitions that writer and reader of the run-time representation share: proto/mlcca.asn1 in
+// C++. C++14, freestanding.
 #pragma once
 #include "mlcca/attribute.hpp"
 
 namespace mlcca {
 namespace der {
 
-/// 64-bit identity of a channel.
+/// The 64-bit identity of a channel.
 using Subject = uint64_t;
 
-/// Whose attributes these are. The numbers are on the wire.
+/// To whom the attributes belong. The numbers are part of the wire format.
 enum class Role : uint8_t { publisher = 0, subscriber = 1, network = 2 };
 constexpr uint8_t kRoles = 3;
 
@@ -18,42 +18,42 @@ constexpr uint8_t kVersion = 1;
 constexpr size_t kMaxUserAttributes = 16;
 constexpr size_t kMaxName = 63;  ///< octets
 
-/// An attribute that the user of the library defined.
+/// A user-defined attribute. It refers to its name and does not own it.
 struct UserAttribute {
   const char* name = nullptr;  ///< UTF-8, not terminated, 1 to kMaxName octets
   size_t name_size = 0;
   Value value = 0;
-  bool dynamic = false;  ///< a best case; only a network may say so
+  bool dynamic = false;  ///< a best case; allowed for a network only
 
   constexpr UserAttribute() = default;
   constexpr UserAttribute(const char* text, size_t size, Value v, bool best_case = false)
       : name(text), name_size(size), value(v), dynamic(best_case) {}
-  /// From a literal: UserAttribute{"Temperature", 300}.
+  /// Constructs from a literal: UserAttribute{"Temperature", 300}.
   template <size_t N>
   constexpr UserAttribute(const char (&text)[N], Value v, bool best_case = false)
       : UserAttribute(text, N - 1, v, best_case) {}
 };
 
-/// Why an encoding, or a value that is to be encoded, is refused.
+/// Why an encoding, or a value to be encoded, is refused.
 enum class Error : uint8_t {
   none,
   truncated,        ///< an element announces more octets than there are
   trailing,         ///< octets after the end
-  too_long,         ///< more than the reader takes
-  tag,              ///< something else is expected here
-  order,            ///< an attribute in the wrong place, or a second time
+  too_long,         ///< more octets than the reader accepts
+  tag,              ///< another element is expected here
+  order,            ///< an attribute is in the wrong place or occurs twice
   length,           ///< indefinite, not in its shortest form, or not the fixed one
   version,          ///< not kVersion
-  role,             ///< unknown, or not the one that the reader asked for
+  role,             ///< unknown, or not the one that the reader expects
   subject,          ///< 0 for a publisher or subscriber
   integer,          ///< empty, negative, not in its shortest form, or above 2^64 - 1
-  marks,            ///< malformed, of an attribute that is not there, or in a requirement
-  name,             ///< of a user attribute: length, UTF-8, control characters
-  user_attributes,  ///< none or too many, or any at all where the reader knows none
+  marks,            ///< malformed, for an absent attribute, or in a requirement
+  name,             ///< of a user-defined attribute: length, UTF-8 or control characters
+  user_attributes,  ///< none, too many, or any at all if the reader knows none
   range,            ///< well-formed, but not representable in the reader's units
 };
 
-/// For logs and error texts.
+/// The text of an error for logs and error messages.
 constexpr const char* to_text(Error error) {
   switch (error) {
     case Error::none:
@@ -90,10 +90,10 @@ constexpr const char* to_text(Error error) {
   return "unknown error";
 }
 
-/// The answer of a reader.
+/// The result of a reader.
 struct Status {
   Error error = Error::none;
-  uint16_t offset = 0;  ///< of the octet or element that is refused; 0 without an error
+  uint16_t offset = 0;  ///< of the octet or element that is refused; 0 if there is no error
 
   constexpr bool ok() const { return error == Error::none; }
 };
@@ -121,16 +121,16 @@ constexpr bool tags_follow_table() {
 static_assert(tags_follow_table() && kAttributes <= 30,
               "a tag is the attribute's index + 1, and of one octet (X.690, 8.1.2.2)");
 
-/// Of the BIT STRING that marks all attributes.
+/// The octets of the BIT STRING with a mark for each attribute.
 constexpr size_t kMarkOctets = (kAttributes + 7) / 8;
 static_assert(kMarkOctets <= sizeof(AttributeBits), "the marks are held as one bit each");
 
-/// The mark of an attribute in the octets of the BIT STRING, whose first bit is the highest.
+/// The mark of an attribute in the BIT STRING, whose first bit is the highest.
 constexpr AttributeBits mark_of(Attribute a) {
   return static_cast<AttributeBits>(1U << (8 * kMarkOctets - 1) >> index_of(a));
 }
 
-// Largest elements, header included.
+// Sizes of the largest elements, header included.
 constexpr size_t kMaxInteger = 2 + 1 + kMaxMagnitude;
 constexpr size_t kMaxAttributes = 2 + 3 + kMarkOctets + kAttributes * kMaxInteger;
 constexpr size_t kMaxUserAttribute = 2 + (2 + kMaxName) + kMaxInteger + 3;
@@ -138,9 +138,9 @@ constexpr size_t kHead = 3 + 3 + 2 + kSubjectSize;  // version, role, subject
 
 }  // namespace detail
 
-/// Largest encoding without user attributes.
+/// The size of the largest encoding without user-defined attributes.
 constexpr size_t kMaxPlainSize = 2 + detail::kHead + detail::kMaxAttributes;
-/// Largest encoding.
+/// The size of the largest encoding.
 constexpr size_t kMaxSize =
     4 + detail::kHead + detail::kMaxAttributes + 4 + kMaxUserAttributes * detail::kMaxUserAttribute;
 static_assert(kAttributes != 8 || (kMaxPlainSize == 112 && kMaxSize == 1414),
@@ -152,7 +152,8 @@ constexpr bool within(uint8_t octet, uint8_t from, uint8_t to) {
   return octet >= from && octet <= to;
 }
 
-/// Octets of the well-formed sequence of RFC 3629, section 4, that starts at text[at]; 0 for none.
+/// The length of the well-formed UTF-8 sequence (RFC 3629, section 4) that starts at text[at]; 0 if
+/// there is none.
 template <class Octet>
 constexpr size_t utf8_sequence(const Octet* text, size_t at, size_t end) {
   const auto first = static_cast<uint8_t>(text[at]);
@@ -168,7 +169,8 @@ constexpr size_t utf8_sequence(const Octet* text, size_t at, size_t end) {
   return length;
 }
 
-/// 1 to kMaxName octets of UTF-8 without the control characters U+0000 to U+001F and U+007F.
+/// Whether the text is a valid name: 1 to kMaxName octets of UTF-8 without the control characters
+/// U+0000 to U+001F and U+007F.
 template <class Octet>
 constexpr bool is_name(const Octet* text, size_t size) {
   if (size == 0 || size > kMaxName) return false;
@@ -181,7 +183,7 @@ constexpr bool is_name(const Octet* text, size_t size) {
   return true;
 }
 
-/// Order of names by their octets.
+/// The order of names, by their octets.
 template <class Octet>
 constexpr bool name_less(const Octet* a, size_t a_size, const Octet* b, size_t b_size) {
   for (size_t i = 0; i < a_size && i < b_size; ++i)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Reads the run-time representation straight into the units of a small node: no 64-bit value is
-// made, and what the node cannot check it refuses. C++14, freestanding.
+// Reads the run-time representation directly into the units of a small node, without 64-bit values.
+// What the node cannot check is refused. C++14, freestanding.
 #pragma once
 #include "mlcca/der_decode.hpp"
 #include "mlcca/narrow.hpp"
@@ -8,8 +8,8 @@
 namespace mlcca {
 namespace der {
 
-/// What an encoding says, in the units of a node. A requirement comes from a publisher or
-/// subscriber, a provision from a network.
+/// A decoded channel in the units of a node. A requirement comes from a publisher or subscriber, a
+/// provision from a network.
 template <class Units, Side S>
 struct NarrowDecoded {
   Role role = S == Side::provision ? Role::network : Role::subscriber;
@@ -51,8 +51,9 @@ class NarrowSink {
 
 }  // namespace detail
 
-/// Reads an encoding of `size` octets, at most kMaxPlainSize, without user attributes: a node that
-/// does not know an attribute cannot check it, so it refuses. On an error *out is left alone.
+/// Decodes an encoding of at most kMaxPlainSize octets without user-defined attributes: a node
+/// cannot check an attribute that it does not know, so it refuses it. If there is an error, *out is
+/// unchanged.
 template <class Units, Side S>
 __attribute__((warn_unused_result)) constexpr Status decode(const uint8_t* data, size_t size,
                                                             NarrowDecoded<Units, S>* out) {

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Exact intermediate results of fixed size for the two compositions that are not integer:
-// reciprocal sums of rates and products of survival probabilities.
+// Exact intermediate results of fixed size, for the two compositions that need more than 64 bits:
+// reciprocal sums of rates and products of survival probabilities. C++14, freestanding.
 #pragma once
 #include "mlcca/arithmetic.hpp"
 
 namespace mlcca {
 
-/// Largest number of hops that compose() takes; core::kMaxHops is the same.
+/// The most hops that compose() accepts; core::kMaxHops has the same value.
 constexpr size_t kMaxComposedHops = 16;
 
 namespace detail {
 
-/// An unsigned integer that holds the product of kMaxComposedHops Values, in limbs of 32 bits.
+/// An unsigned integer that can hold the product of kMaxComposedHops Values, in limbs of 32 bits.
 class Wide {
  public:
   constexpr explicit Wide(Value v) : size_(2) {
@@ -20,7 +20,7 @@ class Wide {
     trim();
   }
 
-  /// *this = *this * factor + term, which must fit.
+  /// *this = *this * factor + term. The result must fit.
   constexpr void multiply_add(Value factor, const Wide& term) {
     const Value low = factor & kLowHalf;
     const Value high = factor >> 32;
@@ -47,8 +47,8 @@ class Wide {
     return false;
   }
 
-  /// n / d rounded down; d is not 0 and the result fits. Each round takes off a multiple of d that
-  /// is never too large and at most 2^-30 too small.
+  /// n / d rounded down. d must not be 0, and the result must fit. Each round subtracts a multiple
+  /// of d that is never too large and at most 2^-30 (relative) too small.
   friend constexpr Value quotient(Wide n, const Wide& d) {
     Value result = 0;
     while (!(n < d)) {
@@ -81,7 +81,7 @@ class Wide {
     const Value low = limb(first) | (limb(first + 1) << 32);
     return rest == 0 ? low : (low >> rest) | (limb(first + 2) << (64 - rest));
   }
-  /// *this -= d * factor, which is not larger than *this.
+  /// *this -= d * factor, which must not exceed *this.
   constexpr void subtract_product(const Wide& d, Value factor) {
     subtract_shifted(d, factor & kLowHalf, 0);
     subtract_shifted(d, factor >> 32, 1);
@@ -102,8 +102,8 @@ class Wide {
   size_t size_ = 0;
 };
 
-/// 1 / (1/rate[0] + 1/rate[1] + ...), rounded down once. At most kMaxComposedHops rates; one that
-/// is 0 gives 0.
+/// Computes 1 / (1/rate[0] + 1/rate[1] + ...), rounded down once, for at most kMaxComposedHops
+/// rates. It is 0 if a rate is 0, and kUnbounded without rates.
 class ReciprocalSum {
  public:
   constexpr void add(Value rate) {
@@ -126,18 +126,20 @@ class ReciprocalSum {
  private:
   Wide product_ = Wide(1);
   Wide sum_ = Wide(0);
-  Value only_ = kUnbounded;  ///< of no rate at all: no bound
+  Value only_ = kUnbounded;  ///< without any rate there is no bound
   size_t count_ = 0;
   bool stopped_ = false;
 };
 
-/// The product of probabilities of survival, exact in base 1e9, as probabilities of 1e-18 each.
+/// The product of survival probabilities, exact in base 1e9. The survival of an event of several
+/// frames is rounded down to units of 1e-18.
 class Survival {
  public:
-  static constexpr Value kFine = kCertainLoss * kCertainLoss;  ///< one, in units of 1e-18
+  static constexpr Value kFine =
+      kCertainLoss * kCertainLoss;  ///< probability one, in units of 1e-18
 
-  /// An event of `frames` frames, each of which is lost with `loss` (1e-9). 0 frames means that
-  /// their number is not known.
+  /// Adds a hop: an event has `frames` frames, each of which is lost with probability `loss`
+  /// (1e-9). 0 frames: their number is unknown, so the loss is certain.
   constexpr void add(Value loss, uint16_t frames) {
     if (loss == 0) return;
     if (loss >= kCertainLoss || frames == 0) {
@@ -149,7 +151,7 @@ class Survival {
       multiply(frame, 0);
     } else {
       const Value event = power(frame * kCertainLoss, frames);
-      // Less than 1e-9 survives: the loss is rounded up to certain, whatever the other hops do.
+      // If less than 1e-9 survives, the loss rounds up to certain, whatever the other hops do.
       certain_loss_ = certain_loss_ || event < kCertainLoss;
       multiply(event % kCertainLoss, event / kCertainLoss);
     }
@@ -161,7 +163,7 @@ class Survival {
   }
 
  private:
-  /// Multiplies by low/1e9, or, where high is not 0, by (high * 1e9 + low)/1e18.
+  /// Multiplies by low/1e9, or if high is not 0 by (high * 1e9 + low)/1e18.
   constexpr void multiply(Value low, Value high) {
     const size_t growth = high != 0 ? 2 : 1;
     const size_t limbs = size_ == 0 ? 0 : size_ + growth;
@@ -179,7 +181,7 @@ class Survival {
     limb_[0] = static_cast<uint32_t>(low);
     limb_[growth - 1] = static_cast<uint32_t>(high != 0 ? high : low);
   }
-  /// a * b of two probabilities in units of 1e-18, rounded down.
+  /// The product of two probabilities in units of 1e-18, rounded down.
   static constexpr Value multiply_fine(Value a, Value b) {
     const Value a_high = a / kCertainLoss;
     const Value a_low = a % kCertainLoss;
@@ -188,7 +190,7 @@ class Survival {
     const Value middle = a_high * b_low + a_low * b_high + a_low * b_low / kCertainLoss;
     return a_high * b_high + middle / kCertainLoss;
   }
-  /// base^n of a probability in units of 1e-18, rounded down in each step.
+  /// The n-th power of a probability in units of 1e-18, rounded down in each step.
   static constexpr Value power(Value base, uint16_t n) {
     Value result = kFine;
     for (; n != 0; n = static_cast<uint16_t>(n / 2)) {

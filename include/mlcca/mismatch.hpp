@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The words of the compile-time error, and how a value that failed becomes the attribute as it was
-// written. All of it is instantiated only on the way to an error. C++14, freestanding.
+// The vocabulary of the compile-time error, and how a failed value is shown as the attribute that
+// the user wrote. All of it is instantiated only on the way to an error. C++14, freestanding.
 #pragma once
 #include "mlcca/attribute_list.hpp"
 #include "mlcca/check.hpp"
@@ -8,8 +8,8 @@
 
 namespace mlcca {
 
-/// The error: where (HOP, END_TO_END, or nothing for a single layer), what is provided, what is
-/// required.
+/// The error. `What` states where (HOP or END_TO_END, nothing for a single layer), what is
+/// provided, and what is required.
 template <class... What>
 struct ATTRIBUTES_MISMATCH {};
 
@@ -21,11 +21,11 @@ struct PUBLISHED {};  ///< what the publisher sends
 struct NOT_PUBLISHED {};
 template <class A, class... Why>
 struct REQUIRED {};
-struct AS_DEADLINE {};  ///< why: a Period without a Deadline implies one
+struct AS_DEADLINE {};  ///< the reason: a Period without a Deadline implies one
 template <class A>
-struct ACCEPTED {};  ///< the most that the subscriber takes
+struct ACCEPTED {};  ///< the most that the subscriber accepts
 template <unsigned Number>
-struct HOP {};  ///< of the route, counted from 1
+struct HOP {};  ///< position on the route, counted from 1
 struct END_TO_END {};
 
 namespace detail {
@@ -39,7 +39,7 @@ struct Select<false, Then, Else> {
   using Type = Else;
 };
 
-/// The first of As that says A with this value, as it was written; void when none does.
+/// The first of As that states attribute A with value V, as it was written; void if there is none.
 template <Attribute A, Value V, class... As>
 struct Written {
   using Type = void;
@@ -50,7 +50,7 @@ struct Written<A, V, First, Rest...> {
                                First, typename Written<A, V, Rest...>::Type>::Type;
 };
 
-/// The first that is not void; void when there is none.
+/// The first type that is not void; void if there is none.
 template <class... All>
 struct FirstOf {
   using Type = void;
@@ -62,7 +62,7 @@ struct FirstOf<First, Rest...> {
 template <class... Rest>
 struct FirstOf<void, Rest...> : FirstOf<Rest...> {};
 
-/// The same in a list, or in both ends of a requirement.
+/// Searches a list, or both lists of a Union, for the attribute as it was written.
 template <class List, Attribute A, Value V>
 struct Find;
 template <class... As, Attribute A, Value V>
@@ -71,8 +71,8 @@ template <class Publisher, class Subscriber, Attribute A, Value V>
 struct Find<Union<Publisher, Subscriber>, A, V>
     : FirstOf<typename Find<Publisher, A, V>::Type, typename Find<Subscriber, A, V>::Type> {};
 
-/// A provided value as it was written: as the attribute, as the Period that promises a Latency, or,
-/// where it was computed, by name.
+/// A provided value as it was written: as the attribute, as the Period that promises a Latency, or
+/// if it was computed, as the attribute with that value.
 template <class Provision, Attribute A, Value V, bool IsDynamic>
 struct ProvidedAs
     : FirstOf<typename Find<Provision, A, V>::Type,
@@ -90,7 +90,7 @@ struct RequiredAs<void, ImpliedBy> {
   using Type = REQUIRED<ImpliedBy, AS_DEADLINE>;
 };
 
-/// The row to be shown: the first that is unfit. A Deadline that is only implied comes last.
+/// The row to be shown: the first unfit one. A Deadline that is only implied is shown last.
 constexpr Comparison first_unfit_row(const CheckResult& check, bool deadline_is_implied) {
   for (size_t i = 0; i < check.count; ++i)
     if (check.rows[i].outcome == Outcome::unfit &&
@@ -122,7 +122,7 @@ struct NetworkMismatch {
   error();
 };
 
-/// The error of a publisher that does not send what a subscriber asks for.
+/// The error of a publisher that does not send what a subscriber requires.
 template <class Publisher, class Subscriber>
 struct TrafficMismatch {
   static constexpr Comparison kRow =

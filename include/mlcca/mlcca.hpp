@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The whole attribute core: attributes, units, composition, the five checks, and the
-// same at compile time.
-// C++14, freestanding, header-only.
+// The complete attribute core: attributes, units, composition, the five checks, and the checks at
+// compile time. C++14, freestanding, header-only.
 #pragma once
 #include "mlcca/arithmetic.hpp"
 #include "mlcca/attribute.hpp"

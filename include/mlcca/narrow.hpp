@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Attribute sets for nodes that need not pay for 64-bit nanoseconds: 16 or 32 bits a value, in
-// units that the node chooses, and check 1 (figure 5 of the paper) over them. C++14, freestanding:
-// no heap, and in the check neither division nor anything wider than the node's own value.
+// Attribute sets for nodes that cannot afford 64-bit nanoseconds: values of 16 or 32 bits in units
+// that the node chooses, and check 1 (figure 5 of the paper) over them. C++14, freestanding, no
+// heap; the check needs neither a division nor anything wider than the node's own value.
 #pragma once
 #include "mlcca/attribute.hpp"
 #include "mlcca/satisfies.hpp"
@@ -9,17 +9,18 @@
 
 namespace mlcca {
 
-/// Units for 16 bits: times up to 65.5 s, rates up to 1 MB/s (a CAN bus carries 0.1), any loss.
+/// Units for 16-bit values: times up to 65.5 s, rates up to 1 MB/s (a CAN bus carries 0.1), any
+/// loss.
 struct Units16 {
   using Value = uint16_t;                     ///< uint16_t or uint32_t
-  static constexpr uint32_t kTime = 1000000;  ///< of Latency, Jitter, Deadline, Period: ns
-  static constexpr uint32_t kRate = 16;       ///< of Bandwidth: bytes/s
-  static constexpr uint32_t kLoss = 100000;   ///< of PacketLoss: 1e-9
-  static constexpr uint32_t kEvents = 1;      ///< of Omission: events
-  static constexpr uint32_t kSize = 1;        ///< of MaxPayload: bytes
+  static constexpr uint32_t kTime = 1000000;  ///< ns per unit of all four times
+  static constexpr uint32_t kRate = 16;       ///< bytes/s per unit of Bandwidth
+  static constexpr uint32_t kLoss = 100000;   ///< 1e-9 per unit of PacketLoss
+  static constexpr uint32_t kEvents = 1;      ///< events per unit of Omission
+  static constexpr uint32_t kSize = 1;        ///< bytes per unit of MaxPayload
 };
 
-/// Units for 32 bits: times up to 4294 s in microseconds, rates up to 4.29 GB/s, loss as it is.
+/// Units for 32-bit values: times up to 4294 s in microseconds, rates up to 4.29 GB/s, any loss.
 struct Units32 {
   using Value = uint32_t;
   static constexpr uint32_t kTime = 1000;
@@ -29,20 +30,21 @@ struct Units32 {
   static constexpr uint32_t kSize = 1;
 };
 
-/// Which way a value rounds, what an absent one means and which one follows from a Period.
+/// Whether a set is a requirement or a provision. It decides how values are rounded, what an absent
+/// value means, and what follows from a Period.
 enum class Side : uint8_t { requirement, provision };
 
 namespace detail {
 
-/// 1 << index_of(a), in as few bits as there are attributes: a processor that shifts by one place
-/// at a time does so with less.
+/// 1 << index_of(a) as AttributeBits. A processor that shifts one place at a time needs fewer steps
+/// for so few bits.
 constexpr AttributeBits narrow_bit(Attribute a) {
   AttributeBits bit = 1;
   for (auto i = static_cast<uint8_t>(a); i != 0; --i) bit = static_cast<AttributeBits>(bit + bit);
   return bit;
 }
 
-/// A bit for each attribute that is better when larger.
+/// The set of attributes for which larger is better, one bit each.
 constexpr AttributeBits larger_is_better() {
   unsigned bits = 0;
   for (size_t i = 0; i < kAttributes; ++i)
@@ -53,8 +55,8 @@ constexpr AttributeBits kLargerIsBetter = larger_is_better();
 
 constexpr bool narrow_larger(Attribute a) { return (kLargerIsBetter & narrow_bit(a)) != 0; }
 
-/// Inner units (the table's) in one unit of the node. Comparisons, as they are code: a table would
-/// lie in RAM on an AVR.
+/// The size of the node's unit in units of the table. It consists of comparisons, because a table
+/// would occupy RAM on an AVR.
 template <class Units>
 constexpr uint32_t narrow_unit(Attribute a) {
   if (a < Attribute::bandwidth) return Units::kTime;
@@ -66,11 +68,11 @@ static_assert(kAttributes == 8, "a new attribute needs its unit");
 
 constexpr bool is_unit(uint32_t unit) { return unit != 0 && unit < 0x80000000; }
 
-/// magnitude / unit for a magnitude of `size` octets, the highest first, bit by bit: of all ways to
-/// divide 64 bits the one that is smallest as code. Rounded up or down; the largest Count when the
-/// quotient does not fit below it.
+/// magnitude / unit, where magnitude has `size` octets, the highest first. It divides bit by bit,
+/// which is the smallest code of all ways to divide 64 bits. Rounded up or down; the largest Count
+/// if the quotient does not fit below it.
 ///
-/// Not inlined, so that it lives in the registers that a function need not save.
+/// Not inlined, so that it uses only registers that a function need not save.
 template <class Count>
 __attribute__((noinline)) constexpr Count divide_magnitude(const uint8_t* magnitude, uint8_t size,
                                                            uint32_t unit, bool up) {
@@ -97,13 +99,13 @@ __attribute__((noinline)) constexpr Count divide_magnitude(const uint8_t* magnit
 
 }  // namespace detail
 
-/// Values of some of the attributes on one side of the check, in the node's units and normalised: a
-/// requirement with a Period and no Deadline has the Deadline, a provision with a Period and no
-/// Latency has the Latency, and as a Deadline it has its Latency.
+/// Values of some attributes on one side of the check, in the node's units and normalised: a
+/// requirement with a Period and no Deadline gets the Deadline, a provision with a Period and no
+/// Latency gets the Latency, and the Latency of a provision is stored as its Deadline too.
 ///
-/// It is made from an AttributeSet (narrow(), to_narrow()) or an encoding (der_narrow.hpp), which
-/// round requirements towards harder and provisions towards worse. The largest value stands for "no
-/// bound" or more than fits: a provision saturates there, a requirement cannot have it.
+/// It is made from an AttributeSet (narrow(), to_narrow()) or from an encoding (der_narrow.hpp).
+/// These round requirements towards harder and provisions towards worse. The largest value means
+/// "no bound" or "does not fit": a provision saturates there, a requirement cannot have it.
 template <class Units, Side S>
 class NarrowSet {
  public:
@@ -116,15 +118,15 @@ class NarrowSet {
 
   constexpr bool has(Attribute a) const { return (present_ & detail::narrow_bit(a)) != 0; }
   constexpr bool is_dynamic(Attribute a) const { return (dynamic_ & detail::narrow_bit(a)) != 0; }
-  /// In the node's unit; 0 where the attribute is absent.
+  /// The value in the node's unit; 0 if the attribute is absent.
   constexpr Count operator[](Attribute a) const {
     if (!has(a)) return 0;
     return quality_of(detail::narrow_bit(a), quality_[index_of(a)]);
   }
 
-  /// Sets one attribute to a magnitude in the inner unit, the highest octet first. False, and
-  /// nothing is set, for a requirement that is too large. A mark means nothing in a requirement, a
-  /// Deadline nothing in a provision. After the last one: normalise().
+  /// Sets one attribute to a magnitude in the unit of the table, the highest octet first. Returns
+  /// false and sets nothing if a requirement is too large. A dynamic mark has no meaning in a
+  /// requirement, a Deadline none in a provision. Call normalise() after the last attribute.
   constexpr bool set(Attribute a, const uint8_t* magnitude, uint8_t size, bool dynamic) {
     const AttributeBits bit = detail::narrow_bit(a);
     const bool up = ((detail::kLargerIsBetter & bit) != 0) == (S == Side::requirement);
@@ -138,7 +140,7 @@ class NarrowSet {
     return true;
   }
 
-  /// Adds what follows from a Period, and to a provision what a Deadline is held against.
+  /// Adds what follows from a Period, and to a provision the Latency as its Deadline.
   constexpr void normalise() {
     if (S == Side::requirement) {
       if (!has(Attribute::deadline)) copy(Attribute::period, Attribute::deadline);
@@ -156,7 +158,7 @@ class NarrowSet {
     return *this;
   }
 
-  /// Takes over what is harder of another requirement.
+  /// Takes over all values of another requirement that are harder.
   constexpr NarrowSet& unite(const NarrowSet& other) {
     static_assert(S == Side::requirement, "provisions compose, see compose()");
     for (uint8_t i = 0; i < kAttributes; ++i)
@@ -165,21 +167,21 @@ class NarrowSet {
     return *this;
   }
 
-  /// A number that is better when larger, whatever the attribute; 0 for an absent one.
+  /// The value in a form that is better when larger, for any attribute; 0 if it is absent.
   constexpr Count quality(uint8_t index) const { return quality_[index]; }
-  /// A bit for each attribute, 1 << index_of(attribute).
+  /// One bit for each attribute that is present, 1 << index_of(attribute).
   constexpr AttributeBits present() const { return present_; }
   constexpr AttributeBits dynamic() const { return dynamic_; }
 
  private:
   static constexpr Count kNoBound = static_cast<Count>(~Count{0});
-  /// No loss is more than certain.
+  /// A loss of 100 % in the node's unit; no loss is larger.
   static constexpr uint32_t kCertainUnits =
       static_cast<uint32_t>(kCertainLoss / Units::kLoss + (kCertainLoss % Units::kLoss != 0));
   static constexpr Count kCertain =
       kCertainUnits < kNoBound ? static_cast<Count>(kCertainUnits) : kNoBound;
 
-  /// Its own inverse.
+  /// Converts between value and quality; it is its own inverse.
   static constexpr Count quality_of(AttributeBits bit, Count count) {
     return (detail::kLargerIsBetter & bit) != 0 ? count : static_cast<Count>(~count);
   }
@@ -201,7 +203,7 @@ using NarrowRequirement = NarrowSet<Units, Side::requirement>;
 template <class Units>
 using NarrowProvision = NarrowSet<Units, Side::provision>;
 
-/// The answer of check_layer(): a bit for each required attribute, 1 << index_of(attribute).
+/// The result of check_layer(): one bit for each required attribute, 1 << index_of(attribute).
 struct NarrowCheck {
   AttributeBits unfit = 0;
   AttributeBits run_time = 0;
@@ -216,9 +218,9 @@ struct NarrowCheck {
   }
 };
 
-/// Check 1: a requirement against one network layer, by the rules of check_layer() over
-/// AttributeSets and with the same outcome where every value is a whole number of units; otherwise
-/// never better.
+/// Check 1: a requirement against one network layer. The rules are those of check_layer() for
+/// AttributeSets. The outcome is the same if every value is a multiple of its unit, otherwise never
+/// better.
 template <class Units>
 constexpr NarrowCheck check_layer(const NarrowSet<Units, Side::requirement>& requirement,
                                   const NarrowSet<Units, Side::provision>& provision) {
@@ -235,9 +237,9 @@ constexpr NarrowCheck check_layer(const NarrowSet<Units, Side::requirement>& req
   return check;
 }
 
-/// What publisher and subscriber together ask of the networks between them, by the rules of
-/// requirement_between() over AttributeSets: the harder value of each; the publisher's Jitter asks
-/// nothing; the subscriber's MaxPayload counts only when the publisher states none.
+/// The requirement of a publisher and a subscriber towards the networks between them, by the rules
+/// of requirement_between() for AttributeSets: the harder of both values; the publisher's Jitter
+/// requires nothing; the subscriber's MaxPayload counts only if the publisher states none.
 template <class Units>
 constexpr NarrowSet<Units, Side::requirement> requirement_between(
     NarrowSet<Units, Side::requirement> publisher, NarrowSet<Units, Side::requirement> subscriber) {
@@ -246,7 +248,8 @@ constexpr NarrowSet<Units, Side::requirement> requirement_between(
   return publisher.unite(subscriber);
 }
 
-/// Converts a set at run time. False, and *out is left alone, for a requirement that is too large.
+/// Converts a set at run time. Returns false and leaves *out unchanged if a requirement is too
+/// large.
 template <class Units, Side S>
 __attribute__((warn_unused_result)) constexpr bool to_narrow(const AttributeSet& set,
                                                              NarrowSet<Units, S>* out) {
@@ -266,7 +269,7 @@ __attribute__((warn_unused_result)) constexpr bool to_narrow(const AttributeSet&
 
 namespace detail {
 
-/// Whether each value is within the units. At compile time that is asked of a provision, too.
+/// Whether each value fits the units. At compile time that is demanded of provisions too.
 template <class Units, Side S>
 constexpr bool fits(const AttributeSet& set) {
   NarrowSet<Units, S> narrow;
@@ -283,9 +286,9 @@ constexpr bool fits(const AttributeSet& set) {
 
 }  // namespace detail
 
-/// Converts an attribute list (any type with a set()) at compile time, and refuses there what is
-/// too large for the units: `constexpr auto kNeeds = narrow<Units16, Side::requirement,
-/// Attributes>();`
+/// Converts an attribute list (any type with a set()) at compile time; values that are too large
+/// for the units do not compile. Example:
+/// `constexpr auto kNeeds = narrow<Units16, Side::requirement, Attributes>();`
 template <class Units, Side S, class Attributes>
 constexpr NarrowSet<Units, S> narrow() {
   static_assert(detail::fits<Units, S>(values_of<Attributes>()),

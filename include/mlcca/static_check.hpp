@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The checks at compile time. Each is an alias: `using check = Check<Spec::attributes, Can>;` says
-// nothing when the attributes fit; when they do not, whatever use is made of it is one error that
-// names the first mismatch. What is decided at run time passes: a best case refutes here, and it is
-// the daemon that grants. The rules are those of check.hpp. C++14, freestanding.
+// The checks at compile time. Each is an alias: `using check = Check<Spec::attributes, Can>;`
+// compiles if the attributes fit; if not, there is one error that names the first mismatch. A best
+// case can refute here; otherwise it passes, and the daemon decides at run time. The rules are
+// those of check.hpp. C++14, freestanding.
 #pragma once
 #include "mlcca/attribute_list.hpp"
 #include "mlcca/check.hpp"
@@ -12,22 +12,22 @@
 
 namespace mlcca {
 
-/// A hop of a route. Provision is an AttributeList; Frames is how many frames of this network carry
-/// one event, 0 when that is not known.
+/// A network as a hop of a route. Provision is an AttributeList. Frames: the number of frames of
+/// this network that carry one event; 0: unknown.
 template <class Provision, uint16_t Frames = 1>
 struct Network {
   using provision = Provision;
   static constexpr uint16_t kFrames = Frames;
   static constexpr bool kIsGateway = false;
 };
-/// A gateway between two networks: it limits rate, period and size only where it says so.
+/// A gateway between two networks. It limits rate, period and size only if it states them.
 template <class Provision>
 struct Gateway {
   using provision = Provision;
   static constexpr uint16_t kFrames = 1;
   static constexpr bool kIsGateway = true;
 };
-/// The way from publisher to subscriber: RouteOf<Network<Can>, Gateway<Pc>, Network<Mesh>>. Each
+/// The route from publisher to subscriber: RouteOf<Network<Can>, Gateway<Pc>, Network<Mesh>>. Each
 /// network is a medium of its own.
 template <class... Hops>
 struct RouteOf {
@@ -35,7 +35,7 @@ struct RouteOf {
                 "a route has 1 to 16 hops");
 };
 
-/// What a check is that passed.
+/// The type of a check that has passed.
 struct Fit {
   using fit = Fit;
   using type = Fit;
@@ -51,7 +51,7 @@ constexpr Finding finding_of(bool unfit, const ListValues& requirement) {
   return requirement.users == 0 ? Finding::fit : Finding::ask_users;
 }
 
-/// From a finding to the type that a check is. Only what is asked for is instantiated.
+/// Maps a finding to the type of a check. Only what is needed is instantiated.
 template <Finding>
 struct Verdict {
   template <class Question>
@@ -69,7 +69,7 @@ struct Verdict<Finding::ask_users> {
   answer();
 };
 
-/// The user's own attributes of a requirement against the hops of a route, or against one layer.
+/// The user-defined attributes of a requirement against the hops of a route, or one layer.
 template <class Requirement, bool IsRoute, class... Hops>
 struct UserQuestion {
   using Publisher = typename Ends<Requirement>::Publisher;
@@ -104,12 +104,12 @@ struct TrafficQuestion {
   using Mismatch = TrafficMismatch<Publisher, Subscriber>;
 };
 
-/// The hops of a route, each a medium of its own.
+/// The hops of a route; each is a medium of its own.
 struct Way {
   Hop hops[kMaxComposedHops];
   size_t count = 0;
 
-  /// False when the route is too long, which RouteOf refuses.
+  /// Returns false if the route is too long, which RouteOf refuses.
   constexpr bool add(const AttributeSet& provision, uint16_t frames, bool gateway) {
     if (count == kMaxComposedHops) return false;
     Hop& hop = hops[count];
@@ -131,8 +131,8 @@ constexpr Way way_of() {
   return way;
 }
 
-/// The index of the first hop that is unfit, the number of hops when only the whole way is, one
-/// more when nothing is.
+/// The index of the first unfit hop; the number of hops if only the complete route is unfit; one
+/// more if everything fits.
 constexpr size_t first_unfit_place(const AttributeSet& requirement, const Way& way,
                                    Value source_jitter) {
   for (size_t i = 0; i < way.count; ++i)
@@ -141,7 +141,7 @@ constexpr size_t first_unfit_place(const AttributeSet& requirement, const Way& w
   return whole.outcome == Outcome::unfit ? way.count : way.count + 1;
 }
 
-/// The rows of a hop, and of the whole way.
+/// The rows of one hop, and below those of the complete route.
 template <class Requirement, class Question, size_t Place>
 struct HopAnswer {
   static constexpr CheckResult check() {
@@ -174,7 +174,7 @@ struct RouteQuestion<Requirement, RouteOf<Hops...>> {
   static constexpr Finding kFinding =
       sizeof(RouteOf<Hops...>) != 0 && kWay.count == sizeof...(Hops) && kWay.count != 0
           ? finding_of(kPlace <= kWay.count, Requirement::kList)
-          : Finding::fit;  // RouteOf has refused it
+          : Finding::fit;  // RouteOf has refused the route
   using Mismatch =
       RouteMismatch<Requirement, RouteQuestion, kPlace, kPlace == sizeof...(Hops), Hops...>;
   using Users = UserQuestion<Requirement, true, Hops...>;
@@ -182,23 +182,23 @@ struct RouteQuestion<Requirement, RouteOf<Hops...>> {
 
 }  // namespace detail
 
-/// Figure 5 of the paper: Attributes, an AttributeList or a Union, against one network layer's
-/// Provision, an AttributeList.
+/// Checks Attributes (an AttributeList or a Union) against the Provision (an AttributeList) of one
+/// network layer: figure 5 of the paper.
 template <class Attributes, class Provision>
 using Check =
     typename decltype(detail::Verdict<detail::layer_finding(Attributes::kList, Provision::kList)>::
                           template answer<detail::LayerQuestion<Attributes, Provision>>())::fit;
 
-/// What a publisher sends against what a subscriber asks of it: Period, Bandwidth, MaxPayload and
-/// Jitter of the source. Both are AttributeLists.
+/// Checks what a publisher sends against what a subscriber requires of it: Period, Bandwidth,
+/// MaxPayload and the Jitter of the source. Both are AttributeLists.
 template <class Publisher, class Subscriber>
 using CheckTraffic =
     typename decltype(detail::Verdict<detail::traffic_finding(Publisher::kList,
                                                               Subscriber::kList)>::
                           template answer<detail::TrafficQuestion<Publisher, Subscriber>>())::fit;
 
-/// Attributes, an AttributeList or a Union, against each hop of a RouteOf and against all of them
-/// together. The Jitter of a Union's publisher is added to that of the route.
+/// Checks Attributes (an AttributeList or a Union) against each hop of a RouteOf and against the
+/// complete route. The Jitter of a Union's publisher is added to that of the route.
 template <class Attributes, class Route>
 using CheckRoute =
     typename decltype(detail::Verdict<detail::RouteQuestion<Attributes, Route>::kFinding>::

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A publisher and a subscriber as one requirement, at compile time. C++14, freestanding.
+// A publisher and a subscriber as one requirement at compile time. C++14, freestanding.
 #pragma once
 #include "mlcca/attribute_list.hpp"
 #include "mlcca/check.hpp"
 
 namespace mlcca {
 
-/// What publisher and subscriber, two AttributeLists, together ask of the networks between them:
-/// requirement_between(). Stands for the attributes in Check and CheckRoute.
+/// The requirement of a publisher and a subscriber (two AttributeLists) towards the networks
+/// between them, by requirement_between(). Use it as the attributes of Check and CheckRoute.
 template <class Publisher, class Subscriber>
 struct Union {
   static constexpr detail::ListValues kList = {
@@ -17,7 +17,7 @@ struct Union {
 
 namespace detail {
 
-/// The two lists of a requirement; a list alone is a subscriber's.
+/// The two lists of a requirement; a single list is taken as the subscriber's.
 template <class Requirement>
 struct Ends {
   using Publisher = AttributeList<>;

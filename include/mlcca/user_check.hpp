@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Attributes of the user's own at compile time: found by their template, compared and composed by
-// the same functions as the others. Instantiated only where a requirement has one.
-// C++14, freestanding.
+// Checks of user-defined attributes at compile time. They are identified by their template, and
+// compared and composed by the same functions as the built-in ones. Instantiated only if a
+// requirement has one. C++14, freestanding.
 #pragma once
 #include "mlcca/attribute_list.hpp"
 #include "mlcca/compose.hpp"
@@ -11,25 +11,26 @@
 namespace mlcca {
 namespace detail {
 
-/// Most attributes of the user's own in one list.
+/// The most user-defined attributes of one list.
 constexpr size_t kMaxUserAttributes = 16;
 
 struct UserValue {
-  size_t index = 0;  ///< in the list
+  size_t index = 0;  ///< index in the list
   Value value = 0;
   Better better = Better::smaller;
   Composition composition = Composition::sum;
   bool dynamic = false;
 };
 
-/// The attributes of the user's own in one list.
+/// The user-defined attributes of one list.
 struct UserValues {
   UserValue values[kMaxUserAttributes];
   size_t count = 0;
-  size_t seen = 0;  ///< attributes of the list so far, the table's among them
+  size_t seen = 0;  ///< number of attributes of the list so far, built-in ones included
   bool distinct = true;
 
-  /// The value of the attribute with that index in the list; count when there is none.
+  /// The position in `values` of the attribute with that index in the list; `count` if there is
+  /// none.
   constexpr size_t find(size_t index) const {
     size_t i = 0;
     while (i < count && values[i].index != index) ++i;
@@ -39,7 +40,7 @@ struct UserValues {
     ++seen;
     return false;
   }
-  /// `first` is where the list has the attribute first.
+  /// Adds an attribute. `first`: the first index of its template in the list, to detect duplicates.
   constexpr bool add(size_t first, Value value, Better better, Composition composition,
                      bool dynamic) {
     const size_t index = seen++;
@@ -55,7 +56,7 @@ struct UserValues {
   }
 };
 
-/// Where the attributes of the user's own in one list are in another list.
+/// For each user-defined attribute of one list its index in another list.
 struct UserPlaces {
   size_t places[kMaxUserAttributes] = {};
   size_t count = 0;
@@ -76,7 +77,7 @@ struct IsSame<A, A> {
   static constexpr bool kSame = true;
 };
 
-/// An element of a list: those of the table have no tag.
+/// An element of a list. Built-in attributes have no tag.
 template <class A, bool IsUser = (A::kCode & kUserCode) != 0>
 struct Element {
   using Tag = void;
@@ -90,14 +91,14 @@ struct Element {
   }
 };
 
-/// Where an attribute is in a list first. The same for all its values, so that a compiler looks it
-/// up once. An address for each tag would be simpler, but avr-g++ 5.4 does not compare addresses at
-/// compile time.
+/// Finds the first index of an attribute in a list. It does not depend on the value, so the
+/// compiler instantiates it once per attribute. An address per tag would be simpler, but avr-g++
+/// 5.4 does not compare addresses at compile time.
 template <class Tag, class List>
 struct PlaceIn;
 template <class Tag, class... As>
 struct PlaceIn<Tag, AttributeList<As...>> {
-  /// The length of the list when it is not there.
+  /// The index, or the length of the list if the attribute is not in it.
   static constexpr size_t place() {
     const bool same[] = {IsSame<Tag, typename Element<As>::Tag>::kSame..., true};
     size_t i = 0;
@@ -120,7 +121,7 @@ struct Element<A, true> {
   }
 };
 
-/// Of a list: the values, and where its attributes are in a provision.
+/// The user-defined attributes of a list: their values, and their indices in a provision.
 template <class List>
 struct UsersOf;
 template <class... As>
@@ -140,7 +141,7 @@ struct UsersOf<AttributeList<As...>> {
   }
 };
 
-/// The values of a list that is in order.
+/// The values of a list, after checking that it is valid.
 template <class List>
 constexpr UserValues users_of() {
   static_assert(List::kList.users <= kMaxUserAttributes,
@@ -150,18 +151,20 @@ constexpr UserValues users_of() {
   return UsersOf<List>::values();
 }
 
-/// What a hop provides of them.
+/// One hop with the user-defined attributes that it provides.
 struct UserHop {
   UserValues provision;
-  UserPlaces places[2];  ///< of the attributes of publisher and subscriber in the provision
-  uint16_t frames;       ///< of an event
+  UserPlaces places[2];  ///< for the attributes of publisher and subscriber: their indices in the
+                         ///< provision
+  uint16_t frames;       ///< frames of one event
   bool gateway;
 };
 
-/// What an attribute of the user meets on a hop, or (place == number of hops) end to end.
+/// The comparison of a user-defined attribute with one hop, or with the complete route if `place`
+/// is the number of hops.
 struct UserFinding {
   Outcome outcome = Outcome::fit;
-  size_t attribute = 0;  ///< index in the publisher's list and then the subscriber's
+  size_t attribute = 0;  ///< index in the publisher's list followed by the subscriber's
   size_t place = 0;
   bool known = false;
   bool dynamic = false;
@@ -173,8 +176,8 @@ struct UserFinding {
   }
 };
 
-/// Attribute `i` of an end against every hop and the whole route. A gateway that says nothing of a
-/// maximum or a minimum does not limit it and is not asked.
+/// Compares attribute `i` of an endpoint with every hop and with the complete route. A gateway that
+/// does not state a maximum or minimum does not limit it and is skipped.
 constexpr UserFinding check_user(const UserValues (&ends)[2], size_t end, size_t i,
                                  const UserHop* hops, size_t count) {
   const UserValue& required = ends[end].values[i];
@@ -200,7 +203,7 @@ constexpr UserFinding check_user(const UserValues (&ends)[2], size_t end, size_t
   return finding;
 }
 
-/// The first attribute of either end that is unfit; fit when there is none.
+/// The first unfit attribute of either endpoint; outcome fit if there is none.
 constexpr UserFinding check_users(const UserValues (&ends)[2], const UserHop* hops, size_t count) {
   for (size_t end = 0; end < 2; ++end)
     for (size_t i = 0; i < ends[end].count; ++i) {
@@ -220,7 +223,7 @@ constexpr UserHop hop_of(uint16_t frames, bool gateway) {
           gateway};
 }
 
-/// The same for AttributeLists and hops.
+/// check_users() for AttributeLists and hops.
 template <class Publisher, class Subscriber, class... Hops>
 constexpr UserFinding check_users_of() {
   const UserValues ends[] = {users_of<Publisher>(), users_of<Subscriber>()};
@@ -240,7 +243,7 @@ struct AtEnds;
 template <size_t Index, class... Ps, class... Ss>
 struct AtEnds<Index, AttributeList<Ps...>, AttributeList<Ss...>> : At<Index, Ps..., Ss...> {};
 
-/// The error for Question::kFound.
+/// The parts of the error for Question::kFound.
 template <class Question>
 struct UserMismatch {
   static constexpr UserFinding kFound = Question::kFound;
@@ -255,7 +258,7 @@ struct UserMismatch {
       typename Select<kFound.place == Question::kHopCount, END_TO_END, HOP<kFound.place + 1>>::Type;
 };
 
-/// On a route, which says where, and of a layer.
+/// The error for a route, which names the place, and below the one for a layer.
 template <class Question, bool IsRoute>
 struct UserError {
   static ATTRIBUTES_MISMATCH<typename UserMismatch<Question>::Place,

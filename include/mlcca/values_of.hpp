@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The values of an attribute list for those who know the attributes of the table only.
-// C++14, freestanding.
+// The values of an attribute list for code that only knows the built-in attributes. C++14,
+// freestanding.
 #pragma once
 #include "mlcca/attribute.hpp"
 
@@ -18,9 +18,9 @@ constexpr int users_in(...) {
 
 }  // namespace detail
 
-/// The set of an AttributeList, or of any type with a static constexpr set(). The user's own
-/// attributes are not in it, and to leave a requirement out would soften it: a list that has any is
-/// refused.
+/// The set of an AttributeList, or of any type with a static constexpr set(). It cannot contain
+/// user-defined attributes, and to leave out a requirement would weaken it: a list with any does
+/// not compile.
 template <class Attributes>
 constexpr AttributeSet values_of() {
   static_assert(detail::users_in<Attributes>(0) == 0,
