@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Completes the stated provision of a hop by computed values. A computed value replaces a best case
-// and fills what is not stated, but never a stated value.
+// and fills what is not stated, but never a stated value (except for provide_links()).
 #pragma once
 #include <cstddef>
 

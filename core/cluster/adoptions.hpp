@@ -22,9 +22,11 @@ class Adoptions {
   void step(View& view, bool joined, std::vector<Event>& events);
   /// Changes the vote on an adopted admission: this gateway cannot keep it any more, or now can.
   void vote(const Origin& origin, Vote vote, View& view, std::vector<Event>& events);
+  /// Takes the result of a transaction with a vote.
   void on_done(const Done& done);
   /// The membership is lost; the caller has closed everything.
   void lose(View& view);
+  /// The next vote that the store does not contain yet; nullopt if there is none.
   [[nodiscard]] std::optional<Work> next_work(const View& view, const Codec& codec) const;
   /// Deletes own votes on admissions that no longer exist. The view must contain all own
   /// transactions.

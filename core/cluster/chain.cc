@@ -96,6 +96,7 @@ Txn Chain::send(Work work, Beat beat, std::int64_t seen, Value now) {
   return txn;
 }
 
+/// Removes a sent transaction by its number; nullopt if it is not waited for.
 std::optional<Chain::Sent> Chain::take(std::uint64_t seq) {
   std::optional<Sent> sent;
   if (flight_ && flight_->seq == seq) {
@@ -110,6 +111,8 @@ std::optional<Chain::Sent> Chain::take(std::uint64_t seq) {
   return sent;
 }
 
+/// Takes note that a transaction was committed: it is a beat, so the lease is extended from when it
+/// was sent.
 void Chain::commit(Sent sent, std::int64_t revision, std::vector<Done>& done) {
   base_ = revision;
   joined_ = true;
@@ -121,6 +124,8 @@ void Chain::commit(Sent sent, std::int64_t revision, std::vector<Done>& done) {
   drop_unsure(done);
 }
 
+/// Finds out why a transaction was not done: a new epoch, a fence, another own entry, or one of its
+/// own compares.
 void Chain::conflict(Sent sent, const TxnResult& result, std::vector<Done>& done) {
   Done failed{.work = std::move(sent.work),
               .fate = Done::Fate::not_done,
@@ -173,6 +178,7 @@ void Chain::drop_unsure(std::vector<Done>& done) {
     done.push_back({.work = std::move(other.work), .fate = Done::Fate::not_done});
 }
 
+/// Moves the transaction under way to those whose outcome is unknown.
 void Chain::make_unsure(Value now, std::vector<Done>& done) {
   done.push_back({.work = flight_->work, .fate = Done::Fate::unsure});
   unsure_.push_back(std::move(*flight_));

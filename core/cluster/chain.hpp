@@ -82,6 +82,7 @@ class Chain {
   [[nodiscard]] std::int64_t base() const { return base_; }
   [[nodiscard]] std::int64_t incarnation() const { return incarnation_; }
   [[nodiscard]] std::int64_t epoch() const { return epoch_; }
+  /// Until when this gateway may send what is leased.
   [[nodiscard]] Value valid_until() const { return valid_until_; }
   /// Whether a transaction is under way, or a retry is not due yet.
   [[nodiscard]] bool busy(Value now) const { return flight_.has_value() || now < retry_at_; }
@@ -89,15 +90,19 @@ class Chain {
   [[nodiscard]] bool unsure() const { return !unsure_.empty(); }
   /// Whether a work of that kind and id is under way or its outcome unknown.
   [[nodiscard]] bool has(Work::Kind kind, std::uint64_t id) const;
+  /// When the next beat must be sent so that the lease goes on.
   [[nodiscard]] Value beat_due() const;
-  /// The next time at which on_time() has something to do: it gives up waiting for an answer, or
-  /// sends again what was refused. Nullopt: never.
+  /// When something is due: on_time() gives up waiting for an answer, or the next transaction may
+  /// be sent after a failure. Nullopt: nothing is.
   [[nodiscard]] std::optional<Value> next_time(Value now) const;
 
   /// Completes a beat and returns the transaction to be sent. `seen`: the revision of the store
   /// that the view has reached.
   [[nodiscard]] Txn send(Work work, Beat beat, std::int64_t seen, Value now);
+  /// Takes the result of a transaction. Returns what became of this one and, if it shows that, of
+  /// earlier ones whose outcome was unknown.
   [[nodiscard]] std::vector<Done> on_result(const TxnResult& result, Value now);
+  /// Gives up waiting for an answer that is overdue; its outcome is then unsure.
   [[nodiscard]] std::vector<Done> on_time(Value now);
   /// What a conflict has revealed about the own entry.
   [[nodiscard]] Trouble trouble() const { return trouble_; }

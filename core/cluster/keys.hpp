@@ -85,6 +85,7 @@ class Keys {
   [[nodiscard]] const std::string& gateway_name(std::size_t gateway) const {
     return gateway_names_[gateway];
   }
+  /// The gateway with that name of the description; nullopt if there is none.
   [[nodiscard]] std::optional<std::size_t> gateway(std::string_view name) const;
   /// Whether the two gateways share two networks, so that either could carry events between them.
   [[nodiscard]] bool side_by_side(std::size_t gateway, std::size_t other) const {

@@ -39,7 +39,7 @@ struct AskedRecord {
   Asked asked;
   std::int64_t create = 0, mod = 0;
 };
-/// An entry of the store that there is once.
+/// A decoded entry with the revision of its last change.
 template <class T>
 struct Record {
   std::optional<T> value;

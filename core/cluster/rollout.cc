@@ -103,6 +103,7 @@ void Rollouts::cannot_switch(const View& view, std::string reason) {
     ballot_ = RolloutVote{.next = current.mod, .ok = false, .reason = std::move(reason)};
 }
 
+/// Reports a new proposal, once its text is complete in the store, so that it is judged.
 void Rollouts::judge(const View& view, std::vector<Event>& events) {
   const auto& next = view.records().next;
   if (!next.value || judged_ == next.mod || !is_complete(view.records(), *next.value)) return;
@@ -112,6 +113,7 @@ void Rollouts::judge(const View& view, std::vector<Event>& events) {
   events.emplace_back(Judge{.digest = next.value->digest, .content = std::move(*content)});
 }
 
+/// Notices that the proposal d/next has changed or ended, and reports the end of the former one.
 void Rollouts::step_next(const View& view, Value now, std::vector<Event>& events) {
   const Records& records = view.records();
   if (records.next.mod == next_seen_) return;
@@ -281,13 +283,15 @@ bool Rollouts::is_ours(const View& view, const Next& next) const {
   return next.by == view.keys().gateway_name(self_);
 }
 
-/// The patience that another gateway states is limited.
+/// An own proposal ends after the patience that it states, at most kPatience; that of another
+/// gateway after twice kPatience, whatever it states.
 Value Rollouts::over_at(const View& view) const {
   const auto& next = view.records().next.value;
   const bool ours = next && is_ours(view, *next);
   return add_saturating(next_since_, ours ? std::min(next->patience, kPatience) : 2 * kPatience);
 }
 
+/// Puts the proposal in force if all agree, or ends it if one objects or time is up.
 std::optional<Work> Rollouts::decide(const View& view, const Codec& codec, Value now) {
   const Keys& keys = view.keys();
   const Records& records = view.records();

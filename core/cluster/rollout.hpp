@@ -51,8 +51,11 @@ class Rollouts {
   void lose() { not_before_ = claimed_ = 0, staged_.reset(); }
   /// Acts on the view. `caught_up`: the view contains all transactions of this gateway.
   void step(const View& view, Value now, bool caught_up, std::vector<Event>& events);
+  /// Takes the result of a transaction that next_work() returned.
   void on_done(const Done& done, Value now, std::vector<Event>& events);
+  /// The transaction that is due now: an own vote, or the next step of a rollout. Nullopt: none.
   [[nodiscard]] std::optional<Work> next_work(const View& view, const Codec& codec, Value now);
+  /// When step() or next_work() must be called because time has passed. Nullopt: never.
   [[nodiscard]] std::optional<Value> next_time(const View& view, Value now) const;
 
   /// Visits all state that affects its behaviour, for the model checker.
@@ -100,7 +103,7 @@ class Rollouts {
   std::size_t chunk_ = 0;          ///< number of the next chunk to be stored
   std::int64_t claimed_ = 0;       ///< revision of the d/next to which the chunks belong; 0: not
                                    ///< proposed yet
-  Value current_since_ = 0;        ///< when the present d/current was first seen
+  Value current_since_ = 0;        ///< when the present d/current was first seen; 0: it is open
   Value quiet_until_ = 0;  ///< the store has refused something: no transaction before this time
   std::int64_t current_seen_ = 0, next_seen_ = 0, judged_ = 0;
   Value next_since_ = 0;

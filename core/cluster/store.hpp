@@ -21,6 +21,7 @@ struct Compare {
   std::int64_t revision = 0;
 };
 
+/// A value to be written under a key.
 struct Put {
   std::string key, value;
 };
@@ -56,6 +57,7 @@ enum class Outcome : std::uint8_t {
   invalid,
 };
 
+/// The answer to a Txn.
 struct TxnResult {
   std::uint64_t id = 0;
   Outcome outcome = Outcome::unsure;

@@ -11,6 +11,7 @@
 
 namespace mlcca::core {
 
+/// The result for a message of a bus.
 enum class BusFate : std::uint8_t {
   met,
   late,
@@ -32,6 +33,7 @@ struct BusDecision {
   std::optional<std::uint32_t> refused_frames = {};
 };
 
+/// What the check has decided about that message.
 [[nodiscard]] BusDecision decision_of(const BusMessage& message);
 
 /// A message that can be on the bus has the times that it has together with everything that can be

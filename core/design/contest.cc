@@ -159,11 +159,13 @@ void Contest::find_users() {
   }
 }
 
+/// Settles channels that share resources, by the cheapest method that decides them.
 void Contest::settle_together(const std::vector<std::size_t>& channels, Decisions& decisions) {
   if (have_room_together(channels, decisions) || try_all(channels, decisions)) return;
   leave_open(channels, decisions);
 }
 
+/// Removes what was reserved for trying.
 void Contest::take_out(const std::vector<std::size_t>& channels) {
   for (const std::size_t c : channels)
     for (const std::size_t p : s_.members.publishers_of(c)) ledger_.remove(p);

@@ -20,6 +20,7 @@ enum class FindingId : std::uint8_t {
 /// A note is information and does not make a description unfit.
 enum class Severity : std::uint8_t { error, warning, note };
 
+/// A kind of findings, from a row of finding_rows.inc.
 struct FindingInfo {
   FindingId id;
   Severity severity;

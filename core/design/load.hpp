@@ -26,6 +26,7 @@ struct NetworkLoad {
   std::vector<DomainLoad> domains{};  ///< for a mesh: the domains with a load
 };
 
+/// The load of a network according to the ledger.
 [[nodiscard]] NetworkLoad load_of(const Ledger& ledger, const World& world, std::size_t network);
 
 }  // namespace mlcca::core

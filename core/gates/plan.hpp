@@ -92,6 +92,7 @@ struct GateChanges {
   }
   bool operator==(const GateChanges&) const = default;
 };
+/// The changes that lead from `now` to `next`.
 [[nodiscard]] GateChanges difference(const GateState& now, const GateState& next);
 
 /// The traffic specification of a publisher with these attributes, as policing of frames. `frames`:

@@ -99,6 +99,7 @@ void LinkTable::forget_unused_nodes() {
       hop = {moved[hop.from], moved[hop.to], moved[hop.via]};
 }
 
+/// Makes room for links between described nodes.
 void LinkTable::forget_links_of_undescribed_nodes() {
   std::erase_if(entries_, [&](const auto& known) {
     return !is_described(known.first.first) || !is_described(known.first.second);
@@ -237,6 +238,7 @@ bool LinkTable::is_absent(const Ends& ends, const Entry& entry) const {
   return !there;
 }
 
+/// Why a link that does not count carries nothing.
 Lack LinkTable::lack_of(const Ends& ends, const Entry& entry) const {
   if (entry.belief.known()) return Lack::time;
   if (is_absent(ends, entry)) return Lack::absent;
@@ -244,6 +246,8 @@ Lack LinkTable::lack_of(const Ends& ends, const Entry& entry) const {
   return std::ranges::any_of(entry.reports, there) ? Lack::rate : Lack::gone;
 }
 
+/// Combines all reports about one direction of a link, as the class comment states. Nullopt if the
+/// link is not present or its rate is unknown.
 std::optional<Observation> LinkTable::observe(const Ends& ends, const Entry& entry) const {
   if (is_absent(ends, entry)) return std::nullopt;
   const Report* rated = nullptr;
@@ -266,6 +270,7 @@ std::optional<Observation> LinkTable::observe(const Ends& ends, const Entry& ent
   return seen;
 }
 
+/// The source from which all weights are taken; nullopt if none reports any.
 std::optional<std::size_t> LinkTable::weighing_source() const {
   std::optional<std::size_t> first;
   for (const auto& [ends, entry] : entries_)
@@ -275,6 +280,7 @@ std::optional<std::size_t> LinkTable::weighing_source() const {
   return first;
 }
 
+/// The fresh next hops of all sources; for one (from, to) that of the first source.
 std::vector<NextHopIndex> LinkTable::next_hops() const {
   std::vector<NextHopIndex> result;
   for (std::size_t source = 0; source < sources_.size(); ++source)
@@ -322,6 +328,8 @@ std::uint64_t LinkTable::earliest_deadline() const {
   return earliest;
 }
 
+/// Updates beliefs, deadline and graph after a report or some time; returns whether the graph has
+/// changed.
 bool LinkTable::settle() {
   for (auto& [ends, entry] : entries_) entry.belief.observe(observe(ends, entry), now_, mesh_);
   std::erase_if(entries_, [&](const auto& known) {

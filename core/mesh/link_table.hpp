@@ -68,6 +68,7 @@ class LinkTable {
   [[nodiscard]] const Graph& graph() const { return graph_; }
   /// The address of a node of graph().
   [[nodiscard]] const std::string& address(std::uint32_t node) const { return addresses_[node]; }
+  /// The node of graph() with that address; nullopt if there is none.
   [[nodiscard]] std::optional<std::uint32_t> node(const std::string& address) const;
   /// What keeps a source from knowing all links, as text; empty if nothing does.
   [[nodiscard]] const std::string& problem(std::size_t source) const;

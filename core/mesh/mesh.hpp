@@ -57,6 +57,7 @@ struct DescribedDomain {
   bool operator==(const DescribedDomain&) const = default;
 };
 
+/// From where the state of links is known.
 enum class SourceKind : std::uint8_t {
   description,  ///< the described links, which are always present
   file,         ///< a file of links, which is read again when it changes

@@ -72,6 +72,7 @@ class Members {
     std::optional<std::size_t> publisher;
     std::optional<std::size_t> subscriber;
   };
+  /// Both are nullopt if there is no such admission.
   [[nodiscard]] Admitted admitted(AdmissionId admission) const {
     const auto found = admitted_.find(admission);
     return found == admitted_.end() ? Admitted{} : found->second;

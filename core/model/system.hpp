@@ -144,6 +144,7 @@ struct UnlistedPolicy {
   [[nodiscard]] Subject leading() const {
     return bits == 0 ? 0 : subject >> (64U - bits) << (64U - bits);
   }
+  /// Whether a channel with that subject may be admitted.
   [[nodiscard]] bool admits(Subject s) const {
     return allowed && (bits == 0 || (s ^ subject) >> (64U - bits) == 0);
   }
@@ -156,6 +157,7 @@ enum class Subscribing : std::uint8_t {
   with_attributes,  ///< those that state their requirements
   all,              ///< also those of plain FAMOUSO nodes, which require what the channel states
 };
+/// Which subscriptions that arrive over a network are accepted.
 struct SubscriptionPolicy {
   Subscribing accept = Subscribing::nobody;
   std::uint32_t most = 64;  ///< the most subscriptions over this network at the same time, 1 to
@@ -264,6 +266,7 @@ struct Gateway {
   std::vector<Port> ports;
   Origin origin;
 
+  /// The port of this gateway on a network; null if it has none.
   [[nodiscard]] const Port* port_on(std::size_t network) const {
     for (const auto& p : ports)
       if (p.network == network) return &p;

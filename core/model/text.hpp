@@ -38,6 +38,7 @@ struct BoundWords {
 /// These format values of a row. A value of a user-defined attribute reads like "21.5 K".
 [[nodiscard]] std::string format_value(const System& system, const Row& row, Value value);
 [[nodiscard]] std::string format_user_value(const UserAttribute& attribute, Value value);
+/// See format_margin(Comparison); also for user-defined attributes.
 [[nodiscard]] std::string format_margin(const System& system, const Row& row);
 
 /// Formats how far provision and requirement are apart: "3 too many", "12.5 ms to spare", "exactly
@@ -81,8 +82,8 @@ struct BoundWords {
 [[nodiscard]] std::string reaction(const Verdict& verdict);
 
 /// States the reason of a verdict in one line without a full stop. Of a refusal it names the
-/// attribute, the hop and the amount; of a grant the tightest margin. `problem` replaces the
-/// standard text of Obstacle::contradicted.
+/// attribute, the hop and the amount; of a grant the tightest margin. `problem`: details of an
+/// Obstacle::unavailable or ::contradicted.
 [[nodiscard]] std::string reason(const System& system, const Members& members,
                                  const Verdict& verdict, const std::string& problem = {});
 

@@ -29,7 +29,9 @@ enum class Against : std::uint8_t {
 
 /// One comparison of a verdict: which attribute, where, required against provided.
 struct Row {
+  /// Value of `user` for a built-in attribute.
   static constexpr std::uint32_t kBuiltIn = 0xffffffff;
+  /// Bit of `end` that makes the rest the index of a gateway.
   static constexpr std::uint32_t kOfGateway = 1U << 31U;
 
   Place place;  ///< the network or gateway that the row is about (hop, overhearing, capacity,
@@ -60,7 +62,7 @@ struct Row {
 enum class Obstacle : std::uint8_t {
   none,
   no_route,
-  unavailable,      ///< the interface of a network is down, missing or not usable
+  unavailable,      ///< a network cannot be used, see Condition::problem
   unbound,          ///< the channel has no identifier on a network
   no_node,          ///< the profile needs a node number, and the publisher states none
   too_long,         ///< the event does not fit the frames of a network

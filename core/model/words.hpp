@@ -20,6 +20,7 @@ struct Words : std::array<std::string_view, N> {
   [[nodiscard]] constexpr std::string_view of(Enum value) const {
     return (*this)[static_cast<std::size_t>(value)];
   }
+  /// The enumerator with that text; nullopt if there is none.
   [[nodiscard]] constexpr std::optional<Enum> find(std::string_view word) const {
     const auto at = std::ranges::find(*this, word);
     if (at == this->end()) return std::nullopt;

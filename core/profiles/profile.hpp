@@ -76,7 +76,7 @@ struct Fragmentation {
   /// always empty.
   std::string_view (*obstacle)(const Binding& binding) = nullptr;
   /// For transport protocols with identifiers of their own: the identities of the first and of all
-  /// other frames, derived from that of the event. Null: fragments have the event's identity.
+  /// other frames, derived from that of the event. Null: they have the event's own identity.
   std::array<FrameIdentity, 2> (*carriers)(const FrameIdentity& event) = nullptr;
   /// The pause of the sender between two frames of an event, at least and at most, in ns; 0: none.
   Value least_pause = 0;    ///< ns

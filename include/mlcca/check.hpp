@@ -245,8 +245,8 @@ constexpr CapacityCheck check_capacity(const AttributeSet& provision, Value rese
   return check;
 }
 
-/// The worst-case reaction: the longest time in ns from a heart-beat until a receiver that
-/// tolerates `Omission` losses reacts to its absence, (Omission + 1) * Period + Latency + Jitter.
+/// The worst-case reaction: the longest time in ns from the last heart-beat until a receiver that
+/// tolerates `Omission` losses reacts, (Omission + 1) * Period + Latency + Jitter.
 /// kUnbounded if Omission, Period or a delay is not stated. Without a Latency the Deadline is used;
 /// a Jitter that is not stated is taken as that delay.
 constexpr Value worst_case_reaction(const AttributeSet& attributes) {
