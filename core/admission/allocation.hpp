@@ -50,7 +50,7 @@ class Allocation {
   /// true if one got more or another route.
   bool upgrade(const std::vector<std::size_t>& channels);
 
-  /// Takes what a channel holds out of the ledger.
+  /// Removes all that a channel holds from the ledger.
   void take_out(std::size_t channel);
 
  private:

@@ -37,7 +37,7 @@ class Senders {
   /// the description make sure that their frames differ.
   [[nodiscard]] std::optional<Conflict> conflict(std::size_t publisher, const Route& route) const {
     std::optional<Conflict> out;
-    if (device_of_.empty()) return out;  // mostly: a channel has one delivery
+    if (device_of_.empty()) return out;  // the usual case: the channel has one delivery
     each(publisher, route, [&](Place network, std::size_t name, Device device) {
       const auto known = device_of_.find({network.index, name});
       if (known == device_of_.end() || known->second == device) return;

@@ -61,7 +61,7 @@ class Analysis {
   std::vector<std::vector<std::size_t>> same_sender_;
   std::vector<bool> stale_;  ///< per message with a queue of its own: must be analysed again
   std::vector<bool> queue_stale_;
-  /// Messages that are blocked before each frame, on a bus with no overhead.
+  /// Messages that are blocked before each frame, if nothing else is on the bus than messages.
   std::vector<std::size_t> blocked_per_frame_;
   std::size_t unbounded_;  ///< first message that makes all those it affects unbounded
 };
@@ -348,8 +348,7 @@ bool fits(const Assumptions& assumptions, const Message& message, const Response
 std::uint64_t utilisation_ppm(const Assumptions& assumptions, std::span<const Message> messages) {
   __extension__ using Wide = unsigned __int128;
   constexpr std::uint64_t whole = 1'000'000;
-  constexpr std::uint64_t finer =
-      1'000'000;  // each term is rounded up that much finer than the sum
+  constexpr std::uint64_t finer = 1'000'000;  // each term is rounded up so much finer than the sum
   Wide sum = 0;
   for (const Message& m : messages)
     if (has_load(assumptions, m))

@@ -4,7 +4,7 @@
 namespace mlcca::core::can {
 namespace {
 
-// Bits of an error frame: 6 + 6 of flags, 8 of delimiter, 3 of intermission, and 8 for a further
+// Bits of an error frame: 6 + 6 of flags, 8 of delimiter, 3 of intermission, and those of a further
 // flag that an error in a delimiter raises.
 constexpr unsigned kErrorFrameBits = 31;
 constexpr Time kMillionth = 1'000'000;
@@ -86,8 +86,7 @@ LevelResponse level_response(const Interference& all, const Overhead& overhead, 
   const auto others = [&](Time until) {
     return all.demand(0, level.self, until) + all.demand(level.self + 1, level.end, until);
   };
-  const Time frames =
-      one_at_a_time(m) ? m.frames : 0;  // frames of an event that are each blocked once
+  const Time frames = one_at_a_time(m) ? m.frames : 0;  // of an event, each blocked once
   const Time once = frames > 0 ? 0 : level.blocking;
   const auto start_of = [&](Time events, Time from) {
     const Time own = once + events * m.transmission - m.last_frame;

@@ -31,7 +31,7 @@ enum class Unusable : std::uint8_t { no, bit_rate, period, frames, transmission,
 }
 
 /// Whether the message's effect on others depends on its own response, because its frames are
-/// offered later than they are queued (fragments one at a time, shared queues, pauses), or whether
+/// offered later than they are queued (fragments one at a time, shared queues), or whether
 /// its frames have different priorities. Then the bus must be analysed as a whole.
 [[nodiscard]] bool is_coupled(const Message& message);
 
@@ -52,7 +52,7 @@ class Overhead {
   }
   /// The share of the bus time that errors and background take.
   [[nodiscard]] Share share(Time longest) const;
-  /// Whether there are neither errors nor background nor unknown senders.
+  /// Whether there is neither background nor errors; then until() and share() are 0.
   [[nodiscard]] bool none() const { return plain_; }
 
  private:
@@ -127,7 +127,7 @@ struct LevelResponse {
                                            const Message& message, const Level& level, Time begin);
 
 /// A cheap sufficient test of the deadline: if it returns false, the message may still be in time.
-/// Only valid without overhead.
+/// Only valid if Overhead::none().
 [[nodiscard]] bool surely_in_time(const Interference& all, const Message& message,
                                   const Level& level);
 

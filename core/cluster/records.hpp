@@ -73,9 +73,8 @@ class Records {
     std::uint64_t id = 0;
     auto operator<=>(const ReservationKey&) const = default;
   };
-  using AskedKey = std::pair<std::size_t, std::uint64_t>;  ///< gateway, id
-  using VoteKey =
-      std::tuple<std::size_t, std::size_t, std::uint64_t>;  ///< voter, origin's gateway, id
+  using AskedKey = std::pair<std::size_t, std::uint64_t>;               ///< gateway, id
+  using VoteKey = std::tuple<std::size_t, std::size_t, std::uint64_t>;  ///< voter, gateway, id
 
   Records() = default;
   Records(std::size_t gateways, std::size_t networks)

@@ -61,7 +61,7 @@ class Planner {
   /// leave.
   void add(std::size_t publisher, const std::vector<const Verdict*>& verdicts) {
     resent_.clear();
-    set_ = verdicts.empty() ? 0 : verdicts.front()->set;  // all of a channel have the same
+    set_ = verdicts.empty() ? 0 : verdicts.front()->set;  // one set for all of a channel
     silence_ = shortest_silence(verdicts);
     std::map<std::pair<std::size_t, std::size_t>, bool> out;  // (in, out) ports
     std::map<std::size_t, bool> in;
@@ -112,7 +112,7 @@ class Planner {
   struct Crossing {
     std::size_t in;
     std::size_t out;
-    bool as_sent;  ///< no bus was on the way, so the frames are those of the publisher
+    bool as_sent;  ///< they are the publisher's own frames: no bus or program was before
   };
 
   /// Nullopt if one end is at a network that no gate can judge.
@@ -210,7 +210,7 @@ class Planner {
   void come_from(const Publisher& p, std::size_t source, const Network& out, GateEntry& e) const {
     e.source_port = source;
     if (out.carries_subjects() || network_at(source).carries_subjects()) return;
-    // Its source is the port that it came in by.
+    // In `entry` the port comes before the source; here the source is the port of arrival.
     // NOLINTNEXTLINE(readability-suspicious-call-argument)
     if (const auto in = entry(p, source, Direction::ingress, kLocal))
       e.entered_as = {.id = in->id, .mask = in->mask};

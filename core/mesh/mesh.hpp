@@ -51,8 +51,7 @@ struct DescribedLink {
 /// A described domain, for Interference::explicit_sets.
 struct DescribedDomain {
   std::string name;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>>
-      links;  ///< node indices, in either direction
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> links;  ///< node indices, either direction
   Origin origin;
   bool operator==(const DescribedDomain&) const = default;
 };

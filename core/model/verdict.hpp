@@ -19,7 +19,7 @@ enum class Against : std::uint8_t {
   hop,          ///< one network or gateway of the route (Fig. 5)
   end_to_end,   ///< the composed provision of the route
   traffic,      ///< what the publisher sends, compared with what one subscriber requires
-  overhearing,  ///< the way to an intermediate network whose subscribers receive the event too
+  overhearing,  ///< the route up to a network on the way whose subscribers receive the event
   capacity,     ///< the free capacity of a network
   schedule,  ///< the response time of a message on an analysed bus and its deadline, or the length
              ///< of a gateway's queue there
@@ -99,8 +99,7 @@ struct MediumUse {
   Value response = 0;    ///< ns from arrival to the end of the last frame, with the present load of
                          ///< the bus
   Value guaranteed = 0;  ///< ns that are not exceeded whatever is admitted later
-  std::vector<std::pair<std::uint32_t, std::uint32_t>>
-      pairs;  ///< (from, to) node pairs of the mesh
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;  ///< mesh nodes: (from, to)
 };
 
 /// The answer for one publisher of a channel towards one place. Indices refer to Members and

@@ -135,8 +135,7 @@ class ReciprocalSum {
 /// frames is rounded down to units of 1e-18.
 class Survival {
  public:
-  static constexpr Value kFine =
-      kCertainLoss * kCertainLoss;  ///< probability one, in units of 1e-18
+  static constexpr Value kFine = kCertainLoss * kCertainLoss;  ///< one, in units of 1e-18
 
   /// Adds a hop: an event has `frames` frames, each of which is lost with probability `loss`
   /// (1e-9). 0 frames: their number is unknown, so the loss is certain.
