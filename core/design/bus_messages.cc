@@ -30,8 +30,9 @@ std::vector<Place> unknown_before(const Verdict& v, std::size_t hop) {
   return out;
 }
 
-/// The longest jitter with which it is not late behind the bus for all subscribers there, and so
-/// refused. A hop whose stated jitter exceeds its latency is ignored.
+/// The longest jitter with which it can be granted: with more it would be late for all subscribers
+/// behind the bus. kNever (no limit) without a time limit, or if a hop states a Jitter above its
+/// Latency, since nothing can be concluded from that.
 can::Time most_jitter(const Members& members, const Verdict& v, std::size_t hop) {
   Value latest = kUnbounded;
   for (const Attribute a : {Attribute::deadline, Attribute::latency})

@@ -210,7 +210,7 @@ class Planner {
   void come_from(const Publisher& p, std::size_t source, const Network& out, GateEntry& e) const {
     e.source_port = source;
     if (out.carries_subjects() || network_at(source).carries_subjects()) return;
-    // In `entry` the port comes before the source; here the source is the port of arrival.
+    // The frames arrived at port `source`: it is the port of that ingress entry.
     // NOLINTNEXTLINE(readability-suspicious-call-argument)
     if (const auto in = entry(p, source, Direction::ingress, kLocal))
       e.entered_as = {.id = in->id, .mask = in->mask};

@@ -100,8 +100,7 @@ struct Mesh {
   Value packet_time = 0;  ///< ns per packet beside its bits: gaps, preamble, acknowledgement
   Value stale_after = 3'000'000'000;  ///< ns; older samples do not count
   Value hold_up = 5'000'000'000;      ///< ns that a clearly better value must last before it counts
-  std::uint32_t tolerance = 100'000;  ///< improvement that is not clear, in 1e-6 of the believed
-                                      ///< value
+  std::uint32_t tolerance = 100'000;  ///< 1e-6 of a value; smaller improvements are not clear
   AttributeSet per_hop;               ///< what each link provides while no domain exceeds its limit
   std::vector<Node> nodes;
   std::vector<DescribedLink> links;
