@@ -33,9 +33,9 @@ class Schedule {
     bool operator==(const Late&) const = default;
   };
 
-  /// Adds the message if all messages then meet their deadlines; returns nullopt. Otherwise nothing
-  /// changes, and a message that would be late is returned: the new one or an existing one. The key
-  /// must be new.
+  /// Adds the message and returns nullopt if all messages then meet their deadlines. Otherwise
+  /// nothing changes, and a message that would be late is returned: the new one or an existing one.
+  /// The key must be new.
   [[nodiscard]] std::optional<Late> add(const Message& message);
 
   /// Removes a message; afterwards the schedule equals one to which it was never added. An unknown

@@ -16,8 +16,8 @@ class Election {
  public:
   Election(std::size_t self, std::size_t gateways) : self_(self), failed_(gateways, true) {}
 
-  /// Sets whether this gateway can carry. Before the caller sets false, it must have closed all that
-  /// this gateway carries in the place of others.
+  /// Sets whether this gateway can carry. Before the caller sets false, it must have closed all
+  /// that this gateway carries in the place of others.
   void set_able(bool able) { able_ = able; }
   /// Begins as standby, or as active if the incarnation that goes on was active.
   void begin(Role role) { role_ = role == Role::active ? role : Role::standby; }

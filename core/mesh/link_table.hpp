@@ -72,7 +72,7 @@ class LinkTable {
   [[nodiscard]] std::optional<std::uint32_t> node(const std::string& address) const;
   /// What keeps a source from knowing all links, as text; empty if nothing does.
   [[nodiscard]] const std::string& problem(std::size_t source) const;
-  /// All reports that are not withdrawn, as of the last take() or expire().
+  /// All reports that are kept, also stale and withdrawn ones, as of the last take() or expire().
   [[nodiscard]] std::vector<Known> links() const;
   /// The number of entries of links().
   [[nodiscard]] std::size_t size() const;
