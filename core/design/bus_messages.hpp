@@ -64,7 +64,7 @@ struct BusMessage {
   [[nodiscard]] bool is_counted() const { return present || outcome == Outcome::run_time; }
 };
 
-/// What is on the analysed buses. All vectors are indexed by network.
+/// What is on the analysed buses. All vectors except `messages` are indexed by network.
 struct InspectedBuses {
   std::vector<std::optional<can::Assumptions>> assumptions;  ///< nullopt: not analysed
   std::vector<BusMessage> messages;                          ///< sorted by network, then publisher

@@ -83,6 +83,7 @@ struct Fragmentation {
   Value longest_pause = 0;  ///< ns
 };
 
+/// The form of identifiers: 29 bits, 11 bits, or as each binding states.
 enum class IdentifierForm : std::uint8_t { extended, standard, stated };
 
 /// What defines a profile. Members without a default must be set by every profile.
