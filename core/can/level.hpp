@@ -31,11 +31,11 @@ enum class Unusable : std::uint8_t { no, bit_rate, period, frames, transmission,
 }
 
 /// Whether the message's effect on others depends on its own response, because its frames are
-/// offered later than they are queued (fragments one at a time, shared queues), or whether
-/// its frames have different priorities. Then the bus must be analysed as a whole.
+/// offered later than they are queued (fragments one at a time, shared queues), or whether its
+/// frames have different priorities. Then all messages of the bus must be analysed together.
 [[nodiscard]] bool is_coupled(const Message& message);
 
-/// The bus time that is not taken by messages: errors, background load and frames of unknown
+/// The bus time that other things than messages take: errors, background load and frames of unknown
 /// senders.
 class Overhead {
  public:

@@ -43,7 +43,7 @@ struct BusRow {
   BusFate fate = BusFate::met;
   std::optional<Value> response;        ///< kNever: not bounded; nullopt: it has none on this bus
   Value jitter = 0;                     ///< that the response contains
-  std::optional<std::uint32_t> frames;  ///< that wait in its queue; nullopt: not bounded
+  std::optional<std::uint32_t> frames;  ///< that wait in its queue; nullopt: unknown
 };
 
 /// `sent` and `response` are those beside the messages that count.

@@ -367,7 +367,7 @@ void Explainer::add_pair(const Verdict& v, std::size_t subscriber) {
   for (const Row& row : pair.rows) {
     if (!is_unfit(row) || row.against == Against::capacity || is_about_medium(row)) continue;
     if (pair.obstacle != Obstacle::none && is_left_open(row)) continue;
-    // The free room of a medium is known although an obstacle stands in the way.
+    // Free medium time is computed for all subscribers together, so its row is in `v`.
     if (row.against == Against::hop && is_said_by_another(v, row)) continue;
     if (is_said_by_another(pair, row)) continue;
     add_row(pair, row, subscriber);

@@ -48,7 +48,7 @@ struct Finding {
   std::uint32_t channel = kNone;
   std::uint32_t publisher = kNone;
   std::uint32_t subscriber = kNone;
-  std::uint32_t frames_of = kNone;  ///< a queue that is too short: publisher of the late frames
+  std::uint32_t frames_of = kNone;  ///< of a short queue: the publisher of its frames
   Place place;                      ///< the hop, network or gateway; only with has_place
   bool has_place = false;
   std::string attribute;  ///< name of the failed attribute, or empty

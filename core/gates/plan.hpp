@@ -80,7 +80,7 @@ struct GateRule {
 /// publishers cannot be distinguished on the wire, their frames pass only if both may pass.
 using GateState = std::vector<GateRule>;
 
-/// The steps from one state to the next. For each frame the change takes effect at once.
+/// The steps from one state to the next. Frames see either all of them or none (ADR 20).
 struct GateChanges {
   std::vector<GateEntry> close;
   std::vector<GateEntry> remove;
