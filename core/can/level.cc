@@ -4,8 +4,9 @@
 namespace mlcca::core::can {
 namespace {
 
-// Bits of an error frame: 6 + 6 of flags, 8 of delimiter, 3 of intermission, and those of a further
-// flag that an error in a delimiter raises.
+// What one error costs on the bus beside the frame that is sent again: at most 31 bit times from
+// the error to the next start of frame (Davis, Burns, Bril and Lukkien: Controller Area Network
+// (CAN) schedulability analysis: refuted, revisited and revised, Real-Time Systems 35, 2007).
 constexpr unsigned kErrorFrameBits = 31;
 constexpr Time kMillionth = 1'000'000;
 
