@@ -14,7 +14,7 @@ namespace mlcca::client {
 namespace {
 
 struct Named {
-  std::string_view kind;  ///< of an event in control.proto
+  std::string_view kind;  ///< kind of an event as in control.proto
   Meaning meaning;
   Cause cause = Cause::other;
 };

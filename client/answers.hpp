@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// From messages of the daemon to what a program is given.
+// Translates messages of the daemon into the answers and exceptions that a program receives.
 #pragma once
 #include <optional>
 
@@ -8,21 +8,24 @@
 
 namespace mlcca::client {
 
-/// Of a reply to AnnounceRequest. Nothing: the daemon could not answer, and may later.
+/// The answer that a reply to an AnnounceRequest states. Nullopt if the daemon could not answer now
+/// but may later (an error of kind `world`), or if the reply is of another kind.
 [[nodiscard]] std::optional<Answer> answer_of(const control::Reply& reply);
-/// Of a subscription that the gateway has passed on, refused or granted: what it decides itself has
-/// not changed. Nothing: the event is of something else.
+/// The decision of a gateway further on about a subscription that this gateway has passed on:
+/// granted or refused. The decision of this gateway has not changed then. Nullopt for every other
+/// event.
 [[nodiscard]] std::optional<Cause> said_further_on(const control::Event& event);
-/// State and reason of an answer follow from its deliveries.
+/// Sets state and reason of an answer according to its deliveries.
 void summarise(Answer& answer);
 
+/// What an event of the daemon means for the answer that a channel has.
 enum class Meaning : std::uint8_t {
-  happened,   ///< an exception by itself
-  verdict,    ///< what is decided may be otherwise: ask
-  withdrawn,  ///< the same, and the safe side is known at once
+  happened,   ///< an exception of its own; the decision is the same
+  verdict,    ///< the decision may have changed: ask the daemon
+  withdrawn,  ///< as `verdict`, but the delivery counts as refused at once, which is the safe side
 };
 [[nodiscard]] Meaning meaning_of(const control::Event& event);
-/// Of what happened.
+/// The cause of an event whose meaning is `happened`.
 [[nodiscard]] Cause cause_of(const control::Event& event);
 
 }  // namespace mlcca::client

@@ -94,7 +94,7 @@ int Client::fd() const { return connection_->fd(); }
 bool Client::is_connected() const { return connection_->is_connected(); }
 
 void Client::process() {
-  const auto connection = connection_;  // a handler may end this client
+  const auto connection = connection_;  // keeps it alive: a handler may destroy this client
   connection->run(std::chrono::milliseconds(0));
 }
 

@@ -29,11 +29,12 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr std::size_t kReadSize = std::size_t{64} << 10;
-/// Received in one turn: a daemon that sends without pause does not keep a program from its work.
+/// Bytes received in one turn, so that a daemon that sends without pause does not block the
+/// program.
 constexpr std::size_t kMostOfTurn = std::size_t{1} << 20;
-/// Deliveries of one answer; a gateway has fewer pairs of ends of one channel.
+/// Deliveries accepted in one answer; more than a gateway can have of one channel.
 constexpr std::size_t kMostRows = std::size_t{1} << 18;
-/// The longest wait that poll(2) and the clock can express with ease.
+/// The longest wait. It fits poll(2) and does not overflow the clock.
 constexpr milliseconds kLongest(std::chrono::hours(24));
 
 std::string text_of(int error) { return std::strerror(error); }  // NOLINT(concurrency-mt-unsafe)
@@ -47,9 +48,10 @@ int for_poll(milliseconds time) {
   return time.count() < 0 ? -1 : static_cast<int>(std::min(time, kLongest).count());
 }
 
-/// The daemon would close the connection, of all channels; null: it can be sent.
+/// Why the request cannot be sent: the daemon would close the connection, and with it all channels.
+/// Null: it can be sent.
 const char* why_not_sent(const control::AnnounceRequest& request, std::size_t size) {
-  constexpr std::size_t length = 3;  // its varint, of a body of 16 KiB and more
+  constexpr std::size_t length = 3;  // of the varint for bodies of 16 KiB and more
   if (size > control::Request::kMaxBytes + length)
     return "the names and attributes are longer than a request may be, 65,536 bytes";
   if (!control::is_utf8(request.channel) || !control::is_utf8(request.name))
@@ -103,7 +105,7 @@ void Client::Connection::retry_later(Try after) {
   if (after == Try::planned) retry_ = std::min(retry_ * 2, options_.longest_retry);
 }
 
-/// Whatever was under way is gone; it is tried again after a while.
+/// Closes the connection, discards what was pending, and tries again after the delay.
 void Client::Connection::lose(const std::string& why, Try after) {
   socket_.reset();
   in_ = control::Buffer();
@@ -151,7 +153,7 @@ void Client::Connection::take_up(const PartOf& part) {
     wait_for_daemon(for_ever ? milliseconds(-1) : left);
   }
   if (part->asked == 0) return;
-  part->lost = true;  // the answer may come later
+  part->lost = true;  // so that an answer that comes later is reported
   part->answer = KeptAnswer(no_daemon("no answer from mlccad within " +
                                       std::to_string(options_.patience.count()) + " ms"));
 }
@@ -178,7 +180,7 @@ void Client::Connection::ask_again(const PartOf& part) {
     part->outdated = true;
 }
 
-/// There is something for handlers.
+/// Makes the client's descriptor readable, since something waits for handlers.
 void Client::Connection::wake() {
   const std::uint64_t one = 1;
   static_cast<void>(::write(noticed_.get(), &one, sizeof one) < 0);
@@ -215,7 +217,7 @@ void Client::Connection::receive() {
   }
 }
 
-/// Those that are whole.
+/// Handles the complete replies in the buffer.
 void Client::Connection::take_replies() {
   while (socket_) {
     auto reply = control::decode_reply(in_);
@@ -236,7 +238,8 @@ void Client::Connection::flush() {
       out_.erase(0, static_cast<std::size_t>(n));
       continue;
     }
-    // What the daemon has said before it closed is read; then the connection ends.
+    // Read what the daemon has sent before it closed; then recv() reports the end of the
+    // connection.
     out_.clear();
     ::shutdown(socket_.get(), SHUT_RDWR);
   }
@@ -249,8 +252,8 @@ void Client::Connection::watch() {
   ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, socket_.get(), &event);
 }
 
-/// An event takes no more system calls than it needs: the daemon is looked after when it has
-/// something to say.
+/// Receiving an event takes no more system calls than needed: turn() is called only if a descriptor
+/// of the connection is ready.
 void Client::Connection::run(milliseconds time) {
   std::array<epoll_event, 16> ready{};
   const int count = ::epoll_wait(epoll_.get(), ready.data(), ready.size(),
@@ -271,7 +274,7 @@ void Client::Connection::run(milliseconds time) {
   if (other || !happened.empty()) call_exception_handlers();
 }
 
-/// Whatever there is for handlers.
+/// Waits for the daemon's socket alone, even if handlers have work to do.
 void Client::Connection::wait_for_daemon(milliseconds time) const {
   const auto events = static_cast<short>(POLLIN | (out_.empty() ? 0 : POLLOUT));
   pollfd waits{.fd = socket_.get(), .events = events, .revents = 0};
@@ -313,7 +316,7 @@ void Client::Connection::on_answer(const PartOf& part, const control::Reply& rep
   part->asked = 0;
   auto answer = answer_of(reply);
   if (!answer) {
-    // Too much to do, no memory: it may be otherwise soon. What is known stays.
+    // A temporary error, e.g. overload or lack of memory. The last known answer stays.
     part->failed = true;
     retry_later(Try::asked_for);
     if (part->answer.state() != State::unannounced && part->answer.state() != State::no_daemon)
@@ -325,7 +328,8 @@ void Client::Connection::on_answer(const PartOf& part, const control::Reply& rep
     return;
   }
   carry(part, reply);
-  // Something has happened since the daemon was asked: only the next answer is sure to know it.
+  // Something has happened since this request was sent, so only the next answer is certain to
+  // include it.
   if (part->outdated) {
     ask(part);
     return;
@@ -334,8 +338,9 @@ void Client::Connection::on_answer(const PartOf& part, const control::Reply& rep
   if (std::exchange(part->lost, false)) part->note(Cause::daemon_back, part->answer.get()->reason);
 }
 
-/// What cannot be carried may be later: another program may hold the port for a while. Where the
-/// address for programs on the gateway has changed, the daemon is to know it.
+/// Applies the endpoints of an answer. If that fails it is tried again later, because e.g. another
+/// program may hold a port for a while. If the address for programs on the gateway has changed, the
+/// channel is announced again, so that the daemon learns it.
 void Client::Connection::carry(const PartOf& part, const control::Reply& reply) {
   const auto done = data_.use(part, reply);
   const std::string problem = done ? "" : done.error().text;
@@ -355,7 +360,7 @@ void Client::Connection::carry(const PartOf& part, const control::Reply& reply) 
 void Client::Connection::on_event(const control::Event& event) {
   const Meaning meaning = meaning_of(event);
   const auto is_of = [&event](const Channel::Part& part) {
-    // Without a delivery only the name is known.
+    // Without a delivery only the channel's name is known.
     return event.subject == 0 || event.subject == part.subject ||
            event.channel == part.request.channel;
   };
@@ -365,7 +370,7 @@ void Client::Connection::on_event(const control::Event& event) {
 
 void Client::Connection::on_event(const PartOf& part, const control::Event& event,
                                   Meaning meaning) {
-  // What came before the first answer happened before it was announced.
+  // An event before the first answer happened before the channel was announced.
   if (meaning == Meaning::happened && part->answer.state() == State::unannounced) return;
   if (const auto cause = said_further_on(event)) {
     if (part->request.role == control::Role::subscriber) part->note(*cause, event.message, &event);
@@ -381,7 +386,7 @@ void Client::Connection::on_happened(const PartOf& part, const control::Event& e
   const Cause cause = cause_of(event);
   const bool is_outdated = cause == Cause::restored && part->forget_trouble(event);
   part->note(cause, event.message, &event);
-  if (is_outdated) ask_again(part);  // something else may be wrong
+  if (is_outdated) ask_again(part);  // the delivery may have other troubles
 }
 
 bool Client::Connection::has_exceptions() {
@@ -391,15 +396,16 @@ bool Client::Connection::has_exceptions() {
 
 void Client::Connection::call_exception_handlers() {
   for (const PartOf& part : parts()) {
-    // Not those that come while a handler runs: they are for the next turn.
+    // Exceptions that are added while a handler runs wait for the next turn.
     for (std::size_t left = part->waiting.size() + (part->lagged ? 1 : 0); left != 0; --left) {
       const auto exception = part->next();
-      const auto handler = part->handler;  // which may replace it
+      const auto handler = part->handler;  // a copy: the handler may replace it
       if (exception && handler) (*handler)(*exception);
-      if (part.use_count() == 1) break;  // it has ended its channel
+      if (part.use_count() == 1) break;  // the handler has destroyed its channel
     }
   }
-  // Where a handler throws, this stays as it is: the others are for the next turn.
+  // Not reached if a handler throws: the eventfd stays readable, and the rest is handled in the
+  // next turn.
   std::uint64_t count = 0;
   static_cast<void>(::read(noticed_.get(), &count, sizeof count) < 0);
   if (has_exceptions()) wake();

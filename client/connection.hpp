@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The connection of a program to mlccad: made again whenever it is lost, never waits by itself.
+// The connection of a program to mlccad, which is made again whenever it is lost.
 #pragma once
 #include <chrono>
 #include <cstdint>
@@ -20,6 +20,9 @@
 
 namespace mlcca::client {
 
+/// Implements Client: announces the channels, keeps their answers up to date and calls the
+/// handlers. Only take_up() and run() wait. One epoll instance contains all descriptors of the
+/// client, so that an application needs to poll a single one.
 class Client::Connection {
  public:
   using Clock = std::chrono::steady_clock;
@@ -29,26 +32,28 @@ class Client::Connection {
 
   [[nodiscard]] int fd() const { return epoll_.get(); }
   [[nodiscard]] bool is_connected() const { return static_cast<bool>(socket_); }
-  /// From now on it is announced whenever there is a daemon.
+  /// Has the channel announced whenever a connection is made, until the channel is destroyed.
   void add(const PartOf& part);
-  /// Asks for it, and waits for the answer at most as long as the options say.
+  /// Announces the channel and waits for the answer, for Options::patience at most; the channel's
+  /// answer has the result.
   void take_up(const PartOf& part);
-  /// Receives, sends, connects: what can be done without waiting.
+  /// Receives, sends and connects as far as that is possible without waiting.
   void turn();
-  /// Waits until there is something to do, at most so long, does it, and calls handlers for events
-  /// and for what has happened.
+  /// Waits until there is work to do, for `time` at most (negative: without limit), does it, and
+  /// calls the handlers. Throws what a handler throws; the rest is kept for the next call.
   void run(std::chrono::milliseconds time);
   [[nodiscard]] Data& data() { return data_; }
 
  private:
-  /// A request that is not answered yet; of a channel that may be gone.
+  /// A request that has not been answered completely. Its channel may have been destroyed.
   struct Asked {
     std::weak_ptr<Channel::Part> part;
-    std::optional<control::Reply> whole{};  ///< what has come of it
+    std::optional<control::Reply> whole{};  ///< the slices of the reply received so far, joined
+    /// Channels in these slices; bounded, since the daemon is not trusted to end.
     std::size_t rows = 0;
   };
 
-  /// Whether a failure makes the next try come later.
+  /// Why a connection is made: only attempts by the timer double the delay before the next one.
   enum class Try : std::uint8_t { planned, asked_for };
   void connect(Try why);
   void lose(const std::string& why, Try after = Try::planned);
@@ -64,24 +69,28 @@ class Client::Connection {
   void on_happened(const PartOf& part, const control::Event& event);
   void on_answer(const PartOf& part, const control::Reply& reply);
   void carry(const PartOf& part, const control::Reply& reply);
-  /// What is decided is asked for once more: at once, or when the answer under way is there.
+  /// Announces the channel once more: at once, or after the answer to a pending request.
   void ask_again(const PartOf& part);
   void wake();
   [[nodiscard]] bool has_exceptions();
   void call_exception_handlers();
   void wait_for_daemon(std::chrono::milliseconds time) const;
-  /// Those that still exist.
+  /// The channels that still exist.
   std::vector<PartOf> parts();
 
   Options options_;
   Fd epoll_;
-  Fd timer_;    ///< when to connect again
-  Fd noticed_;  ///< eventfd that can be read while there is something for handlers
+  Fd timer_;    ///< expires when it is time to connect, or to ask again for channels that failed
+  Fd noticed_;  ///< eventfd, readable while exceptions wait for handlers
   Fd socket_;
+  /// Delay before the next attempt to connect.
   std::chrono::milliseconds retry_;
+  /// Received bytes that are not decoded yet.
   control::Buffer in_;
+  /// Encoded requests that are not sent yet.
   std::string out_;
   std::uint64_t last_id_ = 0;
+  /// Pending requests by their ids.
   std::map<std::uint64_t, Asked> asked_;
   std::vector<std::weak_ptr<Channel::Part>> parts_;
   Data data_{epoll_};

@@ -21,9 +21,10 @@ namespace {
 
 using relay::Sent;
 
-/// Of each socket in one call of process(): what is left keeps the descriptor readable.
+/// Events taken from each socket in one call of process(); if more are pending, the descriptor
+/// stays readable.
 constexpr std::size_t kMostEvents = 64;
-/// Of programs on the gateway, before it is said that none have come.
+/// Events from programs on the gateway that are read before `missing` may be reported.
 constexpr std::size_t kMostBefore = 1024;
 constexpr std::chrono::seconds kExpiry(1);
 
@@ -36,7 +37,7 @@ bool is_local(const SharedEndpoint& endpoint) { return !endpoint->local.empty();
 
 bool is_of_programs(const SharedEndpoint& endpoint) { return endpoint->user.has_value(); }
 
-/// Publishers of which something is granted on the gateway itself.
+/// Publishers with a granted delivery on the gateway itself.
 std::vector<std::string> granted_here(const std::vector<control::Channel>& deliveries) {
   std::vector<std::string> out;
   for (const control::Channel& delivery : deliveries)
@@ -44,7 +45,7 @@ std::vector<std::string> granted_here(const std::vector<control::Channel>& deliv
   return out;
 }
 
-/// Of pointers of either kind.
+/// Whether two shared or weak pointers have the same owner.
 bool is_same(const auto& a, const auto& b) { return !a.owner_before(b) && !b.owner_before(a); }
 
 }  // namespace
@@ -76,7 +77,8 @@ std::string Client::Data::address(const PartOf& part) {
   return part->local->address();
 }
 
-/// The daemon has one address for each channel of a connection.
+/// Uses one receiver for all subscribers of a channel, because the daemon keeps one address for
+/// each channel of a connection.
 void Client::Data::share_receiver(const PartOf& part) {
   if (!part->local || part->local->subject() == part->subject) return;
   const auto known = std::ranges::find_if(
@@ -85,7 +87,8 @@ void Client::Data::share_receiver(const PartOf& part) {
     part->local->set_subject(part->subject);
     return;
   }
-  // Nobody has held its publishers against what is granted since its last subscriber left.
+  // Since the last subscriber of this receiver left, nothing checked whether its publishers are
+  // still granted. So they must not keep a valid key.
   if (known->second.use_count() == 1) known->second->change_key();
   const int former = part->local->fd();
   part->local = known->second;
@@ -96,7 +99,8 @@ void Client::Data::share_receiver(const PartOf& part) {
   part->local.reset();
 }
 
-/// Who has lost its grant still knows the key.
+/// Changes the key when a publisher has lost its grant, because that publisher still knows the
+/// former key.
 void Client::Data::hold_publishers(const PartOf& part, std::vector<std::string> granted) {
   const bool lost = std::ranges::any_of(part->local_publishers, [&](const std::string& one) {
     return std::ranges::find(granted, one) == granted.end();
@@ -123,7 +127,8 @@ Result<relay::Layer*> Client::Data::layer_of(const control::Endpoint& endpoint) 
       .first->second.layer.get();
 }
 
-/// Who followed it as it was does not any more, and is given its endpoints by the daemon.
+/// Channels that received from the former layer lose their endpoints there; the daemon states new
+/// ones when they are announced again.
 Result<relay::Layer*> Client::Data::renewed_layer_of(const control::Endpoint& endpoint) {
   const auto known = layers_.find(endpoint.ifindex);
   if (known != layers_.end() && !known->second.serves(endpoint))
@@ -155,7 +160,7 @@ void Client::Data::leave_expired() {
   }
 }
 
-/// Who followed it.
+/// Closes the layer of an interface and returns the subscriptions that used it.
 std::vector<Client::Data::Following> Client::Data::close(std::uint32_t ifindex) {
   std::vector<Following> former;
   const auto known = layers_.find(ifindex);
@@ -170,8 +175,8 @@ std::vector<Client::Data::Following> Client::Data::close(std::uint32_t ifindex) 
   return former;
 }
 
-/// Its socket is of no use any more. Where the interface is there all the same, who followed it
-/// does so again; else when the daemon says that it is there.
+/// Replaces a layer whose socket is unusable. If the interface exists, the same channels receive
+/// from it again; otherwise they do when the daemon states it again.
 void Client::Data::renew(std::uint32_t ifindex) {
   for (Following& one : close(ifindex)) {
     const auto part = one.part.lock();
@@ -201,7 +206,7 @@ Result<void> Client::Data::use(const PartOf& part, const control::Reply& reply) 
   return done;
 }
 
-/// Of a publisher as well: the first event must not wait until its socket is there.
+/// Opens the layer for publishers as well, so that the first event does not wait for a socket.
 Result<void> Client::Data::use_endpoint(const PartOf& part, const SharedEndpoint& endpoint) {
   const auto layer = renewed_layer_of(*endpoint);
   if (!layer) return std::unexpected(layer.error());
@@ -231,7 +236,7 @@ Result<void> Client::Data::use_endpoints(const PartOf& part,
     if (is_of_programs(endpoint) || is_local(endpoint)) return false;
     const auto used = use_endpoint(part, endpoint);
     if (!used) done = fail(endpoint->network + ": " + used.error().text);
-    return !used && !publishes;  // so that it is tried again
+    return !used && !publishes;  // the next answer tries it again
   });
   part->endpoints = std::move(endpoints);
   if (publishes && std::ranges::any_of(part->endpoints, is_local)) publishers_.push_back(part);
@@ -239,7 +244,8 @@ Result<void> Client::Data::use_endpoints(const PartOf& part,
   return done;
 }
 
-/// What is known of a user stays.
+/// Takes the endpoints of programs on the gateway. The supervision of a user that is already known
+/// goes on.
 void Client::Data::use_local(const PartOf& part, const std::vector<SharedEndpoint>& endpoints) {
   std::vector<Local> before;
   std::erase_if(locals_, [&](Local& one) {
@@ -292,12 +298,12 @@ Sent Client::Data::send_to(const control::Endpoint& endpoint, std::uint64_t subj
   const auto layer = layer_of(endpoint);
   if (!layer) return Sent::failed;
   const Sent how = (*layer)->send(endpoint, subject, event);
-  // Its interface has gone; it may be there again with the same number.
+  // The interface has gone, but it may exist again with the same index.
   if (how == Sent::failed) renew(endpoint.ifindex);
   return how;
 }
 
-/// False: the event is lost to that receiver.
+/// Returns false if the event is lost to that receiver.
 bool Client::Data::send_local(const std::string& address, std::uint64_t subject, Octets event) {
   const auto own = std::ranges::find_if(
       receivers_, [&](const auto& one) { return one.second->address() == address; });
@@ -311,7 +317,8 @@ std::size_t Client::Data::receive_local(LocalReceiver& receiver, std::size_t mos
                           [&](const LocalEvent& event) { take_local(receiver, event); });
 }
 
-/// Who knows the key of one channel sends no other one by it.
+/// The subject is compared as well, so that a sender that knows the key of one channel cannot send
+/// to another channel with it.
 void Client::Data::take_local(const LocalReceiver& receiver, const LocalEvent& event) {
   const std::uint64_t when = event.unix_ns == 0 ? unix_ns() : event.unix_ns;
   const std::uint64_t now = monotonic_ns();
@@ -334,7 +341,8 @@ void Client::Data::take_local(const LocalReceiver& receiver, const LocalEvent& e
   if (is_known) other_losses_ += event.missed;
 }
 
-/// The timer may be early: events have come since it was set. Then it is set again.
+/// Sets the timer for `due` unless it expires earlier. It may expire too early, because events have
+/// arrived since it was set; supervise() then sets it again.
 void Client::Data::supervise_at(std::uint64_t due, std::uint64_t now) {
   if (supervised_at_ != 0 && supervised_at_ <= due) return;
   supervised_at_ = due;
@@ -343,7 +351,7 @@ void Client::Data::supervise_at(std::uint64_t due, std::uint64_t now) {
   start_timer(supervision_, std::chrono::milliseconds(left / in_a_milli + 1));
 }
 
-/// What waits in the socket has come in time.
+/// Events that wait in the socket count as having arrived in time, so they are read first.
 void Client::Data::supervise() {
   std::uint64_t expired = 0;
   if (::read(supervision_.get(), &expired, sizeof expired) != sizeof expired) return;
@@ -408,7 +416,7 @@ void Client::Data::time_expiry() {
   is_timed_ = true;
 }
 
-/// Once a second, as long as there is something.
+/// Called once a second as long as incomplete events exist.
 void Client::Data::expire() {
   std::uint64_t expired = 0;
   if (::read(timer_.get(), &expired, sizeof expired) != sizeof expired) return;
@@ -418,12 +426,12 @@ void Client::Data::expire() {
   if (holds_parts()) time_expiry();
 }
 
-/// Where a handler throws, those behind it are for the next call.
+/// If a handler throws, the events behind it are kept for the next call.
 void Client::Data::call_handlers() {
   std::vector<Arrived> all = std::exchange(arrived_, {});
   for (std::size_t i = 0; i < all.size(); ++i) {
     const auto part = all[i].part.lock();
-    const auto handler = part ? part->on_event : nullptr;  // which it may replace
+    const auto handler = part ? part->on_event : nullptr;  // a copy: the handler may replace it
     if (!handler) continue;
     Event event;
     event.data = all[i].octets.data();

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The events of a program's channels: sockets of its own on each interface that they are granted
-// for, and one of each subscriber for other programs on the gateway. They are opened when they are
-// needed.
+// The sockets that carry the events of a program's channels.
 #pragma once
 #include <sys/types.h>
 
@@ -25,52 +23,59 @@
 
 namespace mlcca::client {
 
+/// Sends and receives the events of all channels of a Client. It opens a layer (socket) for each
+/// interface that a channel is granted for, and one datagram socket per subscriber for events of
+/// other programs on the gateway. Sockets are opened when they are needed.
 class Client::Data {
  public:
   using PartOf = std::shared_ptr<Channel::Part>;
   using Octets = std::span<const std::uint8_t>;
 
-  /// The sockets are added to `epoll`, which must outlive this.
+  /// Adds the sockets to `epoll`, which must outlive this object.
   explicit Data(const Fd& epoll);
 
-  /// Where programs on the gateway send events to this subscriber; empty: there are no descriptors
-  /// left. It is another one when a publisher has lost its grant: then it is announced again.
+  /// The address to which programs on the gateway send events for this subscriber; empty if no file
+  /// descriptors are left. It changes when a publisher loses its grant: then the subscriber has to
+  /// be announced again.
   [[nodiscard]] std::string address(const PartOf& part);
-  /// It sends and receives by the endpoints of this answer from now on; of an error there are none.
-  /// Error: one cannot be used, and why.
+  /// Makes the channel send and receive by the endpoints of this reply; an error has none. Fails
+  /// with a text if one of them cannot be used; the others are in use nevertheless.
   [[nodiscard]] Result<void> use(const PartOf& part, const control::Reply& reply);
   [[nodiscard]] Published publish(const Channel::Part& part, Octets event);
-  /// Takes what has come by one of its descriptors, up to a number of events. False: it is none.
+  /// Receives what is pending on `fd`, up to a bounded number of events. Returns false if the
+  /// descriptor does not belong to this object.
   [[nodiscard]] bool receive(int fd);
-  /// Of what was taken.
+  /// Calls the handlers of the events that receive() has collected. Throws what a handler throws.
   void call_handlers();
-  /// To events of programs on the gateway, as the daemon reports it of a gate.
+  /// Something that happened to events of programs on the gateway, as an event like those that the
+  /// daemon reports for a gate.
   struct Happened {
     PartOf part;
     control::Event event;
   };
   [[nodiscard]] std::vector<Happened> take_happened();
-  /// A handler threw, and those behind it were not called yet.
+  /// Whether events wait for call_handlers(), because a handler threw before their turn.
   [[nodiscard]] bool has_waiting() const { return !arrived_.empty(); }
-  /// Of all interfaces since it began.
+  /// Losses of all interfaces and local deliveries since this object was made.
   [[nodiscard]] std::uint64_t lost() const;
 
  private:
   using Follower = relay::Layer::Follower;
-  /// A subscriber and one of its endpoints.
+  /// A subscriber and one endpoint that it receives from.
   struct Following {
     std::weak_ptr<Channel::Part> part;
     SharedEndpoint endpoint;
     std::uint64_t subject = 0;
   };
 
-  /// A subscriber and programs of one user on the gateway.
+  /// A subscriber and the programs of one user on the gateway that it receives from.
   struct Local {
     std::weak_ptr<Channel::Part> part;
     LocalSource source;
   };
 
-  /// An event that waits for its handler, which may do with channels what it likes.
+  /// An event that waits for its handler. It is a copy, because handlers may destroy channels and
+  /// close sockets.
   struct Arrived {
     std::weak_ptr<Channel::Part> part;
     std::string network;
@@ -82,10 +87,10 @@ class Client::Data {
   [[nodiscard]] bool holds_parts() const;
   void time_expiry();
   void expire();
-  /// Opened where it is not. Error: or it is open for a network of another kind, of which the end
-  /// does not know yet.
+  /// Returns the layer of the endpoint's interface and opens it if it is not open. Fails as well if
+  /// it is open for a network of another kind: then the endpoint is outdated.
   Result<relay::Layer*> layer_of(const control::Endpoint& endpoint);
-  /// The same, opened again for the network as it is now.
+  /// As layer_of(), but a layer of another kind is closed and opened again for the present network.
   Result<relay::Layer*> renewed_layer_of(const control::Endpoint& endpoint);
   Result<void> use_endpoint(const PartOf& part, const SharedEndpoint& endpoint);
   Result<void> use_endpoints(const PartOf& part, std::vector<control::Endpoint> stated);
@@ -106,21 +111,23 @@ class Client::Data {
   void take(const relay::Layer::Arrival& arrival);
 
   const Fd& epoll_;
-  Fd timer_;  ///< for what is begun and not completed
+  Fd timer_;  ///< expires incomplete events of several fragments
   bool is_timed_ = false;
-  Fd supervision_;                   ///< the timer of local deliveries
-  std::uint64_t supervised_at_ = 0;  ///< when it is due; 0: never
-  /// By their sockets. They are kept while the client exists: the daemon knows their addresses.
+  Fd supervision_;                   ///< the timer for the supervision of local deliveries
+  std::uint64_t supervised_at_ = 0;  ///< when it expires, CLOCK_MONOTONIC in ns; 0: it is not set
+  /// The receivers by their descriptors. They stay open as long as the client exists, because the
+  /// daemon knows their addresses.
   std::map<int, std::shared_ptr<LocalReceiver>> receivers_;
-  std::vector<std::uint8_t> buffer_;  ///< of all receivers
+  std::vector<std::uint8_t> buffer_;  ///< receive buffer, shared by all receivers
   LocalSenders senders_;
-  std::map<std::uint32_t, relay::OpenedLayer> layers_;  ///< by interface
-  std::uint64_t other_losses_ = 0;  ///< of interfaces that were closed, and of local deliveries
+  std::map<std::uint32_t, relay::OpenedLayer> layers_;  ///< by interface index
+  std::uint64_t other_losses_ = 0;  ///< losses of layers that were closed, and of local deliveries
   SharedEndpoints endpoints_;
   std::map<Follower, Following> following_;
   Follower last_ = 0;
   std::vector<Local> locals_;
-  std::vector<std::weak_ptr<Channel::Part>> publishers_;  ///< that send to such programs
+  std::vector<std::weak_ptr<Channel::Part>> publishers_;  ///< publishers with subscribers among the
+                                                          ///< programs on this gateway
   std::vector<Arrived> arrived_;
   std::vector<Happened> happened_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The data plane alone, in C.
+// The C interface to the data plane (mlcca/client/events.h).
 #include "mlcca/client/events.h"
 
 #include <sys/epoll.h>
@@ -36,10 +36,10 @@ struct __attribute__((visibility("hidden"))) mlcca_events {
   std::string address;
   std::map<std::uint64_t, std::shared_ptr<Part>> ends;
   std::function<void(std::uint64_t end, const Event& event)>
-      on_event;                      ///< of mlcca_events_process()
-  std::uint64_t without_memory = 0;  ///< how often events were lost since memory was at an end
+      on_event;                      ///< set by mlcca_events_process()
+  std::uint64_t without_memory = 0;  ///< how often events were lost because no memory was left
 
-  std::vector<Client::Data::Happened> happened;  ///< not taken yet, the next one at the end
+  std::vector<Client::Data::Happened> happened;  ///< not taken by the caller yet, in reverse order
 
   const std::shared_ptr<Part>& end(std::uint64_t number, mlcca_role role);
   std::string use(const std::shared_ptr<Part>& part, std::string_view reply);
@@ -56,7 +56,7 @@ const std::shared_ptr<Channel::Part>& mlcca_events::end(std::uint64_t number, ml
   return part;
 }
 
-/// What cannot be used, and why; empty: nothing.
+/// Returns what cannot be used, and why; empty if everything can.
 std::string mlcca_events::use(const std::shared_ptr<Part>& part, std::string_view reply) {
   control::Buffer buffer;
   buffer.append(reply);
@@ -67,8 +67,8 @@ std::string mlcca_events::use(const std::shared_ptr<Part>& part, std::string_vie
   return done ? std::string() : done.error().text;
 }
 
-// Nothing is thrown into another language: without memory an event is lost, and an end is granted
-// nothing.
+// No C++ exception may leave these functions. Without memory an event is lost, or nothing is
+// granted to an endpoint.
 
 mlcca_events* mlcca_events_new(void) {
   try {
@@ -151,7 +151,7 @@ size_t mlcca_events_happened(mlcca_events* events, uint64_t* end, void* reply, s
       const auto& [part, event] = events->happened.back();
       const auto known =
           std::ranges::find(events->ends, part, &decltype(events->ends)::value_type::second);
-      if (known == events->ends.end()) continue;  // it has left
+      if (known == events->ends.end()) continue;  // the endpoint was removed
       const std::string text = control::encode(control::Reply{.id = 0, .body = event});
       if (text.size() > size) return text.size();
       text.copy(static_cast<char*>(reply), text.size());

@@ -15,8 +15,9 @@
 namespace mlcca::client {
 namespace {
 
-// Texts that an answer has many times are one octet: those of attributes by their number, networks
-// of the route by theirs, and "end to end". The daemon sends no text that begins with one of these.
+// Texts that occur often in an answer are encoded in one byte: names of attributes (with the unit)
+// by their index, places on the route by theirs, and "end to end". The daemon sends no text that
+// begins with one of these control characters.
 constexpr char kFirstAttribute = 1;
 constexpr char kEndToEnd = 15;
 constexpr char kFirstOfRoute = 16;

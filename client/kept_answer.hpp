@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// An answer that nobody has asked for yet, in a few hundred octets: its comparisons have four texts
-// each, and a program may have thousands of channels.
+// An answer in compact form.
 #pragma once
 #include <memory>
 #include <string>
@@ -9,6 +8,8 @@
 
 namespace mlcca::client {
 
+/// Keeps the answer of a channel in a few hundred bytes until a program asks for it. Each
+/// comparison of an Answer has four strings, and a program may have thousands of channels.
 class KeptAnswer {
  public:
   KeptAnswer() = default;
@@ -19,8 +20,8 @@ class KeptAnswer {
 
  private:
   State state_ = State::unannounced;
-  std::string reason_;      ///< empty where it is that of a delivery
-  std::string deliveries_;  ///< as the control protocol has them
+  std::string reason_;      ///< empty if it is the reason of a delivery
+  std::string deliveries_;  ///< encoded as a Reply of the control protocol
 };
 
 }  // namespace mlcca::client

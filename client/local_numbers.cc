@@ -24,13 +24,15 @@ std::uint64_t LocalNumbers::missed(uid_t user, std::uint32_t sender, std::uint32
   auto known = senders_.find(key);
   if (known == senders_.end()) {
     make_room(user);
-    // What was forgotten has been counted up to then.
+    // If senders of this user were forgotten, this may be one of them, whose earlier losses are
+    // counted.
     const std::uint32_t first = forgotten_.contains(user) ? number : 0;
     known = senders_.emplace(key, Sender{.next = first}).first;
   }
   const std::uint32_t expected = known->second.next;
   known->second = {.next = notice ? number : number + 1, .used = ++turn_};
-  // Of one sender nothing overtakes: what is lower is of one that counts otherwise.
+  // Datagrams of one sender arrive in order. A lower number is of a sender that does not count like
+  // this.
   const std::uint32_t gap = number - expected;
   constexpr std::uint32_t half = std::uint32_t{1} << 31U;
   return gap < half ? gap : 0;

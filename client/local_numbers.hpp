@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The numbers of events between programs on the gateway. Each sender has a random number, and
-// counts its events from 0, those that are lost as well: so the receiver knows how many are. The
-// highest bit of a sender's number says that a datagram is no event: it has the number of the next
-// one.
+// Numbering of the events between programs on the gateway, by which a receiver knows how many were
+// lost.
 #pragma once
 #include <sys/types.h>
 
@@ -16,25 +14,30 @@
 
 namespace mlcca::client {
 
+/// The number of a sender's next event. Each sender has a random number and counts all its events
+/// from 0, including those that are lost. A sender number with the highest bit set marks a notice,
+/// a datagram without event that states the number of the next event.
 struct LocalCount {
   static constexpr std::uint32_t kNotice = std::uint32_t{1} << 31U;
 
-  std::uint32_t sender = 0;  ///< without that bit
-  std::uint32_t next = 0;    ///< after the last one 0 comes again
+  std::uint32_t sender = 0;  ///< number of the sender, without the bit of a notice
+  std::uint32_t next = 0;    ///< number of its next event; wraps to 0
 
-  /// With a random number of the sender, and no event yet.
+  /// A sender with a random number that has not sent any event.
   static Result<LocalCount> begin();
 };
 
-/// What a receiver has of each sender.
+/// Counts lost events by the numbers that a receiver has seen of each sender.
 class LocalNumbers {
  public:
-  /// Of one user: those that sent least recently are forgotten.
+  /// Senders of one user that are remembered; the one that was quiet for longest is forgotten
+  /// first.
   static constexpr std::size_t kMostOfUser = 16;
-  /// Of all users.
+  /// Senders of all users that are remembered.
   static constexpr std::size_t kMost = 256;
 
-  /// How many events of the sender were lost before this. `notice`: it is no event itself.
+  /// Returns how many events of this sender were lost before this datagram. `number`: the number in
+  /// the datagram; `notice`: it is a notice and no event.
   [[nodiscard]] std::uint64_t missed(uid_t user, std::uint32_t sender, std::uint32_t number,
                                      bool notice);
   [[nodiscard]] std::size_t senders() const { return senders_.size(); }
@@ -48,7 +51,8 @@ class LocalNumbers {
   void make_room(uid_t user);
 
   std::map<Key, Sender> senders_;
-  std::set<uid_t> forgotten_;  ///< users of whom some are: what is not known may be one of them
+  std::set<uid_t> forgotten_;  ///< users of which senders were forgotten: the first event of an
+                               ///< unknown sender of theirs need not have number 0
   std::uint64_t turn_ = 0;
 };
 

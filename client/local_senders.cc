@@ -10,7 +10,8 @@
 
 namespace mlcca::client {
 
-/// A receiver keeps its name while its key changes: its sender counts on.
+/// A receiver keeps its name when its key changes, so its sender is found by the name and goes on
+/// counting.
 bool LocalSenders::send(const std::string& address, std::uint64_t subject, Octets event) {
   const auto at = control::local_address_in(address);
   if (!at) return false;
@@ -30,7 +31,7 @@ bool LocalSenders::send(const std::string& address, std::uint64_t subject, Octet
 
 void LocalSenders::keep_only(const std::set<std::string>& addresses) {
   std::erase_if(by_name_, [&](const auto& one) {
-    const auto next = addresses.lower_bound(one.first);  // addresses begin with the name
+    const auto next = addresses.lower_bound(one.first);  // an address begins with the name
     return next == addresses.end() || !next->starts_with(one.first);
   });
 }

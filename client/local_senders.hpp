@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// To all receivers on the gateway that a program sends to. What a receiver has lost is said to it
-// as soon as it has room again, without another event.
+// The senders of a program to the receivers on the gateway.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -14,21 +13,25 @@
 
 namespace mlcca::client {
 
+/// Sends events to all receivers on the gateway, with one socket for each. If a receiver has lost
+/// events, it gets a notice as soon as it has room again, even if no further event is sent.
 class LocalSenders {
  public:
   using Octets = std::span<const std::uint8_t>;
-  /// With more of them sockets are opened again and again. One user has 32 receivers of a channel
-  /// at most.
+  /// Senders that are open at a time; if more are needed, one is closed for each that is opened.
+  /// The daemon accepts at most 32 receivers of one user for a channel.
   static constexpr std::size_t kMost = 256;
 
-  /// Its sockets are added to `epoll` while they wait for room. It must outlive this.
+  /// Senders are added to `epoll` while they wait for room. It must outlive this object.
   explicit LocalSenders(const Fd& epoll) : epoll_(epoll) {}
 
-  /// False: the event is lost to that receiver.
+  /// Sends an event to the address of a receiver (control::LocalAddress as text). Returns false if
+  /// the event is lost.
   [[nodiscard]] bool send(const std::string& address, std::uint64_t subject, Octets event);
-  /// A receiver may be gone without a word, and its name another one's.
+  /// Closes the senders to all other addresses. A receiver may have ended without notice, and the
+  /// kernel may have given its name to another one.
   void keep_only(const std::set<std::string>& addresses);
-  /// One of its sockets has room. False: it has none of that number.
+  /// Handles room in the queue behind the descriptor. Returns false if no sender has it.
   [[nodiscard]] bool on_room(int fd);
 
  private:

@@ -28,16 +28,17 @@ Result<std::uint64_t> random_key() {
   return key;
 }
 
-/// From now on the kernel drops each datagram that does not begin with the key,
-/// before it looks for room in the queue. All of the key is compared at once: how long a sendto()
-/// takes says nothing of a part of it.
+/// Makes the kernel drop each datagram that does not begin with the key, before it searches for
+/// room in the queue. All bits of the key are compared in one operation, so that the duration of a
+/// sendto() reveals nothing about a part of it.
 Result<void> accept_only(const Fd& socket, std::uint64_t key) {
   constexpr unsigned half = 32;
   const auto high = static_cast<std::uint32_t>(key >> half);
   const auto low = static_cast<std::uint32_t>(key);
   constexpr std::uint32_t all = ~std::uint32_t{0};
   std::array program{
-      sock_filter BPF_STMT(BPF_LD | BPF_W | BPF_ABS, 0),  // shorter ones end here, dropped
+      sock_filter BPF_STMT(BPF_LD | BPF_W | BPF_ABS, 0),  // a shorter datagram ends the program
+                                                          // here and is dropped
       sock_filter BPF_STMT(BPF_ALU | BPF_XOR | BPF_K, high),
       sock_filter BPF_STMT(BPF_MISC | BPF_TAX, 0),
       sock_filter BPF_STMT(BPF_LD | BPF_W | BPF_ABS, sizeof high),
@@ -53,7 +54,7 @@ Result<void> accept_only(const Fd& socket, std::uint64_t key) {
   return {};
 }
 
-/// The user who has sent a message; nobody where the kernel does not say.
+/// The user that sent a message; -1 if the kernel does not state it.
 uid_t sender_of(msghdr& message) {
   for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr;
        part = CMSG_NXTHDR(&message, part)) {
@@ -65,7 +66,7 @@ uid_t sender_of(msghdr& message) {
   return static_cast<uid_t>(-1);
 }
 
-/// Of an event that was not sent, by errno.
+/// The result for an event that was not sent, by errno.
 LocalSender::Sent why_not() {
   const bool gone = errno == ECONNREFUSED || errno == ENOTCONN || errno == EPIPE;
   return gone ? LocalSender::Sent::gone : LocalSender::Sent::full;
@@ -84,21 +85,21 @@ Address address_of(const std::string& name) {
   return address;
 }
 
-/// What is in front of an event.
+/// The header in front of an event.
 struct Header {
   std::uint64_t key = 0;
   std::uint64_t subject = 0;
   LocalCount count;
 };
 
-/// `to`: null where the socket is connected.
+/// Sends one datagram. `to`: the destination; null if the socket is connected.
 ssize_t send_event(const Fd& socket, const Header& header, std::span<const std::uint8_t> event,
                    Address* to) {
   constexpr unsigned half = 32;
   auto first = big_endian(header.key);
   auto second = big_endian(header.subject);
   auto third = big_endian(std::uint64_t{header.count.sender} << half | header.count.next);
-  // The kernel reads them, and nothing else.
+  // sendmsg() only reads the buffers, so that the const_cast below is safe.
   std::array<iovec, 4> data{
       iovec{.iov_base = first.data(), .iov_len = first.size()},
       iovec{.iov_base = second.data(), .iov_len = second.size()},
@@ -126,7 +127,7 @@ Result<LocalReceiver> LocalReceiver::open() {
       return system_error("setsockopt");
   const auto key = random_key();
   if (!key) return std::unexpected(key.error());
-  // Before it has a name that others can send to.
+  // The filter is set before the socket has a name that others can send to.
   if (const auto done = accept_only(socket, *key); !done) return std::unexpected(done.error());
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -136,7 +137,8 @@ Result<LocalReceiver> LocalReceiver::open() {
   // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
   if (::getsockname(socket.get(), reinterpret_cast<sockaddr*>(&address), &size) != 0)
     return system_error("getsockname");
-  const std::size_t before = offsetof(sockaddr_un, sun_path) + 1;  // and the null byte
+  const std::size_t before = offsetof(sockaddr_un, sun_path) + 1;  // up to and including the null
+                                                                   // byte
   if (size <= before) return fail("the kernel gave no address to a socket");
   const auto count = LocalCount::begin();
   if (!count) return std::unexpected(count.error());

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Events between programs on the gateway, where no network is in between: datagrams of AF_UNIX from
-// the publisher's program to the subscriber's. A datagram is the key of the receiver, the subject,
-// the number of the sender and that of the event (control/local_address.hpp), and the event. An
-// abstract address has no permissions, so every program can send there: the kernel drops what
-// begins with another key before it is queued, and says of the rest which user has sent it, so that
-// nobody can pose as a publisher.
+// Datagram sockets for events between programs on the same gateway, without any network in between.
+//
+// A datagram of AF_UNIX goes from the publisher's program directly to the subscriber's. It has the
+// key of the receiver, the subject, the numbers of the sender and of the event, and the event
+// (control/local_address.hpp). Abstract addresses have no permissions, so any program could send
+// there. Therefore a socket filter drops datagrams with another key before they are queued, and
+// SCM_CREDENTIALS states the user that sent the others, so that no program can pose as a publisher.
 #pragma once
 #include <sys/types.h>
 
@@ -23,48 +24,51 @@
 
 namespace mlcca::client {
 
-/// The longest event, bytes.
+/// The longest event, in bytes.
 inline constexpr std::size_t kMostLocalBytes = 65'535;
 
-/// As it came.
+/// A received datagram.
 struct LocalEvent {
   std::uint64_t subject = 0;
   uid_t from = 0;
-  std::uint64_t unix_ns = 0;  ///< when the kernel received it; 0: not said
-  std::uint64_t missed = 0;   ///< so many of this sender before it were lost
-  bool is_notice = false;     ///< it says of those alone, and is no event
-  std::span<const std::uint8_t> octets;
+  std::uint64_t unix_ns = 0;             ///< when the kernel received it; 0: unknown
+  std::uint64_t missed = 0;              ///< events of the same sender that were lost before it
+  bool is_notice = false;                ///< it reports `missed` only and is no event
+  std::span<const std::uint8_t> octets;  ///< points into the buffer of receive()
 };
 
-/// Of one channel: what its publishers send takes no room from other channels. The kernel keeps
-/// net.unix.max_dgram_qlen events of all of them, and of each as many as its SO_SNDBUF has room
-/// for.
+/// Receives the events of one channel. Each channel has a socket of its own, so that its publishers
+/// take no room from other channels. The kernel queues net.unix.max_dgram_qlen datagrams for the
+/// receiver, and from each sender as many as fit its SO_SNDBUF.
 class LocalReceiver {
  public:
   using OnEvent = std::function<void(const LocalEvent&)>;
 
-  /// With a random key, bound to a name that the kernel chooses.
+  /// Opens a receiver with a random key and a name that the kernel chooses.
   static Result<LocalReceiver> open();
 
   [[nodiscard]] int fd() const { return socket_.get(); }
-  /// Its name and its key, see control::LocalAddress; empty: it receives nothing any more.
+  /// Name and key as text, see control::LocalAddress; empty: it receives nothing any more.
   [[nodiscard]] const std::string& address() const { return address_; }
-  /// Whoever knows the former key sends in vain from now on. Its name stays, and what the kernel
-  /// has queued. Without another key it receives nothing any more.
+  /// Replaces the key, so that the datagrams of senders that know the former one are dropped. The
+  /// name stays, and so do the datagrams already queued. If no key can be set, the socket is closed
+  /// and address() is empty.
   void change_key();
-  /// Of the channel that it receives; 0: not known yet.
+  /// Subject of the channel that it receives; 0: unknown yet.
   [[nodiscard]] std::uint64_t subject() const { return subject_; }
   void set_subject(std::uint64_t subject) { subject_ = subject; }
 
   using Buffer = std::span<std::uint8_t>;
   static constexpr std::size_t kBuffer = 24 + kMostLocalBytes;
-  /// At most `most` events, without waiting. How many came. Of `buffer` it takes kBuffer octets.
+  /// Receives at most `most` events without waiting, and calls `on_event` for each. Returns how
+  /// many datagrams were taken. `buffer` must have kBuffer bytes.
   std::size_t receive(std::size_t most, Buffer buffer, const OnEvent& on_event);
 
   using Octets = std::span<const std::uint8_t>;
-  /// Of a program that publishes what it subscribes itself. The kernel keeps more of that than of
-  /// what others send (net.unix.max_dgram_qlen, 10 where systemd has not set it). False: the event
-  /// is lost.
+  /// Sends an event to this receiver from the same program, which subscribes to what it publishes.
+  /// An unconnected socket that sends to itself may queue more than others can (they are limited by
+  /// net.unix.max_dgram_qlen, 10 by default unless systemd has raised it). Returns false if the
+  /// event is lost.
   [[nodiscard]] bool send_to_itself(std::uint64_t subject, Octets event);
 
  private:
@@ -84,26 +88,26 @@ class LocalReceiver {
   LocalCount to_itself_;
 };
 
-/// To one receiver, by a socket of its own. What a receiver does not read takes from the room of
-/// the socket that it was sent by (SO_SNDBUF): sent by one socket, it would keep events from the
-/// others.
+/// Sends events to one receiver. Datagrams that the receiver has not read count against SO_SNDBUF
+/// of the socket that sent them; with a socket of its own, a receiver that does not read cannot
+/// keep events from the others.
 class LocalSender {
  public:
   using Octets = std::span<const std::uint8_t>;
   enum class Sent : std::uint8_t {
     sent,
-    full,  ///< the event is lost to it
-    gone,  ///< nobody receives there any more
+    full,  ///< the queue has no room: the event is lost
+    gone,  ///< no socket receives at this address any more
   };
 
-  /// Error: it is no address, or nobody receives there.
+  /// Connects to a receiver. Fails if nothing receives there.
   static Result<LocalSender> open(const control::LocalAddress& to);
   [[nodiscard]] int fd() const { return socket_.get(); }
-  /// The receiver has another one now.
+  /// Uses the new key of the receiver.
   void use_key(std::uint64_t key) { key_ = key; }
   [[nodiscard]] Sent send(std::uint64_t subject, Octets event);
-  /// Says to the receiver how many there were before. Where that is full, too, it does not know
-  /// yet.
+  /// Reports to the receiver how many events were sent so far, so that it can count losses. If the
+  /// result is `full`, the receiver does not know them yet.
   [[nodiscard]] Sent send_notice();
 
  private:

@@ -9,7 +9,8 @@
 namespace mlcca::client {
 namespace {
 
-/// The clock of the system was set back where an event seems to be older by so much, ns.
+/// An event that is older than its predecessor by more than this (ns) means that the system clock
+/// was set back.
 constexpr std::uint64_t kSetBack = 100'000'000;
 
 std::string time_text(std::uint64_t ns) {
@@ -22,7 +23,7 @@ std::string events_text(std::uint64_t number) { return many(number, "event is", 
 
 }  // namespace
 
-/// The generic cell rate algorithm, as in police.bpf.h.
+/// Policing by the generic cell rate algorithm, as in bpf/police.bpf.h.
 bool LocalSource::is_in_turn(std::size_t bytes, std::uint64_t unix_ns) {
   constexpr unsigned fraction = 8;
   const std::uint64_t cost =
@@ -79,7 +80,7 @@ std::optional<control::Event> LocalSource::happened(std::uint64_t now) {
   }
   const bool is_silent = now >= last_ + granted_.silence_ns;
   if (silent_at_ == 0) return is_silent ? std::optional(missing(now)) : std::nullopt;
-  if (is_silent) back_at_ = 0;  // once more
+  if (is_silent) back_at_ = 0;  // silent once more
   if (back_at_ == 0 || now < back_at_ + kHold) return std::nullopt;
   return restored();
 }

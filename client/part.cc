@@ -35,7 +35,7 @@ const Delivery* same_delivery(const Answer& answer, const Delivery& d) {
   return found == answer.deliveries.end() ? nullptr : &*found;
 }
 
-/// What has become of a delivery; nothing: it is decided as before.
+/// How the decision on a delivery has changed; nullopt if it has not.
 std::optional<Cause> change_of(const Delivery* was, const Delivery& is) {
   const bool was_granted = was != nullptr && was->granted;
   if (is.granted != was_granted) return is.granted ? Cause::granted : Cause::withdrawn;
@@ -83,7 +83,7 @@ std::optional<Exception> Channel::Part::next() {
 }
 
 bool Channel::Part::concerns(const control::Event& event) const {
-  // Before there is a delivery nothing but the channel is known.
+  // Before there is a delivery, only the channel is known.
   const auto known = answer.get();
   if (event.publisher.empty() || known->deliveries.empty()) return true;
   return std::ranges::any_of(known->deliveries, [&](const Delivery& d) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a channel of a program is to its connection.
+// The state of a channel.
 #pragma once
 #include <cstdint>
 #include <list>
@@ -14,40 +14,45 @@
 
 namespace mlcca::client {
 
+/// The part of a channel that its connection works with. The Channel owns it; the connection has a
+/// weak pointer, so that a channel may end at any time.
 struct Channel::Part {
-  /// Exceptions that wait for a program that does not call process().
+  /// Exceptions that are kept for a program that does not call process().
   static constexpr std::size_t kMostWaiting = 256;
 
   control::AnnounceRequest request;
   KeptAnswer answer;
   std::shared_ptr<const Handler> handler;
   std::shared_ptr<const SubscriberChannel::EventHandler> on_event;
-  std::vector<SharedEndpoint> endpoints;  ///< where events go to, or come from
-  std::uint64_t subject = 0;              ///< 0: not known yet
-  /// Of a subscriber: where programs on the gateway send to. Others of this channel may share it.
+  std::vector<SharedEndpoint> endpoints;  ///< where events are sent to or received from
+  std::uint64_t subject = 0;              ///< 0: unknown yet
+  /// Subscriber: receives from programs on the gateway. Subscribers of the same channel share it.
   std::shared_ptr<LocalReceiver> local;
-  std::vector<std::string> local_publishers;  ///< that are granted there
-  std::uint64_t asked = 0;                    ///< the request that waits for an answer, 0: none
-  bool outdated = false;                      ///< something has changed since it was asked
-  bool failed = false;           ///< the daemon could not answer: it is asked again later
-  bool lost = false;             ///< the daemon went after it was announced
-  bool lagged = false;           ///< exceptions were lost
-  std::string problem;           ///< why its events cannot be carried; empty: they can
-  std::list<Exception> waiting;  ///< takes no memory while nothing waits
+  std::vector<std::string> local_publishers;  ///< publishers on this gateway that are granted
+  std::uint64_t asked = 0;                    ///< id of the pending request; 0: none
+  bool outdated = false;  ///< something has changed since the pending request was sent: ask again
+  bool failed = false;    ///< the daemon could not answer, or its answer could not be applied: ask
+                          ///< again later
+  bool lost = false;  ///< the connection was lost, or the answer is overdue: its return is reported
+  bool lagged = false;           ///< exceptions were lost since `waiting` was full
+  std::string problem;           ///< why events cannot be carried; empty if they can
+  std::list<Exception> waiting;  ///< exceptions for the handler; a list, because it takes no memory
+                                 ///< while it is empty
   std::weak_ptr<Client::Connection> connection;
 
-  /// Where too many wait, what only informs goes first, then what is oldest.
+  /// Adds an exception for the handler. If `waiting` is full, the oldest one that only informs is
+  /// dropped, or else the oldest one. `event`: the daemon's event with details, or null.
   void note(Cause cause, std::string text, const control::Event* event = nullptr);
-  /// The next exception for the handler; nothing: none waits.
+  /// Removes and returns the next exception for the handler; nullopt if none waits.
   std::optional<Exception> next();
-  /// The event is of a delivery of this end.
+  /// Whether the event concerns a delivery of this channel.
   [[nodiscard]] bool concerns(const control::Event& event) const;
-  /// Another answer, and an exception for each delivery that is decided otherwise than before.
+  /// Takes the daemon's answer, and adds an exception for each delivery that is decided otherwise
+  /// than before.
   void take(const std::shared_ptr<const Answer>& now);
-  /// Events of a delivery come again: the answer does not say any more that something is wrong.
-  /// False: it did not.
+  /// Removes the trouble of deliveries of which events arrive again. Returns false if none had any.
   bool forget_trouble(const control::Event& event);
-  /// A delivery of it is withdrawn: the answer says so before the daemon is asked.
+  /// Marks the deliveries that the event withdraws as refused, before the daemon is asked.
   void withdraw(const control::Event& event);
 };
 

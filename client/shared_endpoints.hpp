@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Endpoints of the channels of a program. Where frames carry the subject all channels of a network
-// have mostly the same one, which is kept once.
+// Sharing of equal endpoints between the channels of a program.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -15,6 +14,8 @@ namespace mlcca::client {
 
 using SharedEndpoint = std::shared_ptr<const control::Endpoint>;
 
+/// Returns one shared copy of equal endpoints. Where frames carry the subject, most channels of a
+/// network have the same endpoint, and there may be thousands of them.
 class SharedEndpoints {
  public:
   SharedEndpoint share(control::Endpoint endpoint) {
@@ -33,7 +34,7 @@ class SharedEndpoints {
 
  private:
   static constexpr std::size_t kLeastSweep = 64;
-  /// By interface and identifier, the latest one of each.
+  /// The latest endpoint of each interface and identifier.
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::weak_ptr<const control::Endpoint>> known_;
   std::size_t sweep_at_ = kLeastSweep;
 };

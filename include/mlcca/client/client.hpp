@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The application's side of a gateway: a program takes up the publishers and subscribers that the
-// description has for it, learns what was decided for them and why, publishes and receives events,
-// and gets an exception when what was decided changes. C++17 with the standard library. Link with
-// -lmlcca (pkg-config mlcca).
+// The application's interface to a gateway. A program announces the publishers and subscribers that
+// the description assigns to it, learns what was decided for each of them and why, publishes and
+// receives events, and is notified by an exception when a decision changes. C++17 with the standard
+// library. Link with -lmlcca (pkg-config mlcca).
 //
-// A Client and its channels belong to one thread. Put Client::fd() into your poll, epoll, sd-event
-// or asio loop and call process() when it can be read, or call wait() in a loop of your own. Events
-// go by sockets of this process and not by the daemon: the gate sees which user sends them. After
-// fork() only one of both processes may go on using it. Before version 1.0 each minor version has
-// an ABI of its own, and the name of the library says which.
+// A Client and its channels are not thread-safe: use them from one thread. Add Client::fd() to your
+// poll, epoll, sd-event or asio loop and call process() when it is readable, or call wait() in a
+// loop of your own. Events do not pass through the daemon: this process has sockets of its own for
+// them, so that the gate sees which user sends. After fork() only one of the two processes may go
+// on using the Client. Before version 1.0 the ABI changes with each minor version, which is part of
+// the library's name.
 #pragma once
 #include <chrono>
 #include <cstddef>
@@ -25,47 +26,49 @@
 
 #define MLCCA_API __attribute__((visibility("default")))
 
-struct mlcca_events;  // mlcca/client/events.h
+struct mlcca_events;  // defined for mlcca/client/events.h
 
 namespace mlcca::client {
 
-/// One attribute, held against one place on the way of an event.
+/// One attribute compared at one place on the route of an event: what is required and what is
+/// provided there.
 struct Check {
-  std::string where;              ///< network or gateway, "end to end", "publisher NAME", …
-  std::string attribute;          ///< "Omission"
-  std::string unit;               ///< of both values: "ns", "bytes/s", "1e-9", "events", "bytes"
-  Value required = 0;             ///< what publisher and subscribers ask for together
-  std::optional<Value> provided;  ///< nothing: it is not known
+  std::string where;      ///< network or gateway, "end to end", "publisher NAME", …
+  std::string attribute;  ///< name of the attribute, e.g. "Omission"
+  std::string unit;  ///< of `required` and `provided`: "ns", "bytes/s", "1e-9", "events" or "bytes"
+  Value required = 0;  ///< the strictest requirement of the publisher and the subscribers
+  std::optional<Value> provided;  ///< nullopt: unknown, hence not fulfilled
   bool fits = false;
-  std::string margin;  ///< readable: "1 to spare", "3 events too many"
+  std::string margin;  ///< readable text: "1 to spare", "3 events too many"
 };
 
-/// What was decided for the events of one publisher towards one network or gateway.
+/// The decision on the events of one publisher towards one network or gateway.
 struct Delivery {
   bool granted = false;
   std::string publisher;
   std::string from;
   std::string to;
-  std::string reason;   ///< one line: the smallest margin, or why it is refused
-  unsigned set = 0;     ///< attribute set in use, 0: the preferred one
-  std::string trouble;  ///< what is wrong although it is granted; empty: nothing
+  std::string reason;   ///< one line: if granted the smallest margin, otherwise why it is refused
+  unsigned set = 0;     ///< the attribute set in use; 0 is the preferred one
+  std::string trouble;  ///< what is wrong although the delivery is granted; empty if nothing is
   std::vector<std::string> route;
   std::vector<Check> checks;
 };
 
 enum class State : std::uint8_t {
   unannounced,
-  granted,    ///< every delivery
-  partly,     ///< some deliveries are granted, some refused
-  refused,    ///< every delivery, or there is none
-  rejected,   ///< the daemon does not take the announcement: see the reason
-  no_daemon,  ///< nothing is known while no daemon answers
+  granted,    ///< every delivery is granted
+  partly,     ///< some deliveries are granted and some are refused
+  refused,    ///< every delivery is refused, or there is no delivery because no other end is known
+  rejected,   ///< the daemon does not accept the announcement; the reason says why
+  no_daemon,  ///< no daemon answers, so that nothing is known
 };
 
-/// What is known of a channel.
+/// The latest decision on a channel that this program knows.
 struct Answer {
   State state = State::unannounced;
-  /// One line: of a delivery that is refused, else of the one that is granted; or the error.
+  /// One line: the reason of the first refused delivery, otherwise of the first granted one; for
+  /// `rejected` and `no_daemon` the error.
   std::string reason;
   std::vector<Delivery> deliveries;
 };
@@ -73,78 +76,91 @@ struct Answer {
 /// Why an exception handler is called.
 enum class Cause : std::uint8_t {
   granted,       ///< a delivery that was refused is granted
-  refused,       ///< a delivery is refused
-  withdrawn,     ///< a delivery was granted and is not any more
-  network_down,  ///< the same, since a network on its way is not available: see `network`
-  rejected,      ///< after a reload the announcement does not go with the description any more
-  degraded,      ///< another attribute set is in use, which asks for less
-  upgraded,      ///< another attribute set is in use, which gives more
-  policed,       ///< the publisher sent more than was admitted
+  refused,       ///< a delivery is refused that was not known before
+  withdrawn,     ///< a delivery that was granted is refused, or does not exist any more
+  network_down,  ///< as `withdrawn`, because the network `network` on its route is not available
+  rejected,      ///< after a reload the announcement does not fit the description any more
+  degraded,      ///< a less preferred attribute set is in use
+  upgraded,      ///< a more preferred attribute set is in use
+  policed,       ///< the publisher sent more than was admitted, and the excess was dropped
   dropped,       ///< the gate dropped frames of the channel
-  missing,       ///< nothing has come for longer than a subscriber's Omission allows
-  restored,      ///< events come again
-  missed,        ///< events of programs on this gateway were lost, since they were not read in time
-  late,          ///< events took longer in mlcca-relay than the gateway states
-  gates_closed,  ///< the kernel closed all gates for a while, or the daemon ends and closes them
-  mode,          ///< enforce or audit
-  lagged,        ///< exceptions were lost: this program called process() too seldom
-  daemon_gone,   ///< nothing is known any more; granted deliveries hold for the grace period
-  daemon_back,   ///< it is announced again: see the answer
-  other,         ///< of a newer daemon: see the text
+  missing,       ///< no event has arrived for longer than a subscriber's Omission allows
+  restored,      ///< events arrive again after `missing`
+  missed,  ///< events of programs on this gateway were lost, because this program did not read them
+           ///< in time
+  late,    ///< events spent more time in mlcca-relay than the description states for the gateway
+  gates_closed,  ///< the kernel had closed all gates for a time, or the daemon stops and closes
+                 ///< them
+  mode,          ///< the gateway has changed between the modes enforce and audit
+  lagged,        ///< exceptions were lost, because this program called process() too seldom
+  daemon_gone,   ///< the connection to the daemon is lost; granted deliveries go on for the grace
+                 ///< period
+  daemon_back,   ///< the daemon has answered the announcement again; `answer` has the present
+                 ///< decision
+  other,  ///< a kind that this library does not know, or a problem with the sockets; see the text
 };
-/// "withdrawn"
+/// The name as readable text, e.g. "network down"; the pointer stays valid.
 MLCCA_API const char* name_of(Cause cause);
 MLCCA_API const char* name_of(State state);
 
 struct Exception {
   Cause cause = Cause::other;
-  std::string text;                   ///< one line, as in the log of the gateway
-  std::string publisher;              ///< that it is of, by its name; empty: of several, or of none
-  std::string network;                ///< network_down: which one
-  std::chrono::nanoseconds silent{};  ///< missing, restored: how long nothing came
-  std::uint64_t missing_events = 0;   ///< missing, restored: how many did not come in that time;
-                                      ///< missed: so many since the last such exception
-  std::uint64_t frames = 0;           ///< policed, dropped: so many since the last such exception
-  std::uint64_t late_events = 0;      ///< late: so many since the last such exception
-  std::chrono::nanoseconds longest{};    ///< late: the time that one of these took in mlcca-relay
-  std::shared_ptr<const Answer> answer;  ///< what is decided now
+  std::string text;       ///< one line, as in the log of the gateway
+  std::string publisher;  ///< publisher concerned, by its name in the description; empty if there
+                          ///< are several or none
+  std::string network;    ///< network_down: the network concerned
+  std::chrono::nanoseconds silent{};  ///< missing, restored: how long no event arrived
+  std::uint64_t missing_events = 0;   ///< missing, restored: the events that should have arrived in
+                                      ///< that time; missed: the events lost since the last such
+                                      ///< exception
+  std::uint64_t frames = 0;       ///< policed, dropped: the frames since the last such exception
+  std::uint64_t late_events = 0;  ///< late: the late events since the last such exception
+  std::chrono::nanoseconds longest{};    ///< late: the longest time that one of them spent in
+                                         ///< mlcca-relay
+  std::shared_ptr<const Answer> answer;  ///< the decision when the exception was raised
 };
 
-/// An event that has come.
+/// An event that was received.
 struct Event {
-  const std::uint8_t* data = nullptr;  ///< valid as long as the handler runs
+  const std::uint8_t* data = nullptr;  ///< valid until the handler returns
   std::size_t size = 0;                ///< bytes, 0 to 65,535
-  const char* network = "";            ///< that it came from; empty: from a program on the gateway
-  /// When the kernel received it, or, of a program on the gateway, when it was read.
+  const char* network = "";  ///< the network that it came from; empty if a program on the gateway
+                             ///< sent it
+  /// When the kernel received the event; where the kernel does not report that, when it was read.
   std::chrono::system_clock::time_point received;
 };
 
-/// What became of an event that was published.
+/// The result of publishing an event.
 enum class Published : std::uint8_t {
-  sent,         ///< to every place that it is granted for
-  partly,       ///< to some of them; the others have a full queue, or their gate drops it
-  lost,         ///< to none of them
-  not_granted,  ///< nothing is granted, or nothing is known yet, so that it was not sent
-  too_long,     ///< longer than a network carries
+  sent,    ///< sent to every place that the channel is granted for
+  partly,  ///< sent to some of these places; at the others the queue was full or the gate dropped
+           ///< it
+  lost,    ///< sent to none of them
+  not_granted,  ///< not sent, because nothing is granted or no decision is known yet
+  too_long,     ///< not sent, because it is longer than a network carries or than 65,535 bytes
 };
 MLCCA_API const char* name_of(Published published);
 
+/// How a Client connects to mlccad.
 struct Options {
+  /// Path of the daemon's control socket.
   std::string socket = "/run/mlcca/control.sock";
-  /// How long announce() and subscribe() wait for an answer; less than 0: without end.
+  /// How long announce() and subscribe() wait for an answer, at most 24 hours; a negative time
+  /// waits without limit.
   std::chrono::milliseconds patience{10'000};
-  /// How long after the daemon is lost it is tried again: this, then twice as long, up to
-  /// `longest`.
+  /// The delay before the Client connects again after the connection is lost. It is doubled after
+  /// each failure, from `first_retry` up to `longest_retry`.
   std::chrono::milliseconds first_retry{100};
   std::chrono::milliseconds longest_retry{5'000};
 };
 
 class Channel;
 
-/// A connection to mlccad, which is made when it is needed and made again when it is lost.
+/// A connection to mlccad. It is established when a channel is announced, and again whenever it is
+/// lost.
 class MLCCA_API Client {
  public:
-  /// Throws std::system_error when the process has no file descriptors left. No daemon is needed.
+  /// Throws std::system_error if the process has no file descriptors left. The daemon need not run.
   explicit Client(Options options = {});
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
@@ -152,13 +168,14 @@ class MLCCA_API Client {
   Client& operator=(Client&&) = delete;
   ~Client();
 
-  /// Can be read when there is something for process() to do. It stays the same.
+  /// A file descriptor that is readable when process() has work to do. It is the same for the
+  /// lifetime of the Client, which owns it.
   [[nodiscard]] int fd() const;
-  /// Does what there is to do and calls exception handlers. Never waits. What a handler throws
-  /// comes out of here; the other exceptions are kept for the next call.
+  /// Handles all pending work and calls the handlers of events and exceptions; never waits. If a
+  /// handler throws, process() throws the same, and what was not handled is kept for the next call.
   void process();
-  /// process(), after waiting until there is something to do, for at most so long. A negative time
-  /// is without end.
+  /// Waits until there is work to do, for `time` at most, and then does the same as process(). A
+  /// negative time waits without limit.
   void wait(std::chrono::milliseconds time);
   [[nodiscard]] bool is_connected() const;
 
@@ -170,8 +187,8 @@ class MLCCA_API Client {
   std::shared_ptr<Connection> connection_;
 };
 
-/// What a publisher and a subscriber have in common. A channel may outlive its Client; then nothing
-/// happens to it any more.
+/// The common base of publishers and subscribers. A channel may outlive its Client; it is inactive
+/// then.
 class MLCCA_API Channel {
  public:
   using Handler = std::function<void(const Exception&)>;
@@ -181,10 +198,11 @@ class MLCCA_API Channel {
   Channel(Channel&&) = delete;
   Channel& operator=(Channel&&) = delete;
 
-  /// Called by Client::process(), never by announce() or subscribe(). The channel may be destroyed
-  /// in it.
+  /// Sets the handler for exceptions; an empty function removes it, and exceptions are discarded.
+  /// It is called by Client::process() and wait(), never by announce() or subscribe(). It may
+  /// destroy the channel.
   void on_exception(Handler handler);
-  /// What is known now.
+  /// The latest known decision; never null.
   [[nodiscard]] std::shared_ptr<const Answer> answer() const;
 
  protected:
@@ -204,45 +222,51 @@ class MLCCA_API Channel {
   std::shared_ptr<Part> part_;
 };
 
+/// The publisher of an event channel.
 class MLCCA_API PublisherChannel : public Channel {
  public:
-  /// `channel`: its name, or its subject as "0xa4efeccc3210b497". `stated`: what this program was
-  /// made with, so that it is refused where the description has less; values_of<Spec::attributes>()
-  /// of a specification. `name`: of the publisher in the description, where several are for the
-  /// user that runs this program.
+  /// `channel`: its name in the description, or its subject as "0xa4efeccc3210b497".
+  /// `stated`: the attributes that this program was built for, for example
+  /// values_of<Spec::attributes>(); the daemon rejects the announcement if the description falls
+  /// short of them.
+  /// `name`: the publisher's name in the description; needed if the user that runs this program has
+  /// several publishers of the channel.
   PublisherChannel(Client& client, std::string channel, const AttributeSet& stated = {},
                    std::string name = {})
       : Channel(client, Role::publisher, std::move(channel), stated, std::move(name)) {}
 
-  /// Takes the publisher up and waits for the answer, at most Options::patience. Whatever it is,
-  /// the channel is announced again by itself whenever a daemon is there, until it is destroyed.
+  /// Announces the publisher and waits for the answer, for Options::patience at most. Whatever the
+  /// answer is, the channel is announced again whenever a daemon can be reached, until it is
+  /// destroyed. Never returns null; a daemon that does not answer yields State::no_daemon.
   std::shared_ptr<const Answer> announce() { return take_up(); }
 
-  /// Sends an event to every network that the channel is granted for, and to subscribers on this
-  /// gateway. Never waits. While the daemon is gone it goes on where it was granted, until the gate
-  /// closes after the grace period.
+  /// Sends an event of 0 to 65,535 bytes to every network that the channel is granted for and to
+  /// subscribers on this gateway. Never waits. While the daemon cannot be reached, events are sent
+  /// where they were granted last, until the gate closes after the grace period.
   Published publish(const void* data, std::size_t size) { return send(data, size); }
   Published publish(const std::string& text) { return send(text.data(), text.size()); }
 };
 
+/// The subscriber of an event channel.
 class MLCCA_API SubscriberChannel : public Channel {
  public:
-  /// As for a publisher.
+  /// The arguments have the same meaning as for PublisherChannel, with the subscriber's name.
   SubscriberChannel(Client& client, std::string channel, const AttributeSet& stated = {},
                     std::string name = {})
       : Channel(client, Role::subscriber, std::move(channel), stated, std::move(name)) {}
 
-  /// As PublisherChannel::announce().
+  /// Announces the subscriber; otherwise like PublisherChannel::announce().
   std::shared_ptr<const Answer> subscribe() { return take_up(); }
 
   using EventHandler = std::function<void(const Event&)>;
-  /// Called by Client::process() for each event, in the order in which they came from a network.
-  /// The channel may be destroyed in it.
+  /// Sets the handler for events; an empty function removes it, and events are discarded.
+  /// Client::process() and wait() call it for each event, in the order in which they arrived from a
+  /// network. It may destroy the channel.
   void on_event(EventHandler handler) { receive(std::move(handler)); }
-  /// Frames and events that came from networks to any channel of this Client and were not whole,
-  /// malformed, or lost in a socket of this process, since it was made. Of programs on the gateway
-  /// itself those that are longer than the channel's MaxPayload or more than is admitted, and those
-  /// that were missed.
+  /// How much was lost on the way to any channel of this Client, since the Client was made. From
+  /// networks: frames and events that were incomplete, malformed or lost in a socket of this
+  /// process. From programs on the gateway: events that were longer than the channel's MaxPayload,
+  /// exceeded what is admitted, or were missed.
   [[nodiscard]] std::uint64_t lost() const { return losses(); }
 };
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The events of a program's channels in C, for libraries in other languages that speak with mlccad
- * themselves (mlcca/v1/control.proto): the sockets that events go by, as mlcca::client has them.
+/* The events of a program's channels in C, for libraries in other languages that implement the
+ * control protocol with mlccad (mlcca/v1/control.proto) themselves. It owns the sockets that
+ * carry the events, as mlcca::client does.
  *
  *   struct mlcca_events* events = mlcca_events_new();
  *   announce.local = mlcca_events_address(events, 1);          // of a subscriber
@@ -8,7 +9,8 @@
  *   mlcca_events_use(events, 2, MLCCA_PUBLISHER, reply, size, why, sizeof why);
  *   mlcca_events_publish(events, 2, "go", 2);
  *
- * What belongs to one `struct mlcca_events` belongs to one thread. Nothing here waits. */
+ * A `struct mlcca_events` is not thread-safe: use it from one thread. No function waits, and none
+ * throws. */
 #ifndef MLCCA_CLIENT_EVENTS_H
 #define MLCCA_CLIENT_EVENTS_H
 
@@ -25,7 +27,7 @@ struct mlcca_events;
 
 enum mlcca_role { MLCCA_PUBLISHER = 0, MLCCA_SUBSCRIBER = 1 };
 
-/* What became of an event that was published: mlcca::client::Published has the meanings. */
+/* The result of publishing an event, with the meanings of mlcca::client::Published. */
 enum mlcca_published {
   MLCCA_SENT = 0,
   MLCCA_PARTLY = 1,
@@ -34,53 +36,59 @@ enum mlcca_published {
   MLCCA_TOO_LONG = 4
 };
 
-/* NULL: there are no file descriptors or no memory left. */
+/* Returns NULL if no file descriptors or no memory are left. Free it with mlcca_events_free(). */
 MLCCA_API struct mlcca_events* mlcca_events_new(void);
 MLCCA_API void mlcca_events_free(struct mlcca_events* events);
 
-/* Can be read when mlcca_events_process() has something to do. It stays the same. */
+/* A file descriptor that is readable when mlcca_events_process() has work to do. It is the same
+ * for the lifetime of `events`, which owns it. */
 MLCCA_API int mlcca_events_fd(const struct mlcca_events* events);
 
-/* For AnnounceRequest.local of a subscriber; valid until the next call. Who knows it can send to
- * this end: it is for the daemon alone, which gives it to granted publishers. After
- * mlcca_events_use() it may be another one, since a publisher has lost its grant or since two ends
- * have one channel: announce once more then. Empty: there are no file descriptors left, and events
- * of programs on the gateway do not come. */
+/* The address for AnnounceRequest.local of a subscriber; the text is valid until the next call.
+ * It contains a key that allows to send to this endpoint, so pass it to the daemon only, which
+ * hands it to granted publishers. mlcca_events_use() may change it, because a publisher has lost
+ * its grant or because two endpoints have the same channel: compare it after each such call, and
+ * announce again if it differs. Empty: no file descriptors are left, and events of programs on
+ * the gateway do not arrive. */
 MLCCA_API const char* mlcca_events_address(struct mlcca_events* events, uint64_t end);
 
-/* An end of a channel, by a number that the caller chooses, sends or receives as the daemon has
- * answered from now on. `reply`: a mlcca.v1.Reply with `channels`, behind its length as a varint;
- * of an error, or of a reply without endpoints, the end is granted nothing. Of each of its channels
- * subject, publisher, from, to and granted are read. The numbers of an end
- * keep their role. 0: done. -1: the text at `why` says what cannot be used; what can be is. */
+/* Makes the endpoint `end`, a number that the caller chooses, send or receive as the daemon has
+ * answered. `reply`: one mlcca.v1.Reply with `channels`, preceded by its length as a varint; with
+ * an error, or without endpoints, nothing is granted to the endpoint. Of each channel only
+ * subject, publisher, from, to and granted are read. A number keeps the role of its first call.
+ * Returns 0, or -1 if something cannot be used: the text at `why`, cut to `why_size`, says what,
+ * and the rest is in use. */
 MLCCA_API int mlcca_events_use(struct mlcca_events* events, uint64_t end, enum mlcca_role role,
                                const void* reply, size_t size, char* why, size_t why_size);
-/* The end is gone. */
+/* Removes the endpoint. Its number may be used again. */
 MLCCA_API void mlcca_events_leave(struct mlcca_events* events, uint64_t end);
 
-/* An event of 0 to 65,535 bytes. */
+/* Sends an event of 0 to 65,535 bytes. Returns MLCCA_NOT_GRANTED for an unknown endpoint. */
 MLCCA_API enum mlcca_published mlcca_events_publish(struct mlcca_events* events, uint64_t end,
                                                     const void* data, size_t size);
 
-/* `network`: that the event came from; empty: from a program on the gateway. `unix_ns`: when the
- * kernel received it, nanoseconds since 1970. What is pointed to is valid during the call. */
+/* Called for each event. `network`: where it came from; empty if a program on the gateway sent
+ * it. `unix_ns`: when the kernel received it, in ns since 1970. The pointers are valid during the
+ * call. */
 typedef void (*mlcca_on_event)(void* context, uint64_t end, const void* data, size_t size,
                                const char* network, uint64_t unix_ns);
-/* Takes what has come, at most 64 events of each socket, and calls `on_event` for each. That must
- * not call back into `events`. */
+/* Receives the pending events, at most 64 from each socket, and calls `on_event` for each.
+ * `on_event` must not call any function with `events`. */
 MLCCA_API void mlcca_events_process(struct mlcca_events* events, mlcca_on_event on_event,
                                     void* context);
 
-/* What has happened to events of programs on the gateway, which no gate supervises: call it after
- * mlcca_events_process() until it returns 0. It writes one mlcca.v1.Reply with an `event` of kind
- * missing, restored, excess or missed, behind its length as a varint, and the end that it is of.
- * The size of it; where that is more than `size` nothing is written, and it stays. */
+/* Reports what has happened to events of programs on the gateway, which pass no gate that
+ * supervises them. Call it after mlcca_events_process() until it returns 0. It writes one
+ * mlcca.v1.Reply with an `event` of kind missing, restored, excess or missed, preceded by its
+ * length as a varint, and the number of the endpoint at `end`. Returns the size of the reply; if
+ * that exceeds `size`, nothing is written and the reply is kept for the next call. */
 MLCCA_API size_t mlcca_events_happened(struct mlcca_events* events, uint64_t* end, void* reply,
                                        size_t size);
 
-/* Frames and events that came and were incomplete, malformed, or lost in a socket, and those for
- * which there was no memory, counted once for each call that had none. Of programs on the gateway
- * those that are longer than the channel's MaxPayload, or more than is admitted, or missed. */
+/* How much was lost since `events` was made: frames and events that were incomplete, malformed or
+ * lost in a socket; events of programs on the gateway that were longer than the channel's
+ * MaxPayload, exceeded what is admitted, or were missed; and one for each call that ran out of
+ * memory. */
 MLCCA_API uint64_t mlcca_events_lost(const struct mlcca_events* events);
 
 #ifdef __cplusplus

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What `mlccactl generate` makes of a description, on a gateway: the handlers of a specification
-// are called for the events and exceptions of its channel. For example, with the generated
+// Channels for the specifications that `mlccactl generate` makes of a description: events and
+// exceptions of a channel call the handlers of its specification. For example, with the generated
 // namespace workshop::panel:
 //
 //   mlcca::client::Client client;
@@ -19,7 +19,7 @@
 namespace mlcca::client {
 namespace detail {
 
-/// The type that a generated exception handler takes.
+/// Deduces the enum that the exception handler of a specification takes.
 template <class Why>
 Why why_of(void (*handler)(Why));
 template <class Spec>
@@ -32,7 +32,8 @@ inline std::string subject_text(std::uint64_t subject) {
   return out;
 }
 
-/// What is none of the reasons of generated code has no handler there: mode, lagged and other.
+/// Calls the exception handler of a specification with the generated reason that corresponds to the
+/// cause. The causes mode, lagged and other have no such reason and are ignored.
 template <class Spec>
 void call_handler(const Exception& exception) {
   using Why = WhyOf<Spec>;
@@ -78,8 +79,8 @@ void call_handler(const Exception& exception) {
 
 }  // namespace detail
 
-/// Of a specification with exception(). `name`: of the publisher in the description, where several
-/// are for the user that runs this program.
+/// A publisher for a specification with exception(). `name`: the publisher's name in the
+/// description; needed if the user that runs this program has several publishers of the channel.
 template <class Spec>
 class GeneratedPublisher : public PublisherChannel {
  public:
@@ -90,7 +91,8 @@ class GeneratedPublisher : public PublisherChannel {
   }
 };
 
-/// Of a specification with notify() and exception().
+/// A subscriber for a specification with notify() and exception(). `name`: as for
+/// GeneratedPublisher.
 template <class Spec>
 class GeneratedSubscriber : public SubscriberChannel {
  public:
