@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// FAMOUSO's fragmentation of events (AFP): an event that is longer than the payload of a frame goes
-// as a sequence of fragments. Each begins with how many fragments follow it (s), 31 at most in one
-// octet and 4095 in two, and whether it is the first one (f):
+// Fragmentation of events by FAMOUSO's protocol AFP. An event that is longer than the payload of a
+// frame is sent as a sequence of fragments. Each begins with a header: the number of fragments that
+// follow (s), up to 31 in one octet and up to 4095 in two, and whether this is the first one (f):
 //
 //   0efsssss            s <= 31
 //   10efssss ssssssss   s <= 4095
 //
-// Where e is set an extension follows; on networks that reorder it is the number of the event:
+// If e is set, an extension follows. On networks that reorder frames it has the number of the
+// event:
 //
 //   00000000 nnnnnnnn nnnnnnnn nnnnnnnn nnnnnnnn
 //
-// Every fragment but the last one fills the payload exactly. For example 9 octets on CAN:
-// 21 00 01 02 03 04 05 06, then 00 07 08. Compatible with FAMOUSO's own implementation where that
-// is sound; it cannot tell two senders of a subject apart on CAN, which we do.
+// Every fragment except the last one fills the payload exactly. For example, 9 octets on CAN are
+// sent as 21 00 01 02 03 04 05 06, then 00 07 08. This is compatible with FAMOUSO's own
+// implementation where that is sound; unlike it, this code distinguishes two senders of a subject
+// on CAN.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -32,29 +34,31 @@ using Event = std::vector<std::uint8_t>;
 
 /// How a network carries fragments.
 struct Form {
-  std::size_t payload = 8;  ///< octets of a frame, 8 to 65,535
-  bool numbered = false;    ///< fragments have the number of their event: the network reorders
+  std::size_t payload = 8;  ///< largest payload of a frame in octets, 8 to 65,535
+  bool numbered = false;    ///< fragments carry the number of their event, because the network
+                            ///< reorders frames
 };
 inline constexpr Form kCan{.payload = 8, .numbered = false};
 inline constexpr Form kUdp{.payload = 8183, .numbered = true};
 inline constexpr Form kAwds{.payload = 1392, .numbered = true};
 
 inline constexpr std::size_t kMostFragments = 4096;
-inline constexpr std::size_t kMostOctets = 65'535;  ///< of an event
+inline constexpr std::size_t kMostOctets = 65'535;  ///< length of an event
 
-/// The longest event that a form carries: 24,608 octets on CAN.
+/// The longest event in octets that a form carries, e.g. 24,608 on CAN.
 [[nodiscard]] std::size_t longest_event(const Form& form);
 
-/// Cuts one event into fragments, the first one first.
+/// Cuts one event into fragments, in the order in which they are sent.
 class Fragments {
  public:
-  /// `number` is of the event, where the form numbers them; each has another one. The event must
-  /// live as long as this. Error: it has more than longest_event() octets.
+  /// `number` identifies the event if the form is numbered; events of one sender have different
+  /// ones. The event must outlive this object. Fails if the event has more than longest_event()
+  /// octets.
   static Result<Fragments> of(const Form& form, Octets event, std::uint32_t number = 0);
 
-  /// How many there are, at least one.
+  /// The number of fragments in all, at least one.
   [[nodiscard]] std::size_t count() const { return count_; }
-  /// The next one; nothing behind the last one.
+  /// Returns the next fragment; nullopt after the last one.
   std::optional<std::vector<std::uint8_t>> next();
 
  private:
@@ -67,50 +71,54 @@ class Fragments {
   std::size_t left_;
 };
 
-/// What became of fragments that gave no event.
+/// Counts of fragments and events that were discarded.
 struct Losses {
-  std::uint64_t malformed = 0;   ///< fragments that are none, or have extensions we do not know
-  std::uint64_t duplicates = 0;  ///< fragments that were there before, or of an event that was
-  std::uint64_t incomplete = 0;  ///< events of which a fragment did not come, or not in time
-  std::uint64_t crowded = 0;     ///< events that were given up since too many were begun
-  std::uint64_t late = 0;        ///< events that a later one of their source has overtaken
+  std::uint64_t malformed = 0;   ///< fragments with a wrong header or an unknown extension
+  std::uint64_t duplicates = 0;  ///< fragments that were received before, or belong to a complete
+                                 ///< event
+  std::uint64_t incomplete = 0;  ///< events given up because a fragment did not arrive, or not in
+                                 ///< time
+  std::uint64_t crowded = 0;     ///< events given up because too many were incomplete
+  std::uint64_t late = 0;        ///< events discarded because a later event of the same source was
+                                 ///< complete before
   auto operator<=>(const Losses&) const = default;
 };
 
-/// Memory that keeping a fragment takes beside its data, about.
+/// Approximate memory per stored fragment, in addition to its data.
 inline constexpr std::size_t kPerFragment = 64;
 
-/// Puts events together again. It takes untrusted input: its memory is bounded. Where it is
-/// full, the source that has most of it loses its oldest event.
+/// Reassembles events from fragments. The input is untrusted, so the memory is bounded: if it is
+/// full, the source with the largest share of it loses its oldest incomplete event.
 class Reassembly {
  public:
-  /// Of one source, as the caller distinguishes them: subject and sender.
+  /// A sender of a subject, by a number that the caller chooses.
   using Source = std::uint64_t;
 
   struct Limits {
-    std::size_t begun = 64;  ///< events that are not complete
-    /// Of these, all together, with kPerFragment for each of their fragments.
+    std::size_t begun = 64;  ///< incomplete events
+    /// Octets of all incomplete events, including kPerFragment for each fragment.
     std::size_t octets = std::size_t{1} << 20;
-    std::size_t remembered = 1024;  ///< numbers of events that were complete
+    std::size_t remembered = 1024;  ///< numbers of complete events, by which duplicates are
+                                    ///< recognised
     std::uint64_t lifetime_ns =
-        3'000'000'000;  ///< of an event that is not complete, and of a number
+        3'000'000'000;  ///< how long an incomplete event or a number is kept
   };
 
   explicit Reassembly(const Form& form) : Reassembly(form, Limits{}) {}
   Reassembly(const Form& form, const Limits& limits) : form_(form), limits_(limits) {}
 
-  /// Of numbered events: as many before the latest one as are late. What is further from it is of a
-  /// sender that has begun again.
+  /// An event with a number up to this much lower than that of a complete event of the source is
+  /// late and discarded. A number with a greater distance is of a sender that has started again.
   static constexpr std::uint32_t kOvertakes = 1024;
 
-  /// The event that this fragment completes, if it does and none of its source that was sent later
-  /// is complete. `now` never falls.
+  /// Takes one fragment, and returns the event if the fragment completes it. An event is not
+  /// returned if a later one of its source was complete before. `now` (ns) must not decrease.
   std::optional<Event> take(Source source, Octets fragment, std::uint64_t now);
-  /// Gives up what is older than Limits::lifetime_ns; take() does, too.
+  /// Gives up incomplete events that are older than Limits::lifetime_ns. take() calls it as well.
   void expire(std::uint64_t now);
 
   [[nodiscard]] const Losses& losses() const { return losses_; }
-  /// What is kept now, for tests of its bounds.
+  /// What is stored at present; for tests of the bounds.
   [[nodiscard]] std::size_t begun() const { return begun_.size(); }
   [[nodiscard]] std::size_t octets() const { return octets_; }
   [[nodiscard]] std::size_t remembered() const { return done_.size(); }
@@ -122,15 +130,16 @@ class Reassembly {
     auto operator<=>(const Key&) const = default;
   };
   struct Fragment {
-    std::size_t left = 0;  ///< fragments behind it
+    std::size_t left = 0;  ///< number of fragments behind it
     bool first = false;
     std::uint32_t number = 0;
     Octets data;
   };
-  /// Fragments by how many are left behind each.
+  /// An incomplete event: its fragments by the number of fragments behind each.
   struct Begun {
     std::map<std::size_t, std::vector<std::uint8_t>> fragments;
-    std::optional<std::size_t> last;  ///< `left` of the first fragment, once it is there
+    std::optional<std::size_t> last;  ///< `left` of the first fragment, once that has arrived; the
+                                      ///< event is complete with one fragment more than this
     std::size_t octets = 0;
     std::uint64_t since = 0;
   };
@@ -139,7 +148,8 @@ class Reassembly {
   [[nodiscard]] std::optional<Fragment> parse(Octets fragment) const;
   std::optional<Event> take_in_order(Source source, const Fragment& fragment, std::uint64_t now);
   std::optional<Event> take_numbered(Source source, const Fragment& fragment, std::uint64_t now);
-  /// False: it is too much, or of another length than the others; the event is given up.
+  /// Stores a fragment. Returns false if it contradicts the others or no memory is left; the event
+  /// is given up then.
   bool keep(All::iterator event, const Fragment& fragment);
   std::optional<Event> complete(All::iterator event);
   void remember(const Key& key, std::uint64_t now);
@@ -148,7 +158,8 @@ class Reassembly {
   void give_up(All::iterator event, std::uint64_t& why);
   void forget(All::iterator event);
   void make_room(std::size_t octets, const Key& beside);
-  /// The oldest event, but not `beside`, of the source for which `weight` of its events is most.
+  /// The oldest event, except `beside`, of the source whose events have the largest sum of
+  /// `weight`.
   template <class Weight>
   All::iterator victim(Weight weight, const Key* beside);
 
@@ -156,7 +167,7 @@ class Reassembly {
   Limits limits_;
   All begun_;
   std::size_t octets_ = 0;
-  std::map<Key, std::uint64_t> done_;  ///< when it was complete
+  std::map<Key, std::uint64_t> done_;  ///< when the event was complete
   std::list<Key> done_order_;          ///< oldest first
   Losses losses_;
 };

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Carries events from network to network: what the daemon has granted, and nothing else. The gates
-// on both sides judge its frames as those of any other program.
+// Carries events between the networks of a gateway.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -17,24 +16,27 @@
 
 namespace mlcca::relay {
 
-/// What became of the events of one transfer.
+/// Counters of one transfer.
 struct Carried {
   std::uint64_t events = 0;
-  std::uint64_t dropped = 0;     ///< not taken by the other network: see Sent
-  std::uint64_t late = 0;        ///< sent later than the gateway promises
-  std::uint64_t longest_ns = 0;  ///< from the kernel's receipt to the end of sending
+  std::uint64_t dropped = 0;     ///< events that the other network did not take, see Sent
+  std::uint64_t late = 0;        ///< events that took longer than the gateway's Latency
+  std::uint64_t longest_ns = 0;  ///< longest time from the kernel's receipt to the end of sending
 };
 
-/// Events of a transfer that were late since it was last asked for them.
+/// Late events of a transfer since they were reported last.
 struct Delay {
   std::uint64_t late = 0;
-  std::uint64_t longest_ns = 0;  ///< of them
+  std::uint64_t longest_ns = 0;  ///< longest time that one of them took
 };
 
+/// Receives the events of granted transfers on one interface and sends them on another. It carries
+/// what the daemon has granted and nothing else; the gates on both sides check its frames like
+/// those of any other program. It knows networks by their layers only.
 class Carrier {
  public:
   using OpenLayer = std::function<Result<std::unique_ptr<Layer>>(const control::Endpoint&)>;
-  /// The descriptor of an interface is there, or (-1) will be closed.
+  /// Called with the descriptor of an interface when it is opened, and with -1 before it is closed.
   using Watch = std::function<void(std::uint32_t ifindex, int fd)>;
   using Log = std::function<void(const std::string&)>;
 
@@ -46,26 +48,27 @@ class Carrier {
   };
   explicit Carrier(Outside outside) : outside_(std::move(outside)) {}
 
-  /// What there is to carry from now on: all of it, or of one subject. What stays the same is not
+  /// Replaces all transfers, or those of one subject. A transfer that stays the same is not
   /// interrupted and keeps its counters.
   void set_all(const std::vector<control::Transfer>& transfers);
   void set(std::uint64_t subject, const std::vector<control::Transfer>& transfers);
 
-  /// Tries once more what could not be carried until now: a port may be free again.
+  /// Tries the transfers again that could not be started; a port may have become free, for example.
   void retry();
 
-  /// Once a second: see Layer::expire().
+  /// Expires incomplete events, see Layer::expire(). To be called once a second.
   void expire();
 
-  /// The descriptor of the interface can be read.
+  /// To be called when the descriptor of the interface is readable.
   void receive(std::uint32_t ifindex);
 
   [[nodiscard]] std::size_t transfers() const { return slots_.size() - free_.size(); }
   [[nodiscard]] std::size_t interfaces() const { return layers_.size(); }
-  /// Of each transfer, as long as it is there.
+  /// Calls the handler for each transfer with its counters since it was started.
   void each(const std::function<void(const control::Transfer&, const Carried&)>& handler) const;
   [[nodiscard]] Losses losses() const;
-  /// Of each transfer with late events, once in `pause` ns at most. `now`: any steady clock.
+  /// Calls the handler for each transfer with late events, at most once in `pause` ns for each
+  /// transfer. `now`: any clock that does not decrease, in ns.
   void take_delays(std::uint64_t now, std::uint64_t pause,
                    const std::function<void(const control::Transfer&, const Delay&)>& handler);
 
@@ -74,14 +77,15 @@ class Carrier {
     control::Transfer transfer;
     Carried carried;
     Layer* to = nullptr;
-    Delay delay;                                 ///< not taken yet
-    std::optional<std::uint64_t> taken_at = {};  ///< when the last one was
+    Delay delay;                                 ///< not reported yet
+    std::optional<std::uint64_t> taken_at = {};  ///< when it was reported last
   };
 
-  /// Opened where it is not, and again where the network has become one of another kind.
+  /// Returns the layer of the endpoint's interface. It opens the layer if necessary, and opens it
+  /// again if the network has become one of another kind. Null if that fails.
   Layer* layer_of(const control::Endpoint& endpoint);
   void exchange(std::uint64_t subject, const std::vector<control::Transfer>& transfers);
-  /// False: an interface cannot be used, or does not follow the subject.
+  /// Starts a transfer. Returns false if an interface cannot be used or cannot receive the subject.
   bool add(const control::Transfer& transfer);
   bool start(const control::Transfer& transfer, Layer& from, Layer& to);
   void note_problem(const std::string& of, const std::string& text);
@@ -91,12 +95,13 @@ class Carrier {
   void close_unused();
 
   Outside outside_;
-  std::vector<std::optional<Slot>> slots_;  ///< by follower
+  std::vector<std::optional<Slot>> slots_;  ///< indexed by the follower number at the layer
   std::vector<std::size_t> free_;
   std::unordered_map<std::uint64_t, std::vector<std::size_t>> by_subject_;
-  std::map<std::uint32_t, OpenedLayer> layers_;  ///< by interface
-  std::vector<control::Transfer> waiting_;       ///< could not be carried yet
-  std::map<std::string, std::string> problems_;  ///< why, as it was logged
+  std::map<std::uint32_t, OpenedLayer> layers_;  ///< by interface index
+  std::vector<control::Transfer> waiting_;       ///< transfers that could not be started yet
+  std::map<std::string, std::string> problems_;  ///< what has failed and why, as it was logged, so
+                                                 ///< that it is logged once
 };
 
 }  // namespace mlcca::relay

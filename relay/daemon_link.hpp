@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The connection of a program to mlccad: made again whenever it is lost, monitored, never waits.
+// A connection of a program of the relay to mlccad.
 #pragma once
 #include <chrono>
 #include <cstddef>
@@ -15,42 +15,46 @@
 
 namespace mlcca::relay {
 
-/// Of what an event says that something else may be decided than before.
+/// What has to be asked again because of an event of the daemon: nothing, the event's subject, or
+/// everything.
 enum class Affects : std::uint8_t { nothing, subject, all };
 [[nodiscard]] Affects affected_by(const control::Event& event);
 
+/// A connection to mlccad with its event monitor. It is made again whenever it is lost, and never
+/// waits.
 class DaemonLink {
  public:
-  /// Handlers may send requests, and do nothing else with the link.
+  /// Handlers may send requests; they must not call anything else of the link.
   struct Handlers {
     std::function<void()> connected;
-    std::function<void()> lost;  ///< what was asked is not answered any more
-    /// All slices of a reply together.
+    std::function<void()> lost;  ///< pending requests will not be answered
+    /// Called with a complete reply, whose slices are joined.
     std::function<void(const control::Reply&)> reply;
     std::function<void(const control::Event&)> event;
-    std::function<void()> timer;  ///< see set_timer(); only while there is a connection
+    std::function<void()> timer;  ///< see set_timer(); called only while connected
     std::function<void(const std::string&)> log;
   };
-  /// What may wait to be sent, bytes: a daemon that does not read is asked less.
+  /// Bytes that may wait for sending; while there are more, a daemon that does not read is asked
+  /// less.
   static constexpr std::size_t kMostUnsent = std::size_t{64} << 10U;
 
   DaemonLink(std::string socket, Handlers handlers);
 
-  /// The first try; handlers are called from here on.
+  /// Tries to connect for the first time. Handlers are called from here on.
   void start() { connect(); }
-  /// Can be read when turn() has something to do: an epoll instance.
+  /// An epoll descriptor that is readable when turn() has work to do.
   [[nodiscard]] int fd() const { return epoll_.get(); }
-  /// Receives, sends, connects: what can be done without waiting.
+  /// Receives, sends and connects as far as that is possible without waiting.
   void turn();
   [[nodiscard]] bool is_connected() const { return static_cast<bool>(socket_); }
   [[nodiscard]] std::size_t unsent() const { return out_.size(); }
-  /// The number of the request, which its reply has. There is a connection.
+  /// Sends a request and returns its id, which the reply has as well. Only while connected.
   std::uint64_t send(control::Request request);
   void flush();
-  /// Calls Handlers::timer once, unless the connection is lost before. Another time takes its
-  /// place.
+  /// Calls Handlers::timer once after this time, unless the connection is lost before. A further
+  /// call replaces the time.
   void set_timer(std::chrono::milliseconds time) { start_timer(timer_, time); }
-  /// The daemon answers: after the next loss it is tried at once.
+  /// Resets the delay before reconnecting, because the daemon answers.
   void is_well() { retry_ = kFirstRetry; }
 
  private:
@@ -64,14 +68,14 @@ class DaemonLink {
   std::string path_;
   Handlers handlers_;
   Fd epoll_;
-  Fd timer_;  ///< when to connect again, or what the user of the link wants
+  Fd timer_;  ///< time to connect again, or the time of set_timer()
   Fd socket_;
   std::chrono::milliseconds retry_ = kFirstRetry;
   control::Buffer in_;
   std::string out_;
   std::uint64_t last_id_ = 0;
-  std::optional<control::Reply> whole_;  ///< what has come of a reply
-  std::size_t slices_ = 0;               ///< of it
+  std::optional<control::Reply> whole_;  ///< slices of a reply received so far, joined
+  std::size_t slices_ = 0;               ///< number of these slices
   bool reported_gone_ = false;
 };
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the daemon says is to be carried: asked for when the relay starts, when the daemon comes
-// back, and when its events say that it may be otherwise. While the daemon is gone, what it said
-// last stays.
+// The transfers that the daemon has granted to the relay.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -15,6 +13,9 @@
 
 namespace mlcca::relay {
 
+/// Keeps the list of granted transfers up to date. It asks the daemon at the start, after each
+/// reconnection, and when an event says that the list may have changed. While the daemon is gone
+/// the last list stays in force.
 class Grants {
  public:
   using Transfers = std::vector<control::Transfer>;
@@ -24,18 +25,19 @@ class Grants {
     std::function<void(const std::string&)> log;
   };
 
-  /// `user`: whose transfers are asked for.
+  /// `user`: the user whose transfers are asked for.
   Grants(std::string socket, std::uint32_t user, Handlers handlers);
 
   /// See DaemonLink.
   [[nodiscard]] int fd() const { return link_.fd(); }
   void turn() { link_.turn(); }
   [[nodiscard]] bool is_connected() const { return link_.is_connected(); }
-  /// The daemon has answered once what there is to carry.
+  /// Whether the daemon has ever answered with a list.
   [[nodiscard]] bool has_answer() const { return has_answer_; }
-  /// Tells the daemon, if it is there and has answered. Its reply says nothing that matters here.
+  /// Reports late events to the daemon, if it is connected and has answered. The reply is ignored.
   void report(control::DelayRequest delay);
-  /// All is asked for once more, soon: an interface has gone or come.
+  /// Asks for all transfers again after a short pause, because an interface has appeared or
+  /// disappeared.
   void ask_all();
 
  private:
@@ -45,10 +47,10 @@ class Grants {
 
   std::uint32_t user_;
   Handlers handlers_;
-  std::uint64_t asked_ = 0;                  ///< the request that is under way, 0: none
-  std::optional<std::uint64_t> of_subject_;  ///< of it; none: of all
+  std::uint64_t asked_ = 0;                  ///< id of the pending request; 0: none
+  std::optional<std::uint64_t> of_subject_;  ///< subject of that request; nullopt: it is for all
   bool all_due_ = false;
-  std::set<std::uint64_t> due_;  ///< subjects
+  std::set<std::uint64_t> due_;  ///< subjects to ask for
   bool has_answer_ = false;
   DaemonLink link_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the programs of the relay have in common.
+// Functions that the programs of the relay share.
 #pragma once
 #include <unistd.h>
 
@@ -11,10 +11,10 @@
 
 namespace mlcca::relay {
 
-/// A line for the journal.
+/// Writes a line to the standard error, which is the journal of the service.
 inline void say(const std::string& text) { write_at_once(STDERR_FILENO, text + '\n'); }
 
-/// The exit status of a program; what it throws is said.
+/// Runs the program's main function and returns its exit status; an exception is logged.
 template <class Main>
 int run_program(const char* name, Main main, int argc, char** argv) {
   try {

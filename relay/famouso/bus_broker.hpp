@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// FAMOUSO's broker of one bus: deals node numbers and tags, and keeps them over restarts. A subject
-// that the description has a tag for gets that one.
+// FAMOUSO's broker of one bus.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -17,21 +16,25 @@
 
 namespace mlcca::relay {
 
+/// Assigns node numbers and tags on one bus, and stores them so that they survive restarts. A
+/// subject gets the tag that the description states for it, if there is one.
 class BusBroker {
  public:
-  /// Of requests on the bus, so that no node can keep the broker or its disk busy.
+  /// Requests that are answered in a second, so that no node can keep the broker or its disk busy.
   static constexpr std::uint64_t kMostPerSecond = 200;
 
   using Stated = std::span<const TagBroker::Dealt>;
   using Log = std::function<void(const std::string&)>;
 
-  /// `uid`: the broker's own, which gets the highest number. `file`: what was dealt before; then
-  /// come the tags that are `stated`. An error: a stated tag was dealt otherwise before.
+  /// `uid`: UID of the broker itself, which gets the highest number. `file`: earlier assignments.
+  /// `stated`: tags that the description states. Fails if a stated tag contradicts an earlier
+  /// assignment.
   static Result<BusBroker> make(const Uid& uid, DealtFile file, Stated stated, Log log);
 
-  /// What is to be sent in answer, in this order. What could not be written down is not answered.
+  /// Returns the frames to send in answer, in this order. A request is not answered if its
+  /// assignment could not be stored.
   std::vector<Frame> take(const Frame& frame, std::uint64_t now);
-  /// What is to be sent since a node did not go on asking; call it at due().
+  /// Returns the frame to send because a node has stopped its requests; to be called at due().
   std::optional<Frame> expire(std::uint64_t now) { return nodes_.expire(now); }
   [[nodiscard]] std::optional<std::uint64_t> due() const { return nodes_.due(); }
 
@@ -49,7 +52,7 @@ class BusBroker {
   TagBroker tags_;
   Log log_;
   std::string trouble_;
-  std::uint64_t second_ = 0;  ///< when it began, ns
+  std::uint64_t second_ = 0;  ///< when the present second began, ns
   std::uint64_t answered_ = 0;
 };
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a broker has dealt on one bus, kept over restarts: a line for each, written before the
-// answer is sent.
+// The file in which a broker stores its assignments on one bus. It has a line for each:
 //
 //   node 0x7e 0x6d6c636361000001
 //   tag 0x3fff 0x5355425343524942
@@ -16,20 +15,22 @@
 
 namespace mlcca::relay {
 
+/// Reads and extends the file of assignments. A line is written before the answer is sent, so that
+/// an assignment that a node knows is never lost.
 class DealtFile {
  public:
-  /// By UID or subject, in the order in which they were dealt.
+  /// Pairs of UID or subject and the number assigned to it, in the order of assignment.
   using All = std::vector<std::pair<std::uint64_t, std::uint16_t>>;
 
-  /// Reads what is there; makes the file where there is none. What follows the last end of a line
-  /// was not written whole, and was not answered: it is cut off. Errors: what is no such line, or
-  /// deals a number again, with its number.
+  /// Opens the file and reads it, or creates it. An incomplete last line is cut off: its request
+  /// was not answered. Fails, with the number of the line, if a line is malformed or assigns a
+  /// number twice.
   static Result<DealtFile> open(const std::string& path);
 
   [[nodiscard]] const All& nodes() const { return nodes_; }
   [[nodiscard]] const All& tags() const { return tags_; }
 
-  /// On disk afterwards, or an error, and then nothing of it counts.
+  /// Stores an assignment. Afterwards it is on the disk; if that fails, nothing of it counts.
   [[nodiscard]] Result<void> add_node(std::uint64_t uid, std::uint16_t number);
   [[nodiscard]] Result<void> add_tag(std::uint64_t subject, std::uint16_t tag);
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A classic CAN frame with an identifier of 29 bits, as FAMOUSO has them:
+// A classic CAN frame with a 29-bit identifier as FAMOUSO uses it:
 //
-//   bits 22 to 28  priority, 0 is the highest; 0x7d without real time
+//   bits 22 to 28  priority, 0 is the highest; 0x7d without real-time requirements
 //   bit  21        the payload begins with a fragment header
-//   bits 14 to 20  node that sends
-//   bits  0 to 13  tag of the subject; below 5: the protocols that deal nodes and tags
+//   bits 14 to 20  sending node
+//   bits  0 to 13  tag of the subject; below 5: protocols that assign nodes and tags
 #pragma once
 #include <array>
 #include <cstddef>
@@ -24,9 +24,9 @@ inline constexpr std::uint32_t kPriorityMask = 0x7fU << 22U;
 inline constexpr unsigned kNodeShift = 14;
 inline constexpr std::uint32_t kNodeMask = 0x7f;
 inline constexpr std::uint32_t kTagMask = 0x3fff;
-inline constexpr std::uint32_t kBrokerNode = 0x7f;  ///< what the broker's answers come from
+inline constexpr std::uint32_t kBrokerNode = 0x7f;  ///< sender of the broker's answers
 
-/// Tags of the protocols.
+/// Tags of the configuration and binding protocols.
 inline constexpr std::uint32_t kNodeAnswer = 0;
 inline constexpr std::uint32_t kNodeRequest = 1;
 inline constexpr std::uint32_t kTagRequest = 2;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The local protocol of FAMOUSO's event channel handler (TCP, port 5005), the side of the handler:
-// one connection is one channel, which its client subscribes or announces in the first 9 octets.
+// The handler's side of the local protocol of FAMOUSO's event channel handler (TCP, port 5005). One
+// connection is one channel; its first 9 octets say whether the client subscribes or announces.
 //
 //   50 subject[8]                        subscribe
 //   56 subject[8]                        announce
-//   52 subject[8] length[4] data[length] an event, either way
+//   52 subject[8] length[4] data[length] an event, in either direction
 //
-// No answer is ever sent. A client ends its channel by closing the connection, or by anything that
-// is no event.
+// The protocol has no answers. A client ends its channel by closing the connection, or by sending
+// anything that is not an event.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -18,34 +18,35 @@
 
 namespace mlcca::relay {
 
+/// The protocol state of one connection, without the socket.
 class LocalSession {
  public:
   using Octets = std::span<const std::uint8_t>;
   using Event = std::vector<std::uint8_t>;
 
   enum class Role : std::uint8_t {
-    unknown,  ///< the first 9 octets have not come
+    unknown,  ///< the first 9 octets have not arrived
     subscriber,
     publisher,
-    ended,  ///< close the connection; why() says why
+    ended,  ///< the connection is to be closed; why() has the reason
   };
 
-  /// Longest event that there is.
+  /// The longest event in octets.
   static constexpr std::size_t kMostOctets = 65'535;
-  /// Of events that wait for a subscriber that does not read: further ones are lost.
+  /// Octets that wait for a subscriber that does not read; further events are lost.
   static constexpr std::size_t kMostWaiting = 100'000;
 
-  /// Takes what has come; events that a publisher sent are added to `events`. Its own channel
-  /// counts: the subject in front of an event means nothing, as in FAMOUSO.
+  /// Takes received octets and adds the events of a publisher to `events`. All are events of the
+  /// connection's own channel: the subject in front of an event has no meaning, as in FAMOUSO.
   void take(Octets octets, std::vector<Event>& events);
 
-  /// Octets until it is known what the client wants; 0: it is. Take no more before, so that events
-  /// that follow at once stay where they are until the channel is there.
+  /// Octets that are missing until the client's role is known; 0: it is known. Read no more than
+  /// that before, so that events that follow stay in the socket until the channel exists.
   [[nodiscard]] std::size_t missing() const;
 
-  /// An event for a subscriber. False: it is lost, since too much waits.
+  /// Queues an event for a subscriber. Returns false if it is lost because too many octets wait.
   bool send(Octets event);
-  /// What waits to be written, and how much of it was.
+  /// The octets that wait to be written; written() removes those that were.
   [[nodiscard]] Octets waiting() const { return Octets(out_).subspan(written_); }
   void written(std::size_t octets);
 
@@ -53,7 +54,7 @@ class LocalSession {
   [[nodiscard]] std::uint64_t subject() const { return subject_; }
   [[nodiscard]] const std::string& why() const { return why_; }
   [[nodiscard]] std::uint64_t lost() const { return lost_; }
-  /// Octets of a message that is not complete, for tests of its bound.
+  /// Octets of an incomplete message; for tests of the bound.
   [[nodiscard]] std::size_t kept() const { return in_.size(); }
 
  private:

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// FAMOUSO's configuration protocol on CAN: how a node with a UID of 64 bits gets a number of 7
+// FAMOUSO's configuration protocol on CAN, by which a node with a UID of 64 bits gets a number of 7
 // bits.
 //
-// The node asks in 16 stages, 15 down to 0, with four bits of its UID each, the highest first. The
-// broker answers with what it has of the UID so far, and in the last four bits with the stage; at
-// stage 0 with the whole UID, and the number in the identifier. Of nodes that ask at the same time
-// those whose bits are others fall silent, and begin again after that answer.
+// The node sends 16 requests, stage 15 down to 0, with four bits of its UID each, the highest
+// first. The broker answers each with the part of the UID received so far and the stage in the last
+// four bits; at stage 0 with the complete UID, and with the number in the identifier. If several
+// nodes ask at the same time, those whose bits differ from the answer stop, and begin again after
+// the final answer.
 //
-// In FAMOUSO neither side has a time limit: a node that dies in the middle blocks all later ones.
-// Here the broker starts over after a second and says so, by an answer of zeros, which every node
-// understands; and a node asks again.
+// In FAMOUSO neither side has a timeout, so a node that fails in between blocks all later ones.
+// Here the broker starts over after a second and announces that with an answer of zeros, which
+// every node understands; and a node repeats its request.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -22,32 +23,32 @@
 
 namespace mlcca::relay {
 
-/// As it is on the wire, the highest octet first.
+/// A UID as on the wire, the highest octet first.
 using Uid = std::array<std::uint8_t, 8>;
 using NodeNumber = std::uint8_t;
 
-/// 0x7e down to 0 are dealt; 0x7f is the broker as such.
+/// Numbers are assigned from 0x7e down to 0; 0x7f is the broker.
 inline constexpr NodeNumber kHighestNode = 0x7e;
 
-/// Deals the numbers of one bus.
+/// The broker's side: assigns the numbers of one bus. Times are CLOCK_MONOTONIC in ns.
 class NodeBroker {
  public:
-  /// A stage that no request has followed for so long is given up, ns.
+  /// How long (ns) the broker waits for the next request of a node before it starts over.
   static constexpr std::uint64_t kPatience = 1'000'000'000;
 
   using Dealt = std::pair<Uid, NodeNumber>;
 
-  /// Knows the numbers that were dealt before, and deals one to itself where it has none: the
-  /// highest, as every broker does.
+  /// `before`: earlier assignments. If the broker's own UID is not among them, it gets a number,
+  /// the highest free one, as for every broker.
   explicit NodeBroker(const Uid& own, std::span<const Dealt> before = {});
 
-  /// What is to be sent in answer, if anything.
+  /// Takes a frame and returns the answer to send, if any.
   std::optional<Frame> take(const Frame& frame, std::uint64_t now);
-  /// What is to be sent since nobody went on. Call it at due().
+  /// Returns the frame to send because a node has stopped its requests. To be called at due().
   std::optional<Frame> expire(std::uint64_t now);
   [[nodiscard]] std::optional<std::uint64_t> due() const;
 
-  /// To be kept over restarts: a number stays its node's.
+  /// All assignments. They must survive restarts, because a node keeps its number.
   [[nodiscard]] std::span<const Dealt> dealt() const { return dealt_; }
   [[nodiscard]] std::optional<NodeNumber> number_of(const Uid& uid) const;
 
@@ -58,24 +59,25 @@ class NodeBroker {
   std::vector<Dealt> dealt_;
   unsigned stage_ = 15;
   Uid so_far_{};
-  std::uint64_t last_ = 0;  ///< when a request of the present node came
+  std::uint64_t last_ = 0;  ///< when the latest request of the present node arrived
 };
 
-/// Asks for a number.
+/// The node's side: requests a number. Times are CLOCK_MONOTONIC in ns.
 class NodeClient {
  public:
-  /// Without an answer it begins again after this, then twice as long, up to the longest, ns.
+  /// Without an answer the client begins again after kFirstWait; the time doubles up to
+  /// kLongestWait (ns).
   static constexpr std::uint64_t kFirstWait = 250'000'000;
   static constexpr std::uint64_t kLongestWait = 8'000'000'000;
 
-  /// A UID of zeros has no number.
+  /// `uid` must not be zero, since such a node gets no number.
   explicit NodeClient(const Uid& uid) : uid_(uid) {}
 
-  /// The first request.
+  /// Returns the first request.
   Frame start(std::uint64_t now);
-  /// What is to be sent next, if anything.
+  /// Takes a frame and returns the next request to send, if any.
   std::optional<Frame> take(const Frame& frame, std::uint64_t now);
-  /// The request again, when due() has passed.
+  /// Returns the request to repeat if due() has passed.
   std::optional<Frame> expire(std::uint64_t now);
   [[nodiscard]] std::uint64_t due() const { return due_; }
 
@@ -88,7 +90,7 @@ class NodeClient {
 
   Uid uid_;
   unsigned stage_ = 15;
-  bool silent_ = false;  ///< another node goes first
+  bool silent_ = false;  ///< another node is served first
   std::uint64_t wait_ = kFirstWait;
   std::uint64_t due_ = ~std::uint64_t{0};
   std::optional<NodeNumber> number_;

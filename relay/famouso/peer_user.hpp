@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Who is at the other end of a TCP connection within this host: any local user can connect.
+// Identifies the user at the other end of a TCP connection within this host, because any local user
+// can connect.
 #pragma once
 #include <sys/types.h>
 
@@ -11,19 +12,20 @@
 
 namespace mlcca::relay {
 
-/// One end of a connection over IPv4, in host order.
+/// One end of a TCP connection over IPv4, in host byte order.
 struct TcpEnd {
   std::uint32_t address = 0;
   std::uint16_t port = 0;
   friend bool operator==(const TcpEnd&, const TcpEnd&) = default;
 };
 
-/// The owner of a socket from `local` to `remote`, if a line of /proc/self/net/tcp or tcp6 is
-/// of it.
+/// The owner of the socket from `local` to `remote`, if this line of /proc/self/net/tcp or tcp6
+/// describes it; otherwise nullopt.
 [[nodiscard]] std::optional<uid_t> owner_in_line(std::string_view line, const TcpEnd& local,
                                                  const TcpEnd& remote);
 
-/// The user of the socket at the other end. Error: it is not of this host, or cannot be known.
+/// The user that owns the other end of the connection. Fails if that is not on this host or cannot
+/// be found.
 [[nodiscard]] Result<uid_t> user_at_other_end(int socket);
 
 }  // namespace mlcca::relay

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Subscriptions between a daemon and the networks of its gateway, and the presence of gateways:
-// what Subscriptions and Announcer need of the world.
+// The subscriber program of the relay: connects Subscriptions and Announcer with the daemon and the
+// networks.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -16,22 +16,24 @@
 
 namespace mlcca::relay {
 
+/// Provides Subscriptions and Announcer with their I/O: the connection to the daemon and a layer
+/// for each network on which the gateway takes or makes subscriptions.
 class SubscriberProgram {
  public:
   struct Outside {
-    /// The descriptor can be read, or (false) will be closed.
+    /// Called with true when a descriptor is opened, and with false before it is closed.
     std::function<void(int fd, bool there)> watch;
     std::function<void(const std::string&)> log;
     std::function<std::uint64_t()> now;  ///< CLOCK_MONOTONIC, ns
   };
-  /// `user`: whose networks count.
+  /// `user`: the user of this program; it serves the networks whose gates admit this user.
   SubscriberProgram(std::string socket, std::uint32_t user, Outside outside);
 
-  /// The descriptor of the daemon; those of networks are watched.
+  /// The descriptor of the daemon's connection. Those of networks are passed to Outside::watch.
   [[nodiscard]] int fd() const { return link_.fd(); }
-  /// One of its descriptors can be read; others are ignored.
+  /// To be called when a descriptor is readable; unknown ones are ignored.
   void receive(int fd);
-  /// At least once a second, and at due_at().
+  /// To be called at least once a second, and at due_at().
   void turn();
   [[nodiscard]] std::uint64_t due_at() const { return announcer_.due_at(); }
 
@@ -42,7 +44,7 @@ class SubscriberProgram {
   };
   void on_reply(const control::Reply& reply);
   void on_event(const control::Event& event);
-  /// The number of the request; 0: there is no daemon now, or it takes nothing.
+  /// Sends a request and returns its id; 0: there is no daemon now, or it does not read.
   std::uint64_t ask(control::Request request);
   void ask_what_there_is();
   void open(const control::Subscriptions& said);
@@ -53,9 +55,9 @@ class SubscriberProgram {
   std::uint32_t user_;
   Outside outside_;
   std::map<std::string, Network> networks_;
-  std::string trouble_;      ///< of sending, as it was reported last
-  bool due_ = false;         ///< to ask what there is
-  std::uint64_t asked_ = 0;  ///< for it, 0: not
+  std::string trouble_;      ///< the last problem of sending, as it was logged
+  bool due_ = false;         ///< the list of subscriptions has to be asked for
+  std::uint64_t asked_ = 0;  ///< id of that request; 0: none is pending
   std::uint64_t asked_at_ = 0;
   Subscriptions subscriptions_;
   Announcer announcer_;

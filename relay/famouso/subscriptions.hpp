@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Subscriptions of a gateway: those of peers on its networks, which the daemon decides and which
-// are answered, and its own, by which it passes on what they require to where the events come from.
-// Bookkeeping only: messages, replies and time come in as arguments.
+// The subscriptions of a gateway: those of peers and its own.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -18,27 +16,30 @@
 
 namespace mlcca::relay {
 
+/// Keeps the subscriptions of peers on the gateway's networks, which the daemon decides and which
+/// are answered, and the gateway's own ones, which pass on the requirements towards the publishers.
+/// It does no I/O: messages, replies and the time (CLOCK_MONOTONIC, ns) are arguments.
 class Subscriptions {
  public:
-  /// Between two messages of one own subscription, ns; its lease is three times that.
+  /// Time (ns) between two messages of an own subscription; its lease is three times that.
   static constexpr std::uint64_t kRenewal = 20'000'000'000;
-  /// Of peers: what they state is taken for at least and at most so long, s.
+  /// The leases (s) of peers are limited to this range.
   static constexpr std::uint16_t kShortestLease = 10;
   static constexpr std::uint16_t kLongestLease = 3'600;
-  /// A refusal is repeated for so long without asking the daemon again, ns, whatever happens: a
-  /// question in vain is itself reported as something that happened to the subject.
+  /// For this time (ns) a refusal is repeated without asking the daemon, even if something has
+  /// changed, because each refused request is itself reported as an event of the subject.
   static constexpr std::uint64_t kRefusalHolds = 10'000'000'000;
-  /// Requests to the daemon that are not answered.
+  /// Unanswered requests to the daemon.
   static constexpr std::size_t kMostAsked = 64;
-  /// Gateways on a way.
+  /// Gateways on the way of a subscription.
   static constexpr std::uint8_t kHops = 8;
   /// Gateways whose answers to one own subscription are kept.
   static constexpr std::size_t kMostAnswers = 16;
 
   struct Outside {
-    /// On the network, as an event of SUBSCRIB.
+    /// Sends an event of SUBSCRIB on the network.
     std::function<void(const std::string& network, Octets event)> send;
-    /// The number of the request; 0: there is no daemon now.
+    /// Sends a request and returns its id; 0: there is no daemon now.
     std::function<std::uint64_t(control::SubscribeRequest)> ask;
     std::function<void(control::RefusalRequest)> report;
     std::function<void(const std::string&)> log;
@@ -46,20 +47,22 @@ class Subscriptions {
   };
   explicit Subscriptions(Outside outside) : outside_(std::move(outside)) {}
 
-  /// What the daemon says now: whom to take subscriptions from, and what to subscribe.
+  /// Takes the daemon's present list: from which networks subscriptions are accepted, and what to
+  /// subscribe to.
   void set(const control::Subscriptions& said, std::uint64_t now);
-  /// A message has come. `source`: whoever sent it, as text.
+  /// Takes a message from a network. `source`: the sender as text.
   void receive(const std::string& network, const std::string& source, Octets event,
                std::uint64_t now);
-  /// The daemon has answered a request of ask().
+  /// Takes the daemon's reply to a request of Outside::ask.
   void answered(std::uint64_t request, const control::Reply& reply, std::uint64_t now);
-  /// Something was decided about the subject: what peers were answered may be wrong.
+  /// To be called when something was decided about the subject: the answers to its peers may be
+  /// outdated.
   void decided(std::uint64_t subject);
-  /// There is a daemon again, or everything was decided again.
+  /// To be called when the daemon is connected again or has decided everything again.
   void ask_all();
-  /// Nothing that was asked is answered any more.
+  /// To be called when the connection is lost: pending requests will not be answered.
   void daemon_gone() { asked_.clear(); }
-  /// What is due: renewals, leases that end, questions.
+  /// Does what is due: renewals, expired leases, requests to the daemon.
   void turn(std::uint64_t now);
 
   [[nodiscard]] std::size_t peers() const { return peers_.size(); }
@@ -75,44 +78,49 @@ class Subscriptions {
   enum class Verdict : std::uint8_t { unknown, granted, refused };
   struct Peer {
     Subscription wanted;
-    std::optional<std::uint64_t> ends_at{};  ///< nothing: never
-    Verdict verdict = Verdict::unknown;      ///< of the daemon
-    std::string reason{};                    ///< of its refusal
-    bool admitted = false;                   ///< granted once, and not ended: the daemon has it
+    std::optional<std::uint64_t> ends_at{};  ///< nullopt: without limit
+    Verdict verdict = Verdict::unknown;      ///< decision of the daemon
+    std::string reason{};                    ///< reason of its refusal
+    bool admitted = false;  ///< it was granted and not ended since, so the daemon has the
+                            ///< subscription
     bool to_ask = false;
-    std::uint64_t joined = 0;               ///< when it was granted, in the order of all
-    bool proven = false;                    ///< passed on with the others, and granted further on
-    std::uint64_t not_before = 0;           ///< refused: when the daemon is asked again at first
-    bool to_answer = false;                 ///< whatever it was answered before
-    std::optional<std::string> answered{};  ///< empty: granted; else why refused
+    std::uint64_t joined = 0;  ///< position in the order in which peers were granted
+    bool proven = false;  ///< its requirement was passed on together with the others, and granted
+                          ///< further on
+    std::uint64_t not_before = 0;  ///< after a refusal, the earliest time to ask the daemon again
+    bool to_answer = false;        ///< it expects an answer, even if that is the same as before
+    std::optional<std::string> answered{};  ///< the last answer; empty: granted, otherwise the
+                                            ///< reason of the refusal
   };
   struct OwnKey {
     std::uint64_t subject = 0;
     std::string network;
     auto operator<=>(const OwnKey&) const = default;
   };
-  /// Of a gateway further on.
+  /// Answer of a gateway further on.
   struct Answer {
     std::optional<std::string> refused{};
     std::uint64_t at = 0;
   };
   struct Own {
     Subscription message;
-    bool begins_here = false;  ///< also for subscribers that are no peers
+    bool begins_here = false;  ///< it is also for subscribers on this gateway, not only for peers
     std::uint64_t due_at = 0;
     bool was_sent = false;
-    std::map<std::string, Answer> answers{};  ///< to this message, by who has sent them
-    std::optional<std::string> refused{};     ///< by whom and why: nobody grants it
-    std::uint64_t refused_at = 0;             ///< when that was said last
-    bool is_of_message = false;               ///< refused as it is required now
-    /// What it requires, or for whom, is not what was answered.
+    std::map<std::string, Answer> answers{};  ///< answers to the present message, by their senders
+    std::optional<std::string> refused{};     ///< which gateway refuses and why; set if no gateway
+                                              ///< grants it
+    std::uint64_t refused_at = 0;             ///< when the refusal was confirmed last
+    bool is_of_message = false;               ///< the refusal is of the present requirement
+    /// Gives the message a new number, because its requirement or its subscribers have changed
+    /// since it was answered.
     void renumber() {
       ++message.number;
       answers.clear();
       is_of_message = false;
     }
   };
-  /// What the daemon wants to be subscribed.
+  /// An own subscription that the daemon wants.
   struct Wanted {
     AttributeSet required;
     bool begins_here = false;
@@ -132,16 +140,16 @@ class Subscriptions {
   void on_answer(const std::string& network, const std::string& source, const Subscription& message,
                  std::uint64_t now);
   void judge(const OwnKey& key, Own& own, std::uint64_t now);
-  /// Those whom an own subscription is for.
+  /// The granted peers that an own subscription is for.
   [[nodiscard]] std::vector<std::pair<const PeerKey*, Peer*>> behind(const OwnKey& key);
-  /// One of several asks for too much: it is refused alone. False: there is none of whom that is
-  /// likelier than of others.
+  /// Refuses a single peer when the requirement of several is refused, so that the others are
+  /// served. Returns false if no peer is more likely to be the cause than others.
   bool refuse_one(const OwnKey& key, Own& own, const std::string& why, std::uint64_t now);
   void make_room_for(const PeerKey& newcomer, std::uint64_t now);
   void put_back(const PeerKey& key, Peer& peer, const std::string& why, std::uint64_t now);
-  /// The daemon has not ended yet what no longer counts.
+  /// Whether a request to end a subscription of the subject is pending at the daemon.
   [[nodiscard]] bool is_ending(std::uint64_t subject) const;
-  /// False: it could not be asked now.
+  /// Returns false if the daemon could not be asked now.
   bool ask(const PeerKey& key, const Subscription& wanted, bool end);
   void answer(const PeerKey& key, Peer& peer);
   void answer_all();
@@ -149,7 +157,8 @@ class Subscriptions {
   void send(const std::string& network, const Subscription& message);
   [[nodiscard]] std::size_t longest_on(const std::string& network) const;
   [[nodiscard]] std::uint8_t hops_left(const OwnKey& key, const Own& own) const;
-  /// Why its events do not come to it although the daemon grants that.
+  /// Why the peer gets no events although the daemon grants them: a gateway further on refuses, or
+  /// too many gateways are on the way. Nullopt otherwise.
   [[nodiscard]] std::optional<std::string> refused_further_on(const PeerKey& key,
                                                               const Peer& peer) const;
   [[nodiscard]] std::size_t peers_on(const std::string& network) const;
@@ -158,9 +167,9 @@ class Subscriptions {
   std::map<std::string, control::SubscriptionNetwork> networks_;
   std::map<PeerKey, Peer> peers_;
   std::map<OwnKey, Own> own_;
-  std::map<std::uint64_t, Asked> asked_;  ///< by the number of the request
-  std::uint64_t joined_ = 0;              ///< peers that were granted something
-  std::set<PeerKey> to_end_;              ///< the daemon has them still
+  std::map<std::uint64_t, Asked> asked_;  ///< by request id
+  std::uint64_t joined_ = 0;              ///< number of peers that were granted so far
+  std::set<PeerKey> to_end_;              ///< peers whose subscriptions the daemon still has to end
 };
 
 }  // namespace mlcca::relay

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // FAMOUSO's binding protocol on CAN: a node asks for the tag of a subject, and the broker answers
-// by two frames with half of the subject each. A subject has the same tag for as long as there is a
-// broker: what was dealt is kept over restarts, and nothing is ever dealt again.
+// with two frames of half of the subject each. A subject keeps its tag as long as there is a
+// broker: assignments survive restarts, and a tag is never assigned twice.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -18,26 +18,27 @@ namespace mlcca::relay {
 using SubjectId = std::uint64_t;
 using TagNumber = std::uint16_t;
 
-/// Dealt from the highest down, as every broker does.
+/// Tags are assigned from the highest down, as every broker does.
 inline constexpr TagNumber kHighestTag = 0x3fff;
 inline constexpr TagNumber kLowestTag = 0x64;
 
+/// Assigns the tags of one bus.
 class TagBroker {
  public:
   using Dealt = std::pair<SubjectId, TagNumber>;
   using Answer = std::array<Frame, 2>;
 
-  /// `before`: what was dealt, or is stated in the description. A tag or a subject that is there
-  /// twice counts once, the first time.
+  /// `before`: tags assigned earlier, or stated in the description. If a tag or a subject occurs
+  /// twice, the first one counts.
   explicit TagBroker(std::span<const Dealt> before = {});
 
-  /// What is to be sent, in this order. Nothing: it is no request, or no tag is left. Subject 0
-  /// has none: FAMOUSO's own brokers take it for a free place.
+  /// Returns the frames to send in this order; nullopt if the frame is no request or no tag is
+  /// left. Subject 0 gets no tag, because FAMOUSO's own brokers use it to mark a free place.
   std::optional<Answer> take(const Frame& frame);
-  /// The same for a channel of the broker itself, without frames.
+  /// The tag of a channel of the broker itself, without frames.
   std::optional<TagNumber> tag_of_subject(SubjectId subject);
 
-  /// To be kept before an answer is sent.
+  /// All assignments. They must be stored before an answer is sent.
   [[nodiscard]] std::span<const Dealt> dealt() const { return dealt_; }
 
  private:

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// One descriptor for a socket and a time: it can be read when the socket can, or when the time has
-// come. So a layer sends later what it may not send now, and nobody else needs to know.
+// An epoll descriptor that combines a socket with a timer.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -11,13 +10,15 @@
 
 namespace mlcca::relay {
 
+/// A descriptor that is readable when a socket is readable or a time has come. With it a layer
+/// sends delayed frames without any help of its user.
 class Alarm {
  public:
-  /// Error: no descriptors are left.
+  /// Fails if no descriptors are left.
   [[nodiscard]] static Result<std::unique_ptr<Alarm>> beside(int socket);
 
   [[nodiscard]] int fd() const { return epoll_.get(); }
-  /// CLOCK_MONOTONIC, ns; nothing: never. What was set before is over.
+  /// Sets the time, CLOCK_MONOTONIC in ns, and replaces the former one; nullopt: never.
   void set(std::optional<std::uint64_t> at);
 
  private:

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Events in CAN frames, as the profile of the bus has them:
+// Events in CAN frames, according to the profile of the bus:
 //
 //   famouso   up to 8 octets in a frame; longer ones in fragments, with bit 21 of the identifier
 //   cyphal    transfers of one frame or of several
-//   j1939     the data of a frame; what is longer by the transport protocol
+//   j1939     the data of a frame; longer ones by the transport protocol
 //   others    the data of a frame
 //
 // The identifiers are those that the gate admits; see core/profiles.
@@ -28,13 +28,13 @@
 
 namespace mlcca::relay {
 
-/// Between a layer and its bus, so that a test needs none.
+/// The interface between a layer and its bus, which tests replace.
 class FrameSocket {
  public:
   struct Frame {
     canfd_frame frame{};
     bool fd = false;
-    bool local = false;  ///< a program of this host has sent it
+    bool local = false;  ///< sent by a program on this host
     std::uint64_t unix_ns = 0;
   };
 
@@ -46,7 +46,7 @@ class FrameSocket {
   virtual ~FrameSocket() = default;
 
   [[nodiscard]] virtual int fd() const = 0;
-  /// Only frames come that fit one of them.
+  /// Receives only frames that match one of the filters.
   [[nodiscard]] virtual Result<void> filter(const std::vector<can_filter>& filters) = 0;
   enum class Got : std::uint8_t { frame, nothing, gone };
   virtual Got receive(Frame& to) = 0;
@@ -54,14 +54,15 @@ class FrameSocket {
   [[nodiscard]] virtual std::uint64_t dropped() const = 0;
 };
 
-/// Of one bus; without a filter nothing comes. Frames of programs of this host come, too.
+/// Opens a socket on a bus. Without a filter it receives nothing; frames of programs on this host
+/// are received as well.
 [[nodiscard]] Result<std::unique_ptr<FrameSocket>> open_frame_socket(std::uint32_t ifindex);
 
 class CanLayer : public Layer {
  public:
   static Result<std::unique_ptr<Layer>> open(const control::Endpoint& endpoint);
-  /// `alarm`: beside the socket, where frames may have to wait; without it they go when receive()
-  /// is called. `now`: CLOCK_MONOTONIC, ns.
+  /// `alarm`: combined with the socket if frames may have to wait; without it they are sent when
+  /// receive() is called. `now`: CLOCK_MONOTONIC in ns.
   explicit CanLayer(std::unique_ptr<FrameSocket> socket, std::unique_ptr<Alarm> alarm = nullptr,
                     std::uint64_t (*now)() = monotonic_ns)
       : socket_(std::move(socket)), alarm_(std::move(alarm)), now_(now) {}
@@ -90,10 +91,10 @@ class CanLayer : public Layer {
       return frame.fd ? fd : classic;
     }
   };
-  /// Of one mask, by the bits that it leaves of an identifier.
+  /// The followers of one mask, by the masked identifier.
   using ById = std::unordered_map<std::uint32_t, std::vector<Following>>;
 
-  /// Of frames that carry messages of several channels: identifier and mask.
+  /// Identifier and mask of frames that carry messages of several channels.
   using Carrier = std::pair<std::uint32_t, std::uint32_t>;
 
   static Result<Form> form_of(const control::Endpoint& endpoint);
@@ -118,14 +119,14 @@ class CanLayer : public Layer {
   std::unique_ptr<Alarm> alarm_;
   std::uint64_t (*now_)();
   std::map<std::uint32_t, ById> by_mask_;
-  std::size_t identities_ = 0;               ///< of all masks
-  std::map<Carrier, std::size_t> carriers_;  ///< and the identities that need them
+  std::size_t identities_ = 0;               ///< identities of all masks
+  std::map<Carrier, std::size_t> carriers_;  ///< with the number of identities that need each
   afp::Reassembly fragments_{afp::kCan};
   cyphal::Reassembly transfers_;
   j1939::Reassembly messages_;
   j1939::Sending sending_;
   std::unordered_map<std::uint32_t, std::uint8_t>
-      numbers_;  ///< of the next transfer, by identifier
+      numbers_;  ///< number of the next transfer or event, by identifier
   Losses losses_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Who follows which subject, where frames carry it.
+// The followers of each subject, for networks whose frames carry the subject.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -16,7 +16,7 @@ namespace mlcca::relay {
 
 inline constexpr std::size_t kSubjectOctets = 8;
 
-/// `Address`: of a sender; one made by default is of any.
+/// `Address`: the type of a sender's address; a default-constructed one means any sender.
 template <class Address>
 class Followers {
  public:
@@ -31,7 +31,8 @@ class Followers {
   }
   [[nodiscard]] bool any(std::uint64_t subject) const { return by_subject_.contains(subject); }
 
-  /// To those who follow the sender, or, where there are none, to those who follow any sender.
+  /// Hands an event to the followers of its sender or, if there are none, to those of any sender.
+  /// An event that is longer than a follower takes is counted in `losses`.
   void hand_over(std::uint64_t subject, const Address& from, Octets event, std::uint64_t unix_ns,
                  const Layer::OnEvent& on_event, Losses& losses) const {
     const auto known = by_subject_.find(subject);
@@ -48,7 +49,7 @@ class Followers {
   }
 
  private:
-  /// As of Layer::Arrival.
+  /// As Layer::Arrival has it.
   static std::uint32_t source_of(const Address& from) {
     if constexpr (std::is_convertible_v<Address, std::uint32_t>) return from;
     return 0;

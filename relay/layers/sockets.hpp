@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the sockets of all layers have in common.
+// Functions that the sockets of all layers share.
 #pragma once
 #include <sys/socket.h>
 
@@ -14,30 +14,31 @@
 
 namespace mlcca::relay {
 
-/// What the kernel says beside the data of a message.
+/// Ancillary data of a received message.
 struct Beside {
-  std::uint64_t unix_ns = 0;  ///< when it came; 0: not said
+  std::uint64_t unix_ns = 0;  ///< when the kernel received it; 0: unknown
   std::uint32_t dropped = 0;  ///< messages that the socket has dropped so far
+  /// `dropped` is stated.
   bool says_dropped = false;
 };
 [[nodiscard]] Beside beside(msghdr& message);
 
-/// A message that has come, or (size below 0) none; errno says why.
+/// A received message; a negative size: none was received, and errno says why.
 struct Received {
   ssize_t size = -1;
   int flags = 0;
   Beside beside;
 };
-/// Without waiting. `from`: gets the address of the sender, or nullptr.
+/// Receives without waiting. `from`: where the sender's address is stored, or null.
 [[nodiscard]] Received receive_into(const Fd& socket, void* data, std::size_t room,
                                     void* from = nullptr, socklen_t from_size = 0, int flags = 0);
 
-/// Each message that comes has its time and the number of those that were dropped.
+/// Makes the kernel state the time of each message and the number of dropped ones.
 [[nodiscard]] Result<void> ask_for_times(const Fd& socket);
-/// As much room as the kernel gives for what comes in a burst.
+/// Sets the receive buffer to the largest size that the kernel allows, for bursts.
 void widen(const Fd& socket);
 
-/// What a failed send means for the event; errno is what it is.
+/// What a failed send means for the event, according to errno.
 [[nodiscard]] Sent failure_of_send();
 
 }  // namespace mlcca::relay

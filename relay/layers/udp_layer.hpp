@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// FAMOUSO's events in UDP datagrams to port 9999 and a multicast group of their own, or to port
-// 8888 and everybody; datagram.hpp says what they hold.
+// FAMOUSO's events in UDP datagrams: to port 9999 of a multicast group for each subject, or as
+// broadcasts to port 8888. datagram.hpp describes the datagrams.
 #pragma once
 #include <cstdint>
 #include <deque>
@@ -18,8 +18,8 @@
 
 namespace mlcca::relay {
 
-/// Between a layer and its interface, so that a test needs none. Addresses are of IPv4, in the
-/// order of the host.
+/// The interface between a layer and its network, which tests replace. Addresses are IPv4 in host
+/// byte order.
 class UdpSocket {
  public:
   struct Datagram {
@@ -36,18 +36,19 @@ class UdpSocket {
   virtual ~UdpSocket() = default;
 
   [[nodiscard]] virtual int fd() const = 0;
-  /// Datagrams to the group come from now on.
+  /// Receives datagrams to the group from now on.
   [[nodiscard]] virtual Result<void> join(std::uint32_t group) = 0;
-  /// A group that was joined.
+  /// Ends join().
   virtual void leave(std::uint32_t group) = 0;
-  /// `failed`: an earlier datagram that was sent; there may be more.
+  /// `failed`: an error of an earlier send was reported; datagrams may follow. `gone`: the
+  /// interface is gone.
   enum class Got : std::uint8_t { datagram, nothing, failed, gone };
   virtual Got receive(Datagram& to) = 0;
-  /// What is reported of datagrams that were sent before makes the socket readable until it is
+  /// Reads the reported errors of earlier sends, which keep the socket readable until they are
   /// read.
   virtual void read_errors() = 0;
   virtual Sent send(std::uint32_t to, Octets header, Octets data) = 0;
-  /// That the interface has now; 0: none.
+  /// The interface's present address; 0: none.
   [[nodiscard]] virtual std::uint32_t own_address() const = 0;
   [[nodiscard]] virtual std::uint64_t dropped() const = 0;
 };
@@ -57,7 +58,7 @@ class UdpSocket {
 class UdpLayer : public Layer {
  public:
   static Result<std::unique_ptr<Layer>> open(const control::Endpoint& endpoint);
-  /// `now`: CLOCK_MONOTONIC, ns.
+  /// `now`: CLOCK_MONOTONIC in ns.
   UdpLayer(std::unique_ptr<UdpSocket> socket, bool broadcasts,
            std::uint64_t (*now)() = monotonic_ns);
 
@@ -80,14 +81,16 @@ class UdpLayer : public Layer {
   std::unique_ptr<UdpSocket> socket_;
   bool broadcasts_;
   std::uint64_t (*now_)();
-  std::uint32_t own_ = 0;                                    ///< address, where it broadcasts
-  std::uint64_t own_at_ = 0;                                 ///< when it was read; 0: never
-  std::map<std::uint32_t, std::set<std::uint64_t>> groups_;  ///< and what is followed in each
-  std::deque<std::uint32_t> idle_;                           ///< nothing is; the latest is last
+  std::uint32_t own_ = 0;     ///< the interface's own address, used if it broadcasts
+  std::uint64_t own_at_ = 0;  ///< when `own_` was read; 0: never
+  std::map<std::uint32_t, std::set<std::uint64_t>> groups_;  ///< joined groups and the subjects
+                                                             ///< followed in each
+  std::deque<std::uint32_t> idle_;  ///< joined groups without followed subjects; the one used last
+                                    ///< is at the end
   Followers<std::uint32_t> followers_;
   afp::Reassembly fragments_{afp::kUdp};
-  std::uint64_t salt_;    ///< so that nobody can make two sources one
-  std::uint32_t number_;  ///< of the next event that is fragmented
+  std::uint64_t salt_;    ///< random, so that no sender can provoke a collision of two sources
+  std::uint32_t number_;  ///< number of the next event that is fragmented
   Losses losses_;
 };
 

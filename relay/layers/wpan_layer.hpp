@@ -3,8 +3,8 @@
 //
 //   subject[8] event
 //
-// without a flag: nothing is fragmented. Frames go to all of the interface's own PAN, from its
-// short address.
+// without a flag, because nothing is fragmented. Frames are broadcast in the interface's own PAN,
+// from its short address.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -17,20 +17,22 @@
 
 namespace mlcca::relay {
 
-/// Payload of a MAC frame that has 127 octets, its shortest header (9) and its check sequence (2).
+/// Largest payload: 127 octets of the MAC frame without its shortest header (9) and its check
+/// sequence (2).
 inline constexpr std::size_t kWpanPayload = 127 - 9 - 2;
 
-/// As an endpoint has it: "02:00:00:00:00:00:00:01" of octets as people write them.
+/// The address in the form of an endpoint, "02:00:00:00:00:00:00:01"; `octets` are in the order in
+/// which the address is written.
 [[nodiscard]] std::string extended_address(const std::array<std::uint8_t, 8>& octets);
-/// "0xbeef:0x0001".
+/// The address in the form of an endpoint, "0xbeef:0x0001".
 [[nodiscard]] std::string short_address(std::uint16_t pan, std::uint16_t address);
 
-/// Between a layer and its radio, so that a test needs none.
+/// The interface between a layer and its radio, which tests replace.
 class WpanSocket {
  public:
   struct Frame {
     std::array<std::uint8_t, kWpanPayload> payload{};
-    std::size_t size = 0;  ///< above kWpanPayload: it is none of 802.15.4
+    std::size_t size = 0;  ///< above kWpanPayload: not a valid frame
     std::string from;      ///< address of the sender; empty: the frame has none
     std::uint64_t unix_ns = 0;
   };
@@ -49,8 +51,8 @@ class WpanSocket {
   [[nodiscard]] virtual std::uint64_t dropped() const = 0;
 };
 
-/// Error: the interface has no PAN or no short address, or the process is in a network namespace
-/// other than the first one, where the kernel has no such sockets.
+/// Opens a socket. Fails if the interface has no PAN or no short address, or if the process is not
+/// in the initial network namespace, where alone the kernel has such sockets.
 [[nodiscard]] Result<std::unique_ptr<WpanSocket>> open_wpan_socket(const std::string& interface);
 
 class WpanLayer : public Layer {

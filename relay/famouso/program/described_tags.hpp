@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The tags that a description states for a bus, for its broker.
+// The tags that a description states for a FAMOUSO bus.
 #pragma once
 #include <string>
 #include <vector>
@@ -10,8 +10,8 @@
 
 namespace mlcca::relay {
 
-/// Of the channels that have one there, and of SUBSCRIB where its tag is stated. Errors: there is
-/// no such network, or it is no bus of FAMOUSO.
+/// The tags of the channels on this bus, and of SUBSCRIB if the description states one. Fails if
+/// there is no such network, or if its profile is not FAMOUSO's.
 [[nodiscard]] Result<std::vector<TagBroker::Dealt>> described_tags(const core::System& system,
                                                                    const std::string& network);
 
