@@ -9,14 +9,14 @@
 namespace mlcca::relay::afp {
 namespace {
 
-constexpr std::size_t kShort = 31;  // fragments behind one with a header of one octet
-constexpr std::size_t kLong = kMostFragments - 1;  // the same with two octets
-constexpr std::size_t kNumber = 5;                 // octets of the extension
-constexpr std::uint8_t kExtended = 0x40;           // in a header of one octet
+constexpr std::size_t kShort = 31;  // most fragments behind a fragment whose header has one octet
+constexpr std::size_t kLong = kMostFragments - 1;  // the same for a header of two octets
+constexpr std::size_t kNumber = 5;        // octets of the extension with the event's number
+constexpr std::uint8_t kExtended = 0x40;  // bit in a header of one octet
 constexpr std::uint8_t kFirst = 0x20;
 constexpr std::uint8_t kTwoOctets = 0x80;
 
-/// Octets in front of the data of a fragment with so many behind it.
+/// Octets of the header of a fragment with `left` fragments behind it.
 std::size_t header_of(const Form& form, std::size_t left) {
   return (left <= kShort ? 1 : 2) + (form.numbered ? kNumber : 0);
 }
@@ -85,7 +85,7 @@ std::optional<Reassembly::Fragment> Reassembly::parse(Octets fragment) const {
   if ((flags & kTwoOctets) == 0) {
     out.left = flags & kShort;
   } else {
-    // Three octets and more would be for events that are longer than any.
+    // Headers of three octets and more would be for events longer than 65,535 octets.
     if ((flags & kExtended) != 0 || fragment.size() < 2) return std::nullopt;
     out.left = (flags & 0x0fU) << 8U | fragment[1];
     flags = static_cast<std::uint8_t>(flags << 1U);
@@ -94,11 +94,13 @@ std::optional<Reassembly::Fragment> Reassembly::parse(Octets fragment) const {
   const std::size_t size = (fragment[0] & kTwoOctets) == 0 ? 1 : 2;
   if (((flags & kExtended) != 0) != form_.numbered) return std::nullopt;
   if (form_.numbered) {
-    // The number, and nothing behind it: forward error correction is for applications.
+    // The number must be the only extension; FAMOUSO's forward error correction is left to
+    // applications.
     if (fragment.size() < size + kNumber || fragment[size] != 0) return std::nullopt;
     for (std::size_t i = 1; i < kNumber; ++i) out.number = out.number << 8U | fragment[size + i];
   }
-  // The shortest header that holds the number is the only one: positions follow from that.
+  // Only the shortest header that can hold the number is valid, because the position of the data in
+  // the event is derived from the number.
   if (size != (out.left <= kShort ? 1U : 2U)) return std::nullopt;
   if (out.left != 0 && fragment.size() != form_.payload) return std::nullopt;
   out.data = fragment.subspan(header_of(form_, out.left));
@@ -115,7 +117,8 @@ std::optional<Event> Reassembly::take(Source source, Octets fragment, std::uint6
   return form_.numbered ? take_numbered(source, *parsed, now) : take_in_order(source, *parsed, now);
 }
 
-/// One event of a source at a time: the first fragment begins it, a gap ends it.
+/// On a network that keeps the order, a source has one incomplete event at a time: its first
+/// fragment begins the event, and a gap ends it.
 std::optional<Event> Reassembly::take_in_order(Source source, const Fragment& fragment,
                                                std::uint64_t now) {
   const Key key{.source = source, .number = 0};
@@ -124,7 +127,7 @@ std::optional<Event> Reassembly::take_in_order(Source source, const Fragment& fr
     if (event != begun_.end()) give_up(event, losses_.incomplete);
     event = begin(key, now);
   } else if (event == begun_.end()) {
-    return std::nullopt;  // of an event whose beginning was lost, and counted then
+    return std::nullopt;  // the event's beginning was lost, and counted then
   } else if (event->second.fragments.begin()->first != fragment.left + 1) {
     give_up(event, losses_.incomplete);
     return std::nullopt;
@@ -143,7 +146,7 @@ std::optional<Event> Reassembly::take_numbered(Source source, const Fragment& fr
   if (is_overtaken(key)) {
     ++losses_.late;
     if (event != begun_.end()) forget(event);
-    remember(key, now);  // its other fragments are no further event
+    remember(key, now);  // so that its other fragments begin no event
     return std::nullopt;
   }
   if (event == begun_.end()) event = begin(key, now);
@@ -165,7 +168,7 @@ void Reassembly::remember(const Key& key, std::uint64_t now) {
   done_order_.pop_front();
 }
 
-/// After the highest number 0 comes.
+/// Event numbers wrap around: 0 follows the highest number.
 bool Reassembly::is_overtaken(const Key& key) const {
   const auto follows = [&](std::uint32_t from) {
     const auto next = done_.lower_bound({.source = key.source, .number = from});

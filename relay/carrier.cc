@@ -8,7 +8,7 @@
 namespace mlcca::relay {
 namespace {
 
-/// Frames of one interface before another one has its turn.
+/// Frames received from one interface before it is the turn of another.
 constexpr std::size_t kMostOfTurn = 64;
 
 }  // namespace
@@ -19,7 +19,7 @@ Layer* Carrier::layer_of(const control::Endpoint& endpoint) {
   const auto known = layers_.find(endpoint.ifindex);
   if (known != layers_.end()) {
     if (known->second.serves(endpoint)) return known->second.layer.get();
-    close(endpoint.ifindex);  // with what used it, which the daemon is asked for once more
+    close(endpoint.ifindex);  // ends its transfers as well, which the daemon is asked for again
   }
   auto layer = outside_.open(endpoint);
   if (!layer) {
@@ -41,7 +41,7 @@ void Carrier::note_problem(const std::string& of, const std::string& text) {
 }
 
 bool Carrier::add(const control::Transfer& transfer) {
-  if (transfer.from.ifindex == transfer.to.ifindex) return true;  // it would come back for ever
+  if (transfer.from.ifindex == transfer.to.ifindex) return true;  // an event would return endlessly
   Layer* const from = layer_of(transfer.from);
   Layer* const to = layer_of(transfer.to);
   return from != nullptr && to != nullptr && start(transfer, *from, *to);
@@ -185,7 +185,8 @@ Losses Carrier::losses() const {
 
 // --- interfaces ----------------------------------------------------------------------------------
 
-/// It is gone: so is what came from it or went to it, until the daemon says that it is there again.
+/// Closes the layer of an interface that is gone, and ends its transfers until the daemon states
+/// them again.
 void Carrier::close(std::uint32_t ifindex) {
   for (std::size_t number = 0; number < slots_.size(); ++number)
     if (slots_[number] && (slots_[number]->transfer.from.ifindex == ifindex ||

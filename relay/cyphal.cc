@@ -16,7 +16,7 @@ constexpr std::uint8_t kLast = 0x40;
 constexpr std::uint8_t kToggle = 0x20;
 constexpr std::size_t kTail = 1;
 constexpr std::size_t kCrc = 2;
-constexpr std::size_t kShort = 8;  // frames of up to so many octets have any length
+constexpr std::size_t kShort = 8;  // up to this length, frames of every length exist
 
 constexpr std::array<std::uint16_t, 256> table() {
   std::array<std::uint16_t, 256> out{};
@@ -29,8 +29,7 @@ constexpr std::array<std::uint16_t, 256> table() {
   return out;
 }
 
-/// Octets that are to be added so that a frame of this content and a tail has a length that there
-/// is.
+/// Octets to append so that a frame of this content and a tail octet has a valid length.
 std::size_t padding(std::size_t content) {
   if (content + kTail <= kShort) return 0;
   return fd_length(content + kTail).value_or(content + kTail) - content - kTail;
@@ -112,14 +111,14 @@ void Reassembly::give_up(Session& session, std::uint64_t& why) {
   Event().swap(session.begun);
 }
 
-/// A frame is repeated on the bus when its sender misses the acknowledgement, and with it a
-/// transfer.
+/// Whether a complete transfer with this transfer-ID was received a short time ago: when a sender
+/// misses the acknowledgement of a frame, it repeats the frame and with it the transfer.
 bool Reassembly::is_repeated(const Session& session, std::uint8_t number, std::uint64_t now) const {
   return session.latest == number && now - session.completed_at <= limits_.lifetime_ns;
 }
 
-/// Of the sources that have begun a transfer the one loses it that was silent longest. False: there
-/// is no other one.
+/// Frees memory: the source that was silent for longest loses its incomplete transfer. Returns
+/// false if no other source has one.
 bool Reassembly::make_room(std::size_t octets, const Session& beside) {
   while (octets_ + octets > limits_.octets) {
     Session* victim = nullptr;
@@ -139,7 +138,7 @@ std::optional<Event> Reassembly::take(Source source, Octets frame, std::uint64_t
   const bool last = (tail & kLast) != 0;
   const bool toggle = (tail & kToggle) != 0;
   const std::uint8_t number = tail & kNumbers;
-  // A first frame without a toggle is one of UAVCAN 0. One that another one follows is full.
+  // A first frame without toggle bit belongs to UAVCAN 0. A frame that others follow must be full.
   if (frame.empty() || (first && !toggle) || (!last && frame.size() < kShort)) {
     ++losses_.malformed;
     return std::nullopt;
@@ -153,7 +152,7 @@ std::optional<Event> Reassembly::take(Source source, Octets frame, std::uint64_t
   const Octets content = frame.first(frame.size() - kTail);
   if (first) {
     if (session.is_begun && session.number == number && std::ranges::equal(session.begun, content))
-      return std::nullopt;  // the first frame was there before
+      return std::nullopt;  // a duplicate of the first frame
     give_up(session, losses_.incomplete);
     session.is_begun = true;
     session.toggle = true;
@@ -162,7 +161,7 @@ std::optional<Event> Reassembly::take(Source source, Octets frame, std::uint64_t
     if (last) ++losses_.incomplete;
     return std::nullopt;
   }
-  if (toggle != session.toggle) return std::nullopt;  // a frame that was there before
+  if (toggle != session.toggle) return std::nullopt;  // a duplicate of the previous frame
   session.toggle = !toggle;
   if (!first || !last) return take_rest(session, content, last, now);
   session.is_begun = false;

@@ -80,7 +80,7 @@ class Reassembly {
   struct Session {
     Event begun;  ///< content of the incomplete transfer so far
     bool is_begun = false;
-    bool toggle = false;                 ///< toggle bit of the last accepted frame
+    bool toggle = false;                 ///< toggle bit expected in the next frame
     std::uint8_t number = 0;             ///< transfer-ID of the incomplete transfer
     std::optional<std::uint8_t> latest;  ///< transfer-ID of the latest complete transfer
     std::uint64_t completed_at = 0;

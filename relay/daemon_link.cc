@@ -24,10 +24,10 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kLongestRetry(1000);
-/// While the daemon does not read.
+/// Pause while the daemon does not read.
 constexpr milliseconds kPauseOfSending(20);
 constexpr std::size_t kReadSize = std::size_t{64} << 10U;
-/// Of one reply: each has some hundred rows at least.
+/// Slices accepted in one reply; each slice has some hundred rows at least.
 constexpr std::size_t kMostSlices = 65'536;
 constexpr std::size_t kMostRows = std::size_t{1} << 20U;
 
@@ -44,7 +44,7 @@ constexpr std::array<std::string_view, 9> kDecisions{"granted",    "refused",  "
 constexpr std::array<std::string_view, 5> kOfAll{"reload", "lagged", "interface", "mode",
                                                  "started"};
 
-/// Of the lists that this program asks for.
+/// Whether a list that this program asks for has more rows than any gateway can have.
 bool is_without_end(const control::Reply& reply) {
   if (const auto* some = std::get_if<control::Transfers>(&reply.body))
     return some->transfers.size() > kMostRows;
@@ -119,7 +119,8 @@ void DaemonLink::flush() {
     const ssize_t n = ::send(socket_.get(), out_.data(), out_.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0 && errno == EAGAIN) return set_timer(kPauseOfSending);
-    // What the daemon has said before it closed is read; then the connection ends.
+    // Read what the daemon has sent before it closed; then recv() reports the end of the
+    // connection.
     if (n < 0) {
       out_.clear();
       ::shutdown(socket_.get(), SHUT_RDWR);
@@ -153,7 +154,7 @@ void DaemonLink::on_reply(control::Reply reply) {
     lose(error == nullptr ? "mlccad sent a reply without a request" : error->message);
     return;
   }
-  // Replies come in the order of the requests, so that slices of two are never mixed.
+  // Replies arrive in the order of the requests, so slices of two replies are never mixed.
   if (!whole_) slices_ = 0;
   if (const auto joined = control::join(whole_, std::move(reply)); !joined)
     return lose(joined.error().text);

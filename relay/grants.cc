@@ -8,9 +8,9 @@
 namespace mlcca::relay {
 namespace {
 
-/// Events come in bursts: one question follows all of a burst.
+/// Events come in bursts, so the daemon is asked once after a burst.
 constexpr std::chrono::milliseconds kPause(20);
-/// With more subjects all are asked for.
+/// If more subjects are to be asked for, all are.
 constexpr std::size_t kMostDue = 256;
 
 }  // namespace
@@ -66,7 +66,7 @@ void Grants::report(control::DelayRequest delay) {
 }
 
 void Grants::on_reply(const control::Reply& reply) {
-  if (reply.id != asked_) return;  // of monitor, or of a delay
+  if (reply.id != asked_) return;  // reply to the monitor or to a report of delays
   asked_ = 0;
   link_.is_well();
   if (const auto* transfers = std::get_if<control::Transfers>(&reply.body)) {
@@ -76,9 +76,9 @@ void Grants::on_reply(const control::Reply& reply) {
       handlers_.all(transfers->transfers);
     has_answer_ = true;
   } else if (of_subject_) {
-    handlers_.of_subject(*of_subject_, {});  // there is no such channel any more
+    handlers_.of_subject(*of_subject_, {});  // the channel does not exist any more
   } else {
-    all_due_ = true;  // it was reloaded meanwhile, or has too much to do
+    all_due_ = true;  // it was reloaded in between, or is overloaded
   }
   if (all_due_ || !due_.empty()) link_.set_timer(kPause);
 }

@@ -7,9 +7,10 @@
 namespace mlcca::relay::j1939 {
 namespace {
 
-constexpr std::uint32_t kNumber = 0x03ffff00;      // PGN, with the destination of PDU1
-constexpr std::uint32_t kManagement = 0x00ecff00;  // TP.CM to everybody
-constexpr std::uint32_t kTransfer = 0x00ebff00;    // TP.DT to everybody
+constexpr std::uint32_t kNumber = 0x03ffff00;  // parameter group number, including the destination
+                                               // of PDU1
+constexpr std::uint32_t kManagement = 0x00ecff00;  // TP.CM to the global address
+constexpr std::uint32_t kTransfer = 0x00ebff00;    // TP.DT to the global address
 constexpr std::uint32_t kPriority = 0x1c000000;
 constexpr unsigned kNumberShift = 8;
 constexpr unsigned kOctet = 8;
@@ -21,7 +22,8 @@ constexpr std::uint8_t kBam = 32;
 constexpr std::uint8_t kFill = 0xff;
 constexpr std::size_t kPacket = 7;
 
-/// PDU1: the low octet of the identifier's number is the destination, and 0 in the PGN.
+/// Whether a parameter group has the format PDU1: the low octet is the destination in an
+/// identifier, and 0 in the PGN.
 bool has_destination(std::uint32_t pgn) { return (pgn & kFirstOfPdu2) != kFirstOfPdu2; }
 
 std::uint8_t octet_of(std::size_t value, unsigned number) {

@@ -18,7 +18,7 @@ constexpr std::size_t kForwardsAt = 18;
 constexpr std::size_t kNamesAt = 19;
 constexpr std::size_t kLongestName = 63;
 
-/// Nothing: one of them is none.
+/// The names in the octets; nullopt if one of them is malformed.
 std::optional<std::vector<std::string>> names_in(Octets rest) {
   std::vector<std::string> names;
   while (!rest.empty()) {

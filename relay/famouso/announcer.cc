@@ -40,14 +40,14 @@ bool Announcer::answered(std::uint64_t request, const control::Reply& reply, std
 bool Announcer::receive(const std::string& network, Octets event, std::uint64_t now) {
   auto message = parse_announcement(event);
   if (!message) return false;
-  // What is not of these has no place in passed_on_ either.
+  // Only known gateways and networks are stored in passed_on_, which bounds it.
   if (std::ranges::find(own_.others, message->gateway) == own_.others.end() ||
       std::ranges::find(own_.networks, network) == own_.networks.end())
     return true;
   const auto [at, first] = passed_on_.try_emplace({network, message->gateway}, now);
   if (!first && now - at->second < kPause) return true;
   at->second = now;
-  constexpr std::size_t most = 16;  // of PresenceRequest
+  constexpr std::size_t most = 16;  // as PresenceRequest allows
   if (message->not_received.size() > most) message->not_received.resize(most);
   outside_.ask({.network = network,
                 .gateway = std::move(message->gateway),

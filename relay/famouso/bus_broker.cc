@@ -37,7 +37,7 @@ Result<BusBroker> BusBroker::make(const Uid& uid, DealtFile file, Stated stated,
   return out;
 }
 
-/// What was dealt since it was written down the last time.
+/// Stores the assignments that were made since the last call.
 Result<void> BusBroker::write_down() {
   while (file_.nodes().size() < nodes_.dealt().size()) {
     const auto& [uid, number] = nodes_.dealt()[file_.nodes().size()];

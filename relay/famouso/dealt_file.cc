@@ -20,7 +20,8 @@
 namespace mlcca::relay {
 namespace {
 
-/// All tags and numbers of a bus are 16,500 lines of some 30 octets.
+/// Largest size of the file: all tags and node numbers of a bus are 16,500 lines of about 30
+/// octets.
 constexpr off_t kMostFileBytes = off_t{1} << 20U;
 
 struct Line {
@@ -29,7 +30,7 @@ struct Line {
   std::uint64_t of = 0;
 };
 
-/// "tag 0x3ffe 0x44697374616e6365"
+/// Parses a line like "tag 0x3ffe 0x44697374616e6365".
 std::optional<Line> line_in(std::string_view text) {
   Line out;
   const auto first = text.find(' ');
@@ -74,7 +75,7 @@ Result<void> DealtFile::read(std::string_view text) {
       return fail(fmt::format(
           "{}:{}: '{}' must be such as 'tag 0x3ffe 0x44697374616e6365' or 'node 0x7d 0x{:016x}'",
           path_, number, cut(text.substr(0, end), 60), 1));
-    // Whoever wrote that was no broker of ours, and what a bus was answered is not known.
+    // No broker of ours has written that, so it is unknown what the nodes of the bus were answered.
     if (const std::uint64_t kind = line->is_tag ? 0 : kHighestTag + 1U;
         !known.insert(kind + line->number).second)
       return fail(fmt::format("{}:{}: {:#x} was dealt before", path_, number, line->number));
@@ -92,7 +93,7 @@ Result<void> DealtFile::append(const std::string& line) {
     return {};
   }
   auto failed = system_error(path_);
-  // Where that fails, too, the next line is written over it.
+  // If this fails as well, the next line overwrites the incomplete one.
   static_cast<void>(::ftruncate(file_.get(), static_cast<off_t>(size_)) != 0);
   return failed;
 }

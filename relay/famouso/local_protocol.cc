@@ -14,7 +14,7 @@ constexpr std::uint8_t kPublish = 0x52;
 constexpr std::uint8_t kAnnounce = 0x56;
 constexpr std::size_t kSubject = 8;
 constexpr std::size_t kOpening = 1 + kSubject;
-constexpr std::size_t kHead = kOpening + 4;  // of an event
+constexpr std::size_t kHead = kOpening + 4;  // octets in front of the data of an event
 
 void put(std::uint64_t number, std::size_t octets, std::vector<std::uint8_t>& to) {
   while (octets-- > 0) to.push_back(static_cast<std::uint8_t>(number >> 8U * octets));
@@ -29,7 +29,8 @@ void LocalSession::end(std::string why) {
 }
 
 void LocalSession::take(Octets octets, std::vector<Event>& events) {
-  // In pieces, so that no more than one message is kept, however much comes at once.
+  // The input is taken in pieces, so that at most one message is stored, however many octets
+  // arrive.
   while (!octets.empty() && role_ != Role::ended) {
     const std::size_t piece = std::min(octets.size(), kHead + kMostOctets - in_.size());
     in_.insert(in_.end(), octets.begin(), octets.begin() + static_cast<std::ptrdiff_t>(piece));
@@ -58,7 +59,7 @@ bool LocalSession::take_opening() {
   return true;
 }
 
-/// False: none is complete.
+/// Moves one event from the input to `events`. Returns false if none is complete.
 bool LocalSession::take_event(std::vector<Event>& events) {
   if (in_.empty()) return false;
   if (in_[0] != kPublish) {

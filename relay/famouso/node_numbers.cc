@@ -22,7 +22,8 @@ bool is_request(const Frame& frame) {
   return has_normal_priority(frame) && tag_of(frame) == kNodeRequest;
 }
 
-/// The identifier of an answer keeps the highest bit of the stage, where data has its fragment bit.
+/// An answer of the broker. Its identifier has the highest bit of the stage where identifiers of
+/// events have the fragment bit.
 Frame answer(unsigned stage, std::uint32_t node, const Uid& data) {
   constexpr std::uint32_t fragment_bit = 1U << 21U;
   return {.id = kNormalPriority | ((stage & 8U) != 0 ? fragment_bit : 0U) | node << kNodeShift |
@@ -45,7 +46,7 @@ std::optional<NodeNumber> NodeBroker::number_of(const Uid& uid) const {
   return known == dealt_.end() ? std::nullopt : std::optional(known->second);
 }
 
-/// The highest that is free; nothing: all are dealt.
+/// Assigns the highest free number; nullopt if all are assigned.
 std::optional<NodeNumber> NodeBroker::deal(const Uid& uid) {
   if (const auto known = number_of(uid)) return known;
   for (int number = kHighestNode; number >= 0; --number) {
@@ -64,7 +65,7 @@ void NodeBroker::begin() {
 
 std::optional<Frame> NodeBroker::take(const Frame& frame, std::uint64_t now) {
   if (!is_request(frame)) return std::nullopt;
-  // Requests of a node that lost the arbitration.
+  // Other stages are requests of nodes that lost the arbitration.
   if ((frame.id >> kStageShift & kNibble) != stage_) return std::nullopt;
   last_ = now;
   const auto nibble = static_cast<std::uint8_t>(frame.id >> kNodeShift & kNibble);
@@ -118,7 +119,7 @@ Frame NodeClient::restart(std::uint64_t now) {
   return request();
 }
 
-/// The broker has what was sent of our UID so far.
+/// Whether the UID in the answer agrees with ours as far as it was sent.
 bool NodeClient::agrees(const Frame& answer) const {
   if ((answer.data[7] & kNibble) != stage_) return false;
   for (unsigned s = kFirstStage; s >= stage_ && s <= kFirstStage; --s)

@@ -17,10 +17,10 @@
 namespace mlcca::relay {
 namespace {
 
-constexpr std::size_t kWord = 8;  // digits
+constexpr std::size_t kWord = 8;  // hexadecimal digits
 constexpr std::uint32_t kMapped = 0xffff;
-/// Of an IPv6 socket that speaks IPv4, as Java and .NET open them: ::ffff:127.0.0.1 is
-/// "0000000000000000FFFF00000100007F". Returned: "0100007F".
+/// The IPv4 address in an address of /proc/net/tcp6. Java and .NET open IPv6 sockets for IPv4 as
+/// well: for ::ffff:127.0.0.1, "0000000000000000FFFF00000100007F", it returns "0100007F".
 std::string_view ipv4_part(std::string_view address) {
   if (address.size() != 4 * kWord) return address;
   for (std::size_t word = 0; word < 3; ++word)
@@ -30,7 +30,7 @@ std::string_view ipv4_part(std::string_view address) {
   return address.substr(3 * kWord);
 }
 
-/// "0100007F:138D": the address as it is in memory, the port as a number.
+/// Parses e.g. "0100007F:138D": the address as it is in memory, the port as a number.
 std::optional<TcpEnd> end_in(std::string_view text) {
   const auto colon = text.find(':');
   if (colon == std::string_view::npos) return std::nullopt;
@@ -54,7 +54,7 @@ std::optional<TcpEnd> end_of(int socket, NameOf* name_of) {
 Result<std::optional<uid_t>> owner_in(const char* path, const TcpEnd& local, const TcpEnd& remote) {
   const Fd table(::open(path, O_RDONLY | O_CLOEXEC));
   std::optional<uid_t> owner;
-  if (!table && errno == ENOENT) return owner;  // no IPv6
+  if (!table && errno == ENOENT) return owner;  // the kernel has no IPv6
   if (!table) return system_error(path);
   const int failed = read_tcp_table(table.get(), [&](std::string_view line) {
     owner = owner_in_line(line, local, remote);
@@ -72,7 +72,7 @@ std::optional<uid_t> owner_in_line(std::string_view line, const TcpEnd& local,
                                    const TcpEnd& remote) {
   const TcpColumns columns = tcp_columns(line);
   if (end_in(columns[1]) != local || end_in(columns[2]) != remote) return std::nullopt;
-  // A socket that is closed already has no inode, and stands there as root's.
+  // A closed socket has no inode, and the table shows root as its owner.
   if (columns[9] == "0") return std::nullopt;
   return number_in<uid_t>(columns[7]);
 }

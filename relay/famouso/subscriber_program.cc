@@ -18,10 +18,11 @@ namespace mlcca::relay {
 namespace {
 
 constexpr std::size_t kMostOfTurn = 64;
-constexpr std::uint64_t kAskAgain = 10'000'000'000;  // ns: what no event reports
+constexpr std::uint64_t kAskAgain = 10'000'000'000;  // ns; for changes that no event reports
 constexpr std::chrono::milliseconds kPause(20);
 
-/// "0x12" of a node, "192.0.2.7", "0xbeef:0x0002"; a station without an address is "station".
+/// The sender as text: "0x12" for a node, "192.0.2.7", or "0xbeef:0x0002"; "station" if it has no
+/// address.
 std::string source_text(const control::Endpoint& endpoint, const Layer::Arrival& arrival) {
   if (endpoint.wpan) return arrival.station.empty() ? "station" : std::string(arrival.station);
   const std::uint32_t source = arrival.source;

@@ -26,7 +26,7 @@ class SubscriberProgram {
     std::function<void(const std::string&)> log;
     std::function<std::uint64_t()> now;  ///< CLOCK_MONOTONIC, ns
   };
-  /// `user`: the user of this program; it serves the networks whose gates admit this user.
+  /// `user`: the user of this program; networks that another user serves are ignored.
   SubscriberProgram(std::string socket, std::uint32_t user, Outside outside);
 
   /// The descriptor of the daemon's connection. Those of networks are passed to Outside::watch.

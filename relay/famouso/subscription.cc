@@ -21,7 +21,7 @@ constexpr std::size_t kLeaseAt = 14;
 constexpr std::size_t kHopsAt = 16;
 constexpr std::size_t kHeader = 17;
 
-/// What a log can show.
+/// The text with each character replaced that a log cannot show.
 std::string printable_reason(Octets text) {
   std::string out(text.begin(), text.end());
   std::ranges::replace_if(out, [](unsigned char c) { return c < ' ' || c >= 127; }, '?');

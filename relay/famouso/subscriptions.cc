@@ -16,19 +16,19 @@ namespace {
 using Kind = Subscription::Kind;
 
 constexpr std::uint64_t kInASecond = 1'000'000'000;
-/// Until an own subscription is sent once more without who was refused.
+/// Delay (ns) until an own subscription is sent again without the peer that was refused.
 constexpr std::uint64_t kWithout = kInASecond;
 constexpr std::uint64_t kOwnLease = 3 * Subscriptions::kRenewal;
 constexpr const char* kTooFar =
     "it has come over as many gateways as may be: no further one passes it on";
 
-/// ns
+/// The lease in ns, limited to the allowed range.
 std::uint64_t lease_of(const Subscription& wanted) {
   return std::clamp(wanted.lease_s, Subscriptions::kShortestLease, Subscriptions::kLongestLease) *
          kInASecond;
 }
 
-/// What a reply to a subscription says: granted, or why not.
+/// Why a reply refuses a subscription; nullopt if it grants it.
 std::optional<std::string> refusal_in(const control::Reply& reply) {
   if (const auto* error = std::get_if<control::Error>(&reply.body)) return error->message;
   const auto* channels = std::get_if<control::Channels>(&reply.body);
@@ -110,7 +110,8 @@ void Subscriptions::set(const control::Subscriptions& said, std::uint64_t now) {
   answer_all();
 }
 
-/// Those that who subscribed behind this gateway has left. What did not come over a network begins.
+/// How many gateways may still pass on an own subscription: the most that a peer behind it has
+/// left. A subscription that did not arrive over a network starts with kHops.
 std::uint8_t Subscriptions::hops_left(const OwnKey& key, const Own& own) const {
   if (own.begins_here) return kHops;
   std::optional<std::uint8_t> most;
@@ -137,12 +138,12 @@ void Subscriptions::send_own(const OwnKey& key, Own& own, std::uint64_t now) {
     return;
   }
   own.due_at = now + kRenewal;
-  if (own.refused && now - own.refused_at >= kOwnLease) {  // by who is not there any more
+  if (own.refused && now - own.refused_at >= kOwnLease) {  // the gateway that refused is gone
     own.refused.reset();
     answer_all();
   }
   const std::uint8_t left = hops_left(key, own);
-  if (left == 0) return;  // it has come over as many gateways as may be
+  if (left == 0) return;  // too many gateways are on the way
   own.message.hops = static_cast<std::uint8_t>(left - 1);
   const auto message = encode(own.message);
   if (const std::size_t longest = longest_on(key.network); message.size() > longest) {
@@ -154,7 +155,8 @@ void Subscriptions::send_own(const OwnKey& key, Own& own, std::uint64_t now) {
     return;
   }
   outside_.send(key.network, message);
-  // Then gateways of FAMOUSO, which keep a subscription for ever.
+  // FAMOUSO's own gateways get the plain message once, because they keep a subscription without
+  // limit.
   if (!std::exchange(own.was_sent, true)) {
     Subscription plain;
     plain.subject = key.subject;
@@ -172,7 +174,7 @@ void Subscriptions::receive(const std::string& network, const std::string& sourc
   PeerKey key{network, message->subject, source};
   switch (message->kind) {
     case Kind::plain:
-      // Who states attributes says the same to gateways of FAMOUSO.
+      // A peer that states attributes sends the plain message as well, for gateways of FAMOUSO.
       if (accepting->second.accepts_all && !peers_.contains(key))
         subscribe(std::move(key), *message, now);
       return;
@@ -236,7 +238,7 @@ void Subscriptions::end(const PeerKey& key) {
 
 // --- answers of others further on ----------------------------------------------------------------
 
-/// Of one of our own subscriptions.
+/// Takes an answer to an own subscription.
 void Subscriptions::on_answer(const std::string& network, const std::string& source,
                               const Subscription& message, std::uint64_t now) {
   const auto known = own_.find({message.subject, network});
@@ -250,7 +252,8 @@ void Subscriptions::on_answer(const std::string& network, const std::string& sou
   judge(known->first, own, now);
 }
 
-/// One that grants it is enough: the events come by that one.
+/// Decides an own subscription by its answers. One gateway that grants it is enough, because the
+/// events come through that one.
 void Subscriptions::judge(const OwnKey& key, Own& own, std::uint64_t now) {
   const auto granting =
       std::ranges::find_if(own.answers, [](const auto& one) { return !one.second.refused; });
@@ -287,9 +290,9 @@ std::vector<std::pair<const Subscriptions::PeerKey*, Subscriptions::Peer*>> Subs
   return out;
 }
 
-/// Who was never granted with the others may be the one: rather who was refused when it was alone,
-/// and else who has come last. A node of FAMOUSO requires no more than the channel does, and does
-/// not ask again.
+/// Only a peer that was never granted together with the others can be the cause: preferably one
+/// that was refused when it was alone, otherwise the latest one. A node of FAMOUSO is never
+/// refused, because it requires no more than the channel does and does not ask again.
 bool Subscriptions::refuse_one(const OwnKey& key, Own& own, const std::string& why,
                                std::uint64_t now) {
   const auto all = behind(key);
@@ -308,7 +311,7 @@ bool Subscriptions::refuse_one(const OwnKey& key, Own& own, const std::string& w
   return true;
 }
 
-/// It counts no more, and may ask again after a while.
+/// Refuses a peer. It may ask again after kRefusalHolds.
 void Subscriptions::put_back(const PeerKey& key, Peer& peer, const std::string& why,
                              std::uint64_t now) {
   outside_.log(fmt::format("{} on {} subscribes {:#018x}: refused, {}", key.source, key.network,
@@ -321,8 +324,8 @@ void Subscriptions::put_back(const PeerKey& key, Peer& peer, const std::string& 
   answer(key, peer);
 }
 
-/// Somebody has come while what was passed on is refused: those that it was refused to stand back,
-/// so that it is known what becomes of the newcomer alone.
+/// A peer has come while the joint requirement is refused. The peers that caused the refusal are
+/// refused, so that the newcomer is judged without them.
 void Subscriptions::make_room_for(const PeerKey& newcomer, std::uint64_t now) {
   for (auto own = own_.lower_bound({newcomer.subject, {}});
        own != own_.end() && own->first.subject == newcomer.subject; ++own) {
@@ -355,7 +358,7 @@ std::optional<std::string> Subscriptions::refused_further_on(const PeerKey& key,
        own != own_.end() && own->first.subject == key.subject; ++own) {
     if (own->first.network == key.network) continue;
     const Own& passed_on = own->second;
-    // Until what is required now is answered, those who have heard of a refusal hear nothing else.
+    // Until the present requirement is answered, a peer that got a refusal keeps it.
     if (passed_on.refused && (passed_on.is_of_message || peer.answered == passed_on.refused))
       return passed_on.refused;
     if (hops_left(own->first, passed_on) == 0) return kTooFar;
@@ -368,7 +371,7 @@ void Subscriptions::answer_all() {
     if (peer.verdict == Verdict::granted && !peer.to_answer) answer(key, peer);
 }
 
-/// Where it is another answer than before, or one is due.
+/// Sends an answer to the peer if it differs from the last one, or if the peer expects one.
 void Subscriptions::answer(const PeerKey& key, Peer& peer) {
   std::string why;
   if (peer.verdict == Verdict::refused) why = peer.reason;
@@ -376,7 +379,7 @@ void Subscriptions::answer(const PeerKey& key, Peer& peer) {
   if (peer.verdict == Verdict::unknown) return;
   if (!std::exchange(peer.to_answer, false) && peer.answered == why) return;
   peer.answered = why;
-  if (peer.wanted.kind == Kind::plain) return;  // they expect none
+  if (peer.wanted.kind == Kind::plain) return;  // nodes of FAMOUSO expect no answer
   Subscription out{.kind = why.empty() ? Kind::granted : Kind::refused,
                    .subject = key.subject,
                    .number = peer.wanted.number};
@@ -407,7 +410,7 @@ void Subscriptions::answered(std::uint64_t request, const control::Reply& reply,
   const auto known = peers_.find(asked.mapped().peer);
   if (asked.mapped().end || known == peers_.end() || known->second.to_ask) return turn(now);
   Peer& peer = known->second;
-  // It requires something else now, and that was asked as well.
+  // The peer has changed its requirement since, and that is asked as well.
   if (asked.mapped().required != peer.wanted.required) return;
   const auto refusal = refusal_in(reply);
   const Verdict before = std::exchange(peer.verdict, refusal ? Verdict::refused : Verdict::granted);
@@ -422,7 +425,7 @@ void Subscriptions::answered(std::uint64_t request, const control::Reply& reply,
     make_room_for(known->first, now);
   }
   peer.not_before = refusal ? now + kRefusalHolds : 0;
-  // Nothing was admitted: it is forgotten soon, and may ask again.
+  // Nothing was admitted, so the peer is forgotten soon and may ask again.
   const bool is_over = refusal && !peer.admitted;
   if (is_over && peer.wanted.kind != Kind::plain) peer.ends_at = now + kRefusalHolds;
   answer(known->first, peer);
@@ -451,7 +454,7 @@ void Subscriptions::turn(std::uint64_t now) {
   std::vector<PeerKey> over;
   for (const auto& [key, peer] : peers_)
     if (peer.ends_at && *peer.ends_at <= now) over.push_back(key);
-  // The lease at the daemon is as long: it ends by itself, and perhaps a little later.
+  // The lease at the daemon is as long, but it may end a little later.
   for (const PeerKey& key : over) end(key);
   for (auto it = to_end_.begin(); it != to_end_.end() && asked_.size() < kMostAsked;) {
     if (!ask(*it, {.kind = Kind::end}, true)) break;

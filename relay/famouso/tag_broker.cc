@@ -30,7 +30,7 @@ TagBroker::TagBroker(std::span<const Dealt> before) : taken_(kHighestTag + 1U) {
     if (subject != 0 && tag <= kHighestTag && !taken_[tag]) deal(subject, tag);
 }
 
-/// Unless the subject has a tag.
+/// Assigns a tag unless the subject has one.
 void TagBroker::deal(SubjectId subject, TagNumber tag) {
   if (!tags_.emplace(subject, tag).second) return;
   taken_[tag] = true;

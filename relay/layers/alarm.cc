@@ -22,12 +22,12 @@ Result<std::unique_ptr<Alarm>> Alarm::beside(int socket) {
   return std::unique_ptr<Alarm>(new Alarm(std::move(epoll), std::move(timer)));
 }
 
-/// To set it ends that it can be read.
+/// Setting the timer also makes it unreadable again.
 void Alarm::set(std::optional<std::uint64_t> at) {
   constexpr std::uint64_t second = 1'000'000'000;
   itimerspec when{};
   if (at) {
-    const std::uint64_t time = std::max<std::uint64_t>(*at, 1);  // 0 would mean never
+    const std::uint64_t time = std::max<std::uint64_t>(*at, 1);  // 0 would disarm the timer
     when.it_value = {.tv_sec = static_cast<time_t>(time / second),
                      .tv_nsec = static_cast<long>(time % second)};
   }

@@ -18,14 +18,15 @@ namespace {
 
 constexpr std::uint32_t kFragmentBit = 1U << 21U;
 constexpr std::uint32_t kForm = CAN_EFF_FLAG | CAN_RTR_FLAG;
-/// Of a socket (CAN_RAW_FILTER_MAX); with more all frames are read, and looked up here.
+/// Filters of a socket (CAN_RAW_FILTER_MAX). If more are needed, all frames are received and looked
+/// up here.
 constexpr std::size_t kMostFilters = 512;
 
-/// Of an identifier of Cyphal: its priority may be another one in the next transfer, and receivers
-/// ignore the reserved bits.
+/// Bits of an identifier that distinguish Cyphal's publishers: not the priority, which may differ
+/// in each transfer, and not the reserved bits, which receivers ignore.
 constexpr std::uint32_t kPublisherOfCyphal = 0x1fffff;
 
-/// On CAN FD a frame is padded to one of few lengths, up to 64 in steps of 16 at most.
+/// Most padding of a CAN FD frame: its lengths up to 64 are at most 16 apart.
 constexpr std::size_t kMostPadding = 15;
 Octets without_padding(Octets event, std::size_t longest) {
   return event.size() > longest && event.size() - longest <= kMostPadding ? event.first(longest)
@@ -83,7 +84,9 @@ FrameSocket::Got RawSocket::receive(Frame& to) {
   to.fd = n == CANFD_MTU;
   to.local = (flags & MSG_DONTROUTE) != 0;
   to.unix_ns = said.unix_ns;
-  if (n != CANFD_MTU && n != CAN_MTU) to.frame.len = CANFD_MAX_DLEN + 1;  // CAN XL: none of ours
+  if (n != CANFD_MTU && n != CAN_MTU)
+    to.frame.len = CANFD_MAX_DLEN + 1;  // a CAN XL frame, which no
+                                        // channel here uses
   return Got::frame;
 }
 
@@ -120,7 +123,8 @@ Result<CanLayer::Form> CanLayer::form_of(const control::Endpoint& endpoint) {
 
 std::size_t CanLayer::filters() const { return identities_ + carriers_.size(); }
 
-/// As they are needed now; `before`: how many there were.
+/// Sets the filters of the socket for the present followers. `before`: the former number of
+/// filters.
 Result<void> CanLayer::set_filters(std::size_t before) {
   if (filters() == before || (before > kMostFilters && filters() > kMostFilters)) return {};
   if (filters() > kMostFilters) return socket_->filter({can_filter{0, 0}});
@@ -132,8 +136,8 @@ Result<void> CanLayer::set_filters(std::size_t before) {
   return socket_->filter(filters);
 }
 
-/// The frames that carry messages of the endpoint's source, and perhaps others, are received as
-/// long as an endpoint needs them.
+/// Counts the endpoints that need the carrier frames of the endpoint's source (announcements and
+/// packets), which may carry messages of other channels as well.
 void CanLayer::follow_carriers(const control::Endpoint& endpoint, bool more) {
   constexpr std::uint32_t number = 0x03ffff00;
   for (const std::uint32_t id :
@@ -174,7 +178,7 @@ void CanLayer::leave(Follower follower, const control::Endpoint& endpoint,
     if (mask->second.empty()) by_mask_.erase(mask);
     --identities_;
   }
-  // Where that fails more frames come than are wanted, which does no harm.
+  // If this fails, more frames are received than needed, which does no harm.
   static_cast<void>(set_filters(before));
 }
 
@@ -198,7 +202,7 @@ void CanLayer::expire() {
   messages_.expire(now);
 }
 
-/// Those who follow frames of that identifier.
+/// Calls `use` for each follower of frames with this identifier.
 template <class Use>
 void CanLayer::each_of(std::uint32_t id, const Use& use) const {
   for (const auto& [mask, by_id] : by_mask_) {
@@ -208,7 +212,7 @@ void CanLayer::each_of(std::uint32_t id, const Use& use) const {
   }
 }
 
-/// A frame of that identifier is an event by itself.
+/// Whether a frame with this identifier is an event by itself.
 bool CanLayer::is_complete(Form form, std::uint32_t id) {
   return form == Form::plain || form == Form::transport ||
          (form == Form::famouso && (id & kFragmentBit) == 0);
@@ -222,7 +226,7 @@ void CanLayer::take(const FrameSocket::Frame& frame, const OnEvent& on_event) {
     if (j1939::is_announcement(id)) take_announcement(id, data);
     if (j1939::is_packet(id)) take_packet(frame, data, on_event);
   }
-  bool taken = false;  // once, whoever follows
+  bool taken = false;  // a frame is reassembled once, for all followers
   std::optional<std::vector<std::uint8_t>> joined;
   each_of(id, [&](const Following& f) {
     if (!f.takes(frame)) return;
@@ -253,7 +257,7 @@ void CanLayer::take_packet(const FrameSocket::Frame& frame, Octets data, const O
   });
 }
 
-/// `last`: the frame that completes the event.
+/// Hands an event to a follower. `last`: the frame that completes the event.
 void CanLayer::hand_over(const Following& to, const FrameSocket::Frame& last, Octets event,
                          const OnEvent& on_event) {
   if (last.fd) event = without_padding(event, to.longest);
@@ -272,7 +276,8 @@ Sent CanLayer::send_frame(const control::Endpoint& endpoint, std::uint32_t id, O
   canfd_frame frame{};
   frame.can_id = id & ~CAN_RTR_FLAG;
   frame.len = *length;
-  std::ranges::copy(data, std::begin(frame.data));  // of an empty event, too, which has no address
+  std::ranges::copy(data, std::begin(frame.data));  // std::copy, because the data of an empty event
+                                                    // may be null
   return socket_->send(frame, fd);
 }
 
@@ -286,8 +291,8 @@ Sent CanLayer::send_fragments(const control::Endpoint& endpoint, Octets event) {
   return Sent::sent;
 }
 
-/// As on the wire they are of a subject-id and a node: there are no more of them, whatever channels
-/// come and go.
+/// Transfer-IDs are counted for each subject-id and node, as the specification requires; so their
+/// number is bounded, whatever channels come and go.
 Sent CanLayer::send_transfer(const control::Endpoint& endpoint, Octets event) {
   std::uint8_t& number = numbers_[endpoint.id];
   const auto frames = cyphal::frames_of(event, endpoint.frame_bytes, number);
@@ -298,7 +303,8 @@ Sent CanLayer::send_transfer(const control::Endpoint& endpoint, Octets event) {
   return Sent::sent;
 }
 
-/// Where the priority is open the frames have that of the transport protocol, the last one.
+/// If the endpoint leaves the priority open, the frames have that of the transport protocol, the
+/// lowest one.
 Sent CanLayer::send_message(const control::Endpoint& endpoint, Octets event) {
   constexpr std::uint32_t priorities = 0x1c000000;
   const std::uint32_t id =
@@ -313,7 +319,8 @@ Sent CanLayer::send_message(const control::Endpoint& endpoint, Octets event) {
   return send_due(announcement);
 }
 
-/// What became of `first`, a frame that is sent first of its event; sent: it waits.
+/// Sends the frames that are due. Returns the result for `first`, the identifier of an event's
+/// first frame; `sent` if it still waits.
 Sent CanLayer::send_due(std::uint32_t first) {
   if (!sending_.due()) return Sent::sent;
   Sent of_first = Sent::sent;

@@ -126,7 +126,7 @@ class CanLayer : public Layer {
   j1939::Reassembly messages_;
   j1939::Sending sending_;
   std::unordered_map<std::uint32_t, std::uint8_t>
-      numbers_;  ///< number of the next transfer or event, by identifier
+      numbers_;  ///< transfer-ID of the next Cyphal transfer, by identifier
   Losses losses_;
 };
 

@@ -11,8 +11,8 @@ Result<std::unique_ptr<Layer>> open_layer(const control::Endpoint& endpoint) {
   return endpoint.wpan ? WpanLayer::open(endpoint) : UdpLayer::open(endpoint);
 }
 
-/// Named is what does not count: a field that Endpoint gets later counts until somebody says here
-/// that it does not.
+/// Clears the members that do not matter. They are listed explicitly, so that a new member of
+/// Endpoint matters until it is added here.
 control::Endpoint form_of_layer(control::Endpoint endpoint) {
   const control::Endpoint none;
   endpoint.network = none.network;

@@ -10,7 +10,7 @@ namespace mlcca::relay {
 namespace {
 
 constexpr std::uint64_t kSecond = 1'000'000'000;
-constexpr int kRoom = 1 << 20;  // bytes
+constexpr int kRoom = 1 << 20;  // bytes; the kernel limits it to net.core.rmem_max
 
 }  // namespace
 
@@ -58,7 +58,6 @@ Result<void> ask_for_times(const Fd& socket) {
 
 void widen(const Fd& socket) {
   const int room = kRoom;
-  // What net.core.rmem_max leaves of it is enough.
   ::setsockopt(socket.get(), SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
 }
 

@@ -14,7 +14,8 @@ namespace mlcca::relay {
 namespace {
 
 constexpr std::size_t kMostDatagram = kDatagramHeader + afp::kUdp.payload;
-/// Groups that stay joined while nothing is followed in them: what is followed again comes at once.
+/// Groups that stay joined without followers, so that a subject that is followed again arrives at
+/// once.
 constexpr std::size_t kMostIdle = 64;
 
 std::uint64_t random_number() {
@@ -23,7 +24,7 @@ std::uint64_t random_number() {
   return out;
 }
 
-/// The address of dotted digits; 0: any.
+/// Parses a dotted address; 0: any.
 std::uint32_t ipv4_in(const std::string& text) {
   in_addr address{};
   return ::inet_pton(AF_INET, text.c_str(), &address) == 1 ? ntohl(address.s_addr) : 0;
@@ -104,8 +105,8 @@ bool UdpLayer::receive(std::size_t most, const OnEvent& on_event) {
 
 void UdpLayer::expire() { fragments_.expire(now_()); }
 
-/// What was broadcast on the interface comes back to it. An address that has just changed is known
-/// a second later at the latest.
+/// Whether a broadcast was sent from this interface, which receives it as well. A change of the
+/// address is noticed within a second.
 bool UdpLayer::is_own(std::uint32_t from) {
   constexpr std::uint64_t second = 1'000'000'000;
   const std::uint64_t now = now_();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The sockets of a UDP network: one for the data, and as many as the groups need.
+// The sockets of a UDP network: one for the data, and as many members as the groups need.
 #include <net/if.h>
 #include <netinet/in.h>
 #include <sys/ioctl.h>
@@ -23,7 +23,8 @@ namespace mlcca::relay {
 namespace {
 
 constexpr std::size_t kReceived = kDatagramHeader + afp::kUdp.payload + 1;  // octets
-/// `net.ipv4.igmp_max_memberships` is not less unless somebody makes it so; then joining says it.
+/// Groups that one socket can join. net.ipv4.igmp_max_memberships is 20 unless it was lowered; then
+/// join() fails.
 constexpr std::size_t kMostGroups = 20;
 
 template <class T>
@@ -44,7 +45,7 @@ Result<Fd> event_socket(const control::Endpoint& endpoint, std::uint16_t port) {
     return system_error(name);
   if (!set(socket, SOL_SOCKET, SO_REUSEADDR, on) || !set(socket, SOL_SOCKET, SO_BROADCAST, on) ||
       !set(socket, IPPROTO_IP, IP_MULTICAST_LOOP, off) ||
-      // Otherwise the kernel reports success of what a gate or a queue drops.
+      // Without IP_RECVERR the kernel reports success for datagrams that a gate or a queue drops.
       !set(socket, IPPROTO_IP, IP_RECVERR, on) ||
       !set(socket, IPPROTO_IP, IP_MULTICAST_IF, outgoing))
     return system_error("setsockopt");
@@ -78,7 +79,7 @@ class EventSockets : public UdpSocket {
   [[nodiscard]] std::uint64_t dropped() const override { return dropped_; }
 
  private:
-  /// Sockets that do nothing but stay in groups: one socket may be in 20 (igmp_max_memberships).
+  /// A socket that only stays in groups, since one socket can join 20 (igmp_max_memberships).
   struct Member {
     Fd socket;
     std::set<std::uint32_t> groups;
@@ -117,7 +118,7 @@ Result<void> EventSockets::join(std::uint32_t group) {
 void EventSockets::leave(std::uint32_t group) {
   for (Member& member : members_)
     if (member.groups.erase(group) != 0)
-      // An interface that is gone has taken its groups along.
+      // Fails if the interface is gone, which has ended its memberships.
       static_cast<void>(set(member.socket, IPPROTO_IP, IP_DROP_MEMBERSHIP, request(group)));
 }
 
@@ -126,7 +127,7 @@ UdpSocket::Got EventSockets::receive(Datagram& to) {
   const auto [n, flags, said] =
       receive_into(socket_, buffer_.data(), buffer_.size(), &from, sizeof from);
   if (n < 0 && (errno == ENODEV || errno == ENXIO)) return Got::gone;
-  if (n < 0) return errno == EAGAIN ? Got::nothing : Got::failed;  // ENETDOWN, ECONNREFUSED
+  if (n < 0) return errno == EAGAIN ? Got::nothing : Got::failed;  // e.g. ENETDOWN or ECONNREFUSED
   if (said.says_dropped) dropped_ = said.dropped;
   to.octets = Octets(buffer_).first(static_cast<std::size_t>(n));
   to.from = ntohl(from.sin_addr.s_addr);

@@ -18,9 +18,10 @@ namespace mlcca::relay {
 namespace {
 
 constexpr std::uint16_t kEverybody = 0xffff;
-constexpr std::uint16_t kFirstGroup = 0xfffe;  // of short addresses: "none is assigned"
+constexpr std::uint16_t kFirstGroup = 0xfffe;  // short addresses from here on are not assignable;
+                                               // 0xfffe: none is assigned
 
-// What <net/af_ieee802154.h> of the kernel has, and no header of user space.
+// Definitions of the kernel's <net/af_ieee802154.h>, which no header of user space has.
 constexpr int kShort = 2;
 constexpr int kExtended = 3;
 constexpr int kLevel = 0;              // SOL_IEEE802154
@@ -50,7 +51,7 @@ std::string text_of(const WpanAddress& address) {
   return {};
 }
 
-/// PAN and short address.
+/// The PAN and the short address of an interface.
 Result<WpanAddress> own_address(const Fd& socket, const std::string& interface) {
   ifreq asked{};
   interface.copy(asked.ifr_name, sizeof asked.ifr_name - 1);
@@ -127,13 +128,13 @@ Result<std::unique_ptr<WpanSocket>> open_wpan_socket(const std::string& interfac
   if (!socket) return system_error("a socket of IEEE 802.15.4");
   const auto own = own_address(socket, interface);
   if (!own) return std::unexpected(own.error());
-  // Frames to everybody are not acknowledged.
+  // Broadcasts are not acknowledged.
   const int no = 0;
   if (::setsockopt(socket.get(), kLevel, kAskForAcknowledge, &no, sizeof no) != 0)
     return system_error("WPAN_WANTACK");
   if (const auto done = ask_for_times(socket); !done) return std::unexpected(done.error());
   widen(socket);
-  // An address and not a name says here which interface it is.
+  // This socket family identifies the interface by its address.
   // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
   if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&*own), sizeof *own) != 0)
     return system_error("bind to " + text_of(*own));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // mlcca-relay: carries granted events between the networks of a gateway that the kernel does not
-// join. It runs as a user of its own without capabilities; the gates admit its frames by that user.
+// join. It runs as a user of its own without capabilities, and the gates admit its frames by that
+// user.
 #include <sched.h>
 #include <sys/epoll.h>
 #include <sys/mman.h>
@@ -29,17 +30,19 @@
 namespace mlcca::relay {
 namespace {
 
-constexpr int kPriority = 10;  // of SCHED_FIFO: below what drivers use, above all usual programs
+constexpr int kPriority = 10;  // of SCHED_FIFO: below the drivers' threads, above all usual
+                               // programs
 constexpr std::uint64_t kReport = 10'000'000'000;  // ns
 constexpr std::uint64_t kAlive = 1'000'000'000;    // ns between signs of life
-constexpr int kRound = 1000;                       // ms: what is due without an event
+constexpr int kRound = 1000;  // ms between two rounds for what is due without an event
 
 std::string microseconds_in(std::uint64_t ns) {
   constexpr std::uint64_t in_a_micro = 1000;
   return std::to_string(ns / in_a_micro) + " us";
 }
 
-/// Each is tried; without it delays are longer on a busy machine.
+/// Requests real-time scheduling and locked memory as far as the limits allow, and returns a text
+/// that says which was given. Without them delays are longer on a busy machine.
 std::string make_prompt() {
   std::string out;
   sched_param priority{};
@@ -70,7 +73,8 @@ class Program {
   int run();
 
  private:
-  /// What the data of an event of epoll is: an interface, or one of these behind all of them.
+  /// The data of an epoll event is an interface index or one of these values, which are greater
+  /// than any index.
   static constexpr std::uint64_t kGrants = std::uint64_t{1} << 32U;
   static constexpr std::uint64_t kSignals = kGrants + 1;
 
@@ -84,7 +88,7 @@ class Program {
       add(fd, ifindex);
       return;
     }
-    grants_.ask_all();  // one of its networks has lost it, perhaps for a moment
+    grants_.ask_all();  // an interface was closed, perhaps for a moment only
   }
   bool on_signal();
   void say_all() const;
@@ -97,10 +101,10 @@ class Program {
   Grants grants_;
   std::uint64_t alive_at_ = 0;
   std::uint64_t reported_at_ = 0;
-  std::uint64_t reported_ = 0;  ///< events that were lost or late
+  std::uint64_t reported_ = 0;  ///< lost or late events at the last report
 };
 
-/// False: it is to end.
+/// Returns false if the program is to end.
 bool Program::on_signal() {
   signalfd_siginfo signal{};
   if (::read(signals_.get(), &signal, sizeof signal) != sizeof signal) return true;
@@ -125,7 +129,7 @@ void Program::say_all() const {
       " not sent to the end");
 }
 
-/// At most one line in ten seconds, when something was lost since the last one.
+/// Logs at most one line in ten seconds, if something was lost or late since the last one.
 void Program::report(std::uint64_t now) {
   if (now - reported_at_ < kReport) return;
   reported_at_ = now;
@@ -145,7 +149,8 @@ void Program::report(std::uint64_t now) {
   reported_ = dropped + late + lost;
 }
 
-/// Each transfer at most once in ten seconds: the daemon makes an exception of it.
+/// Reports each transfer with late events to the daemon, at most once in ten seconds; the daemon
+/// raises an exception for it.
 void Program::report_delays(std::uint64_t now) {
   carrier_.take_delays(now, kReport, [this](const control::Transfer& transfer, const Delay& delay) {
     grants_.report({.subject = transfer.subject,

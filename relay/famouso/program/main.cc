@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlcca-famouso: for what was built for FAMOUSO and stays as it is. It is the event channel handler
-// of its programs, and the broker of its buses. It runs as a user of its own without capabilities;
-// what its programs publish passes where the description has that user as publisher.
+// mlcca-famouso: the event channel handler for existing programs of FAMOUSO, and the broker of its
+// buses. It runs as a user of its own without capabilities; what its programs publish passes the
+// gates where the description has that user as publisher.
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <net/if.h>
@@ -39,10 +39,11 @@
 namespace mlcca::relay {
 namespace {
 
-constexpr std::uint64_t kRound = 1'000'000'000;  // ns: what is due without an event
+constexpr std::uint64_t kRound = 1'000'000'000;  // ns between two rounds for what is due without an
+                                                 // event
 constexpr std::uint64_t kInAMilli = 1'000'000;
 constexpr std::uint16_t kPort = 5005;
-constexpr TagNumber kFirstTag = 5;  // below: the protocols themselves
+constexpr TagNumber kFirstTag = 5;  // lower tags belong to the protocols
 constexpr std::size_t kMostFrames = 64;
 constexpr std::uint64_t kUid = 0x6d6c'6363'6100'0001;  // "mlcca" and a number
 
@@ -65,7 +66,7 @@ struct Address {
   std::uint32_t address = INADDR_LOOPBACK;
   std::uint16_t port = kPort;
 };
-/// "5005", "127.0.0.1:5005".
+/// Parses "5005" or "127.0.0.1:5005".
 Result<Address> address_in(const std::string& text) {
   Address out;
   const auto colon = text.find(':');
@@ -101,7 +102,7 @@ Result<std::set<uid_t>> users_in(const std::vector<std::string>& names) {
   return out;
 }
 
-/// "0x5377697463685f5f=0x3ffe"
+/// Parses options like "0x5377697463685f5f=0x3ffe".
 Result<std::vector<TagBroker::Dealt>> tags_in(const std::vector<std::string>& texts) {
   std::vector<TagBroker::Dealt> out;
   for (const std::string& text : texts) {
@@ -123,7 +124,7 @@ Result<std::vector<TagBroker::Dealt>> tags_in(const std::vector<std::string>& te
   return out;
 }
 
-/// Why the tag of the description cannot be dealt beside those of --tag; nothing: it can.
+/// Why this tag of the description contradicts those of --tag; nullopt if it does not.
 std::optional<std::string> clash(const std::vector<TagBroker::Dealt>& stated, SubjectId subject,
                                  TagNumber tag) {
   for (const auto& [other, number] : stated)
@@ -142,19 +143,19 @@ Result<Uid> uid_in(const std::string& text) {
   return big_endian(*number);
 }
 
-/// What the options mean. Errors: what is wrong in them.
+/// The meaning of the options, after they were checked.
 struct Settings {
   std::optional<Address> listen;
-  std::optional<std::set<uid_t>> users;  ///< none: all
+  std::optional<std::set<uid_t>> users;  ///< nullopt: all users
   struct BrokerOf {
     std::string interface;
-    std::vector<TagBroker::Dealt> tags;  ///< that are stated
+    std::vector<TagBroker::Dealt> tags;  ///< stated by the description and by --tag
   };
   std::vector<BrokerOf> brokers;
   Uid uid{};
 };
 
-/// Adds the tags of the system to those that the options state. Errors: two that clash.
+/// Adds the tags of the system to those of the options. Fails if two of them contradict each other.
 Result<void> add_described(const core::System& system, const std::string& network,
                            std::vector<TagBroker::Dealt>& tags) {
   const auto described = described_tags(system, network);
@@ -166,7 +167,7 @@ Result<void> add_described(const core::System& system, const std::string& networ
   return {};
 }
 
-/// "can0", or "can0=NETWORK" of the description. Errors: what is wrong with one of them.
+/// Parses "can0", or "can0=NETWORK" with a network of the description. Fails with the first error.
 Result<std::vector<Settings::BrokerOf>> brokers_in(const Options& options) {
   const auto stated = tags_in(options.tags);
   if (!stated) return std::unexpected(stated.error());
@@ -215,15 +216,15 @@ Result<Settings> read(const Options& options) {
 
 // --- a broker and its bus ------------------------------------------------------------------------
 
-/// The interface comes and goes; what was dealt stays.
+/// A bus and its broker. The interface may disappear and return; the assignments stay.
 class Bus {
  public:
   Bus(std::string interface, BusBroker broker)
       : interface_(std::move(interface)), broker_(std::move(broker)) {}
 
-  /// -1: there is no such interface now.
+  /// -1: the interface does not exist at present.
   [[nodiscard]] int fd() const { return socket_ ? socket_->fd() : -1; }
-  /// True: it has a descriptor that it did not have before.
+  /// Opens the interface if it exists. Returns true if there is a new descriptor to watch.
   bool open();
   void receive(std::uint64_t now);
   void expire(std::uint64_t now) {
@@ -241,7 +242,7 @@ class Bus {
   std::string trouble_;
 };
 
-/// Once, until it is another one.
+/// Logs a trouble once, until it changes.
 void Bus::report(const std::string& trouble) {
   if (trouble == std::exchange(trouble_, trouble)) return;
   say(interface_ + ": " + (trouble.empty() ? "in order" : trouble));
@@ -337,7 +338,7 @@ Result<void> Program::prepare(const Options& options, const Settings& settings) 
         options.socket, ::geteuid(),
         SubscriberProgram::Outside{.watch =
                                        [this](int fd, bool there) {
-                                         // What is closed is not watched any more.
+                                         // epoll forgets a closed descriptor by itself
                                          if (there && !watch(fd)) say("no descriptors are left");
                                        },
                                    .log = say,
