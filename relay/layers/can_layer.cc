@@ -84,9 +84,7 @@ FrameSocket::Got RawSocket::receive(Frame& to) {
   to.fd = n == CANFD_MTU;
   to.local = (flags & MSG_DONTROUTE) != 0;
   to.unix_ns = said.unix_ns;
-  if (n != CANFD_MTU && n != CAN_MTU)
-    to.frame.len = CANFD_MAX_DLEN + 1;  // a CAN XL frame, which no
-                                        // channel here uses
+  if (n != CANFD_MTU && n != CAN_MTU) to.frame.len = CANFD_MAX_DLEN + 1;  // CAN XL: not used
   return Got::frame;
 }
 
