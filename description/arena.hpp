@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Memory for many small things that are dropped together and made again, over and over.
+// An arena for many small objects that are discarded together, again and again.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -12,11 +12,11 @@
 
 namespace mlcca::description {
 
-/// Hands out memory from blocks that it keeps. Nothing is destroyed: only for types that need not
-/// be.
+/// Allocates memory from blocks, which it keeps for reuse. No destructor is called, so only
+/// trivially destructible types are allowed.
 class Arena {
  public:
-  /// Uninitialized memory for `count` of T, until reset().
+  /// Uninitialised memory for `count` objects of T, valid until reset().
   template <class T>
   T* allocate(std::size_t count) {
     static_assert(std::is_trivially_destructible_v<T>);
@@ -44,7 +44,7 @@ class Arena {
     return {out, from.size()};
   }
 
-  /// What was handed out may be handed out again.
+  /// Makes all memory available again; everything allocated before becomes invalid.
   void reset() {
     block_ = 0;
     used_ = 0;
@@ -56,7 +56,7 @@ class Arena {
     std::size_t size;
   };
 
-  /// Goes on to the next block that has `bytes`; makes one if there is none.
+  /// Continues with the next block of at least `bytes`, and makes one if none is left.
   void next_block(std::size_t bytes) {
     used_ = 0;
     if (block_ < blocks_.size()) ++block_;
@@ -68,8 +68,8 @@ class Arena {
 
   static constexpr std::size_t kSmallest = std::size_t{64} << 10U;  // bytes
   std::vector<Block> blocks_;
-  std::size_t block_ = 0;  ///< that is handed out from
-  std::size_t used_ = 0;   ///< of it
+  std::size_t block_ = 0;  ///< index of the block in use
+  std::size_t used_ = 0;   ///< bytes of that block in use
 };
 
 }  // namespace mlcca::description

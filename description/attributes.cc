@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Units are compared, then the decimal is brought into the integer unit of its attribute.
+// Checks the unit of a quantity, then converts its decimal to the integers of its attribute.
 #include "description/attributes.hpp"
 
 #include <fmt/format.h>
@@ -30,11 +30,11 @@ constexpr std::array<BaseUnit, kBaseUnits> kBaseUnitTable = {{{"Seconds", "s"},
                                                               {"Moles", "mol"},
                                                               {"Candelas", "cd"}}};
 
-/// What the units of the attribute table are made of.
+/// A unit of the attribute table, in base units.
 struct TableUnit {
   std::string_view name;  ///< as in AttributeInfo::unit
   Unit unit;
-  int scale;  ///< units in one of the SI unit, as a power of ten
+  int scale;  ///< integer units in one SI unit, as a power of ten
   std::string_view right;
 };
 
@@ -60,7 +60,7 @@ const TableUnit& unit_of(Attribute attribute) {
   return *std::ranges::find(kUnits, std::string_view(info(attribute).unit), &TableUnit::name);
 }
 
-/// "Seconds 1, Bytes -1", as the elements have it.
+/// The unit as the XML elements state it: "Seconds 1, Bytes -1".
 std::string dimension_words(const Unit& unit) {
   std::string out;
   for (std::size_t i = 0; i < kBaseUnits; ++i)
@@ -73,7 +73,8 @@ bool rounds_up(Side side, Better better) {
   return (side == Side::provision) == (better == Better::smaller);
 }
 
-/// `decimal`, as the schema has accepted it, times a power of ten.
+/// `decimal`, which the schema has accepted, times a power of ten, rounded up or down to an
+/// integer; nullopt if that does not fit a Value.
 std::optional<Value> scaled(std::string_view decimal, int power, bool up) {
   const auto number = Decimal::read(decimal);
   return number ? number->scaled(power, up) : std::nullopt;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is open stands in open_; the children of what is open stand in closed_, one after the other,
-// until their parent is closed and takes them.
+// The open elements are in open_. The finished children of all open elements are in closed_, one
+// after another, until their parent ends and takes them.
 #include "description/builder.hpp"
 
 #include <fmt/format.h>
@@ -26,7 +26,7 @@ constexpr bool is_space(char c) {
 
 bool is_blank(std::string_view text) { return std::ranges::all_of(text, is_space); }
 
-/// Without a space at its ends, and no two in the middle.
+/// Whether the text has no white space at its ends, and only single spaces inside.
 bool is_collapsed(std::string_view text) {
   bool after_space = true;
   for (const char c : text) {
@@ -36,7 +36,8 @@ bool is_collapsed(std::string_view text) {
   return text.empty() || !after_space;
 }
 
-/// What a reader or an editor may say about any element without changing what it means.
+/// Whether the attribute is one that readers and editors may set on any element without changing
+/// its meaning.
 bool is_ignored(const ParsedAttribute& attribute) {
   if (attribute.name.space == kXmlSpace) return true;
   return attribute.name.space == kSchemaSpace &&
@@ -266,7 +267,7 @@ void Builder::text(int line, std::string_view piece) {
     return;
   }
   const bool blank = is_blank(piece);
-  const bool closed = !including_.open && open.type->steps.empty();  // as the schema has it
+  const bool closed = !including_.open && open.type->steps.empty();  // not even white space
   if (open.wrong_text || (blank && !closed)) return;
   open.wrong_text = true;
   if (blank) {
@@ -280,7 +281,7 @@ void Builder::text(int line, std::string_view piece) {
 }
 
 void Builder::add_text(std::string_view piece) {
-  // Collapsed while it comes, so that it is bounded whatever the white space.
+  // White space is collapsed at once, so that the text is bounded however much there is.
   if (text_.empty() && is_collapsed(piece)) {
     text_ = piece;
   } else {
@@ -321,7 +322,7 @@ void Builder::end() {
   }
   if (skipped_ > 0)
     --skipped_;
-  else if (!open_.empty())  // it is after a limit that has stopped everything
+  else if (!open_.empty())  // empty after a limit has ended the examination
     close();
 }
 

@@ -24,7 +24,7 @@ bool is_plain(std::string_view name) {
          });
 }
 
-/// Up to `end`, which is taken away as well.
+/// Returns the text up to `end` and removes both from `text`; nullopt if `end` is missing.
 std::optional<std::string_view> up_to(std::string_view& text, char end) {
   const auto at = text.find(end);
   if (at == std::string_view::npos) return std::nullopt;

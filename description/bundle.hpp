@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// All files of a description in one text, as gateways hand it to each other: in the order in which
-// they are opened, so that inclusions find their files without names.
+// Bundles: all files of a description in one text, by which gateways pass it on. The files are in
+// the order in which they are opened, so inclusions find them without names.
 #pragma once
 #include <cstddef>
 #include <expected>
@@ -14,27 +14,28 @@
 
 namespace mlcca::description {
 
-/// Bytes of all of it. What is longer is not handed on.
+/// Largest bundle in bytes. A longer description is not passed on.
 inline constexpr std::size_t kMaxBundle = std::size_t{8} << 20U;
 
 struct BundledFile {
-  std::string name;  ///< for problems alone
+  std::string name;  ///< only for problem reports
   std::string content;
 };
 
-/// Empty where it is longer than it may be.
+/// The bundle of the files; empty if it would exceed kMaxBundle.
 [[nodiscard]] std::string bundle_of(const std::vector<BundledFile>& files);
-/// At least one, with parts of the text. The error says that it is no such text.
+/// A file in a bundle; refers to the bundle's text. files_in() returns at least one, or an error if
+/// the text is no bundle.
 struct FileInBundle {
   std::string_view name, content;
 };
 [[nodiscard]] std::expected<std::vector<FileInBundle>, std::string> files_in(
     std::string_view bundle);
 
-/// Of a description, by those of its files in the order in which they are opened. Names of files do
-/// not count: they differ between machines.
+/// The digest of a description, from the digests of its files in the order in which they are
+/// opened. File names are not included, because they differ between machines.
 [[nodiscard]] Sha256::Digest digest_of(std::span<const Sha256::Digest> files);
-/// As whoever reads the text finds it; nothing: it is no such text.
+/// The digest of the description in a bundle; nullopt if the text is no bundle.
 [[nodiscard]] std::optional<Sha256::Digest> digest_of(std::string_view bundle);
 
 }  // namespace mlcca::description

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Steps are gone through in their order; a step that has its least number may be left behind.
+// Children are matched with the steps of the type in order. A step may be left when it has its
+// least number of children.
 #include "description/content.hpp"
 
 #include <fmt/format.h>
@@ -23,7 +24,7 @@ bool was_seen(const Content& content, std::size_t step) {
   return ((content.seen >> step) & 1U) != 0;
 }
 
-/// How often the step has been taken.
+/// How many children the step has so far.
 std::uint32_t taken(const Content& content, std::size_t step) {
   return step == content.step ? content.count : 0;
 }
@@ -34,7 +35,7 @@ bool is_open(const Step& step, const Content& content, std::size_t number) {
   return !step.needs_previous || begun || taken(content, number - 1) > 0;
 }
 
-/// Calls `visit(step, number)` for every step that may be next, until it returns true.
+/// Calls `visit(step, number)` for each step that may come next, until it returns true.
 template <class Visit>
 void for_each_next(const ElementType& type, const Content& content, const Visit& visit) {
   if (type.any_order) {
@@ -71,8 +72,8 @@ std::string listed(const Names& names) {
   return fmt::format("{}{}", names.size() > 1 ? "one of " : "", fmt::join(names, ", "));
 }
 
-/// Of the children `before`, which stand in their order: the first that the child of that name has
-/// to precede. Null where there is none, or any order is right.
+/// The first of the children `before`, which are in order, that must come after a child called
+/// `name`. Null if there is none, or if any order is allowed.
 const Element* first_behind(const ElementType& type, std::string_view name,
                             std::span<const Element> before) {
   if (type.any_order) return nullptr;
@@ -91,7 +92,8 @@ std::string did_you_mean(std::string_view name, const Names& known) {
   return close.empty() ? "" : fmt::format("; did you mean {}?", close);
 }
 
-/// "Description"; of a choice "one of A, B", or "A, B in any order" where it is made several times.
+/// The steps in words: "Description"; for a choice "one of A, B", or "A, B in any order" if it may
+/// be repeated.
 std::vector<std::string> words_of_steps(const ElementType& type) {
   std::vector<std::string> out;
   for (const Step& step : type.steps) {
@@ -175,7 +177,8 @@ std::string explain_child(const ElementType& type, const Content& content, std::
   if (next.empty()) return fmt::format("is one too many or out of place: {}", order);
   const auto own = std::ranges::find_if(
       type.steps, [&](const Step& step) { return child_named(step, name) != nullptr; });
-  // Of what may stand more than once there would be room, too: only the present step has an end.
+  // A child of a later step is refused because a child before it is missing, one of the current
+  // step because that is full.
   const bool too_early = own - type.steps.begin() > static_cast<std::ptrdiff_t>(content.step);
   return too_early ? fmt::format("comes too early: {} belongs before it: {}", listed(next), order)
                    : fmt::format("is one too many: here may stand {}: {}", listed(next), order);

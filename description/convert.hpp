@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Texts of elements that the schema has accepted, into numbers, words and truth values.
+// Converts texts that the schema has accepted to numbers, strings and truth values.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -15,7 +15,8 @@
 
 namespace mlcca::description {
 
-/// Decimal, or hexadecimal after 0x; the schema has bounded the digits to what fits.
+/// Parses a decimal number, or a hexadecimal one after 0x. The schema has limited the digits to
+/// what fits.
 template <class Number>
 Number number(std::string_view text) {
   if (text.starts_with("0x"))
@@ -29,14 +30,14 @@ inline std::optional<unsigned> optional_number(std::string_view text) {
   return number<unsigned>(text);
 }
 
-/// The number that an attribute states, or `otherwise` where it is absent.
+/// The number that an attribute states; `otherwise` if it is absent.
 template <class Number>
 Number number_or(const Element& element, std::string_view attribute, Number otherwise) {
   const auto text = element.attribute(attribute);
   return text.empty() ? otherwise : number<Number>(text);
 }
 
-/// The number that an attribute states, or that the schema has where it is absent.
+/// The number that an attribute states, or its default in the schema.
 template <class Number>
 Number number_of(const Element& element, std::string_view attribute) {
   return number<Number>(element.valued(attribute));
@@ -44,7 +45,7 @@ Number number_of(const Element& element, std::string_view attribute) {
 
 inline bool is_true(std::string_view text) { return text == "true" || text == "1"; }
 
-/// The same for a truth value.
+/// The truth value that an attribute states, or its default in the schema.
 inline bool is_true(const Element& element, std::string_view attribute) {
   return is_true(element.valued(attribute));
 }

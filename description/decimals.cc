@@ -11,7 +11,7 @@
 namespace mlcca::description {
 namespace {
 
-/// What the scale makes of a decimal; nothing where there is none, or it is out of range.
+/// The integer of a decimal in that scale; nullopt if the text is empty or out of range.
 std::optional<Value> whole(std::string_view text, const Scale& scale) {
   if (text.empty()) return std::nullopt;
   const auto number = Decimal::read(text);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Attributes that are decimals, as whole numbers in the scale that the schema states for them.
+// Converts decimal attributes to integers in the scale that the schema states for them.
 #pragma once
 #include <string_view>
 
@@ -9,8 +9,8 @@
 
 namespace mlcca::description {
 
-/// As it is stated, such as 500000000 for "0.5" with 9 digits; where that is absent or out of its
-/// range, which is a problem, the default, or 0 without one.
+/// The attribute's value as an integer, e.g. 500000000 for "0.5" with 9 digits. If it is absent,
+/// the default of the schema, or 0 without one; the same if it is out of range, which is reported.
 [[nodiscard]] Value decimal_of(const Element& e, std::string_view attribute, Problems& problems);
 
 }  // namespace mlcca::description

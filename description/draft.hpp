@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The description between XML and System: values are converted, names are not yet looked up.
+// Drafts: the description between XML and System. Values are converted, but names are not resolved
+// to indices yet. Members that a draft cannot fill are listed as "without ..."
 #pragma once
 #include <cstdint>
 #include <deque>
@@ -35,12 +36,13 @@ struct ChannelDraft {
 
 struct BindingDraft {
   std::string channel;
-  std::string element;    ///< that names it: ETag, Identifier, …; empty: none
+  std::string element;    ///< name of the element that states the identifier: ETag, Identifier, …;
+                          ///< empty if there is none
   core::Binding binding;  ///< without channel and destination
   std::optional<unsigned> destination;
 };
 
-/// Names of the two nodes of a link.
+/// The names of the two nodes of a link.
 struct NodePairDraft {
   std::string from;
   std::string to;
@@ -72,11 +74,11 @@ struct MeshDraft {
   std::vector<MeshDomainDraft> domains;
 };
 
-/// What a network or a port says about control traffic.
+/// What a network or a port states about control traffic.
 struct ControlDraft {
   std::string kinds;
   std::uint32_t rate = 0;
-  std::string user;  ///< of a port
+  std::string user;  ///< for a port only
 
   [[nodiscard]] bool states_something() const {
     return !kinds.empty() || rate != 0 || !user.empty();
@@ -86,7 +88,7 @@ struct ControlDraft {
 struct NetworkDraft {
   core::Network network;  ///< without mesh, provision and bindings
   ControlDraft control;
-  std::optional<core::Origin> bus;  ///< where its Bus stands
+  std::optional<core::Origin> bus;  ///< where its Bus element is
   std::optional<MeshDraft> mesh;
   StatedDraft provision;
   std::vector<BindingDraft> bindings;
@@ -95,9 +97,9 @@ struct NetworkDraft {
 struct PortDraft {
   std::string network;
   core::Port port;     ///< without network and sender
-  std::string sender;  ///< a user's name or number
+  std::string sender;  ///< user name or number
   std::optional<unsigned> node;
-  bool states_queue = false;  ///< something that is for CAN only
+  bool states_queue = false;  ///< it states something that only CAN has
   ControlDraft control;
 };
 
@@ -107,7 +109,8 @@ struct GatewayDraft {
   std::vector<PortDraft> ports;
 };
 
-/// Where something sits and what tells a sender apart: of an end, a component or a placement.
+/// Where something is located, and what identifies it as a sender; for an end, a component or a
+/// placement.
 struct SeatDraft {
   std::string network;
   std::string gateway;
@@ -147,12 +150,12 @@ struct HopDraft {
 };
 
 struct RouteDraft {
-  std::vector<HopDraft> places;  ///< both ends included
+  std::vector<HopDraft> places;  ///< including both ends
   core::Origin origin;
 };
 
-/// Deques where many entries are taken off one by one, so that draft and System together need
-/// little more than one of them.
+/// All parts of a description. Lists from which resolve() removes many entries one by one are
+/// deques, so that the draft and the System together need little more memory than one of them.
 struct Draft {
   std::string name;
   std::vector<UserAttributeDraft> user_attributes;
@@ -166,12 +169,12 @@ struct Draft {
   std::deque<EndDraft> subscribers;
 };
 
-/// Adds what a valid child of System says. Reports attributes that have a wrong unit or value.
+/// Adds a valid child of System to the draft. Reports attributes with a wrong unit or value.
 void add_part(const Element& part, Draft& draft, Problems& problems);
 
-/// Looks up all names and builds the System. What refers to something unknown, stands at a wrong
-/// place or has parts that its place does not know is reported; only an entry whose references are
-/// all known gets into the System, so that its indices are valid.
+/// Resolves all names and builds the System. It reports references to unknown names, entries at a
+/// wrong place, and parts that are not allowed at their place. An entry gets into the System only
+/// if all of its references are known, so that all indices in the System are valid.
 core::System resolve(Draft draft, Problems& problems, Users users = Users::of_this_machine);
 
 }  // namespace mlcca::description

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Elements that the schema has accepted, into the structs of the draft.
+// Converts elements that the schema has accepted to the structs of the draft.
 #include <fmt/format.h>
 
 #include <cstdint>

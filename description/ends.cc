@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Publishers and subscribers: where they sit, who may send, and what they state in each of their
-// channel's attribute sets.
+// Resolves publishers and subscribers: their places, who may send, and what they state in each
+// attribute set of their channel.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,18 +28,18 @@ constexpr unsigned kMaxPriority = 0x7f;
 constexpr std::string_view kOnePlace =
     "it is at one place: either attribute network or attribute gateway is needed";
 
-/// Numbers ends that state no name of their own, per channel and name of their place.
+/// Numbers ends without a name of their own, for each channel and place.
 class Counter {
  public:
   void reset(std::size_t channels) { first_.assign(channels, {}); }
 
-  /// 1 for the first one of the channel there, 2 for the second.
+  /// Returns 1 for the first end of the channel at that place, 2 for the second, and so on.
   unsigned next(std::size_t channel, const std::string& where) {
     const auto hash = std::hash<std::string>{}(where);
     auto& first = first_[channel];
     if (first.count == 0) first.hash = hash;
     if (first.hash == hash) return ++first.count;
-    // Two texts with one hash: the second gets a number that it need not have, no more.
+    // If two texts have the same hash, the second gets a number without need, which does no harm.
     return ++others_[{channel, hash}];
   }
 
@@ -48,7 +48,7 @@ class Counter {
     std::size_t hash = 0;
     unsigned count = 0;
   };
-  std::vector<First> first_;  ///< of each channel: nearly all have one place
+  std::vector<First> first_;  ///< for each channel; nearly all have one place only
   std::map<std::pair<std::size_t, std::size_t>, unsigned> others_;
 };
 
@@ -82,7 +82,7 @@ class Ends {
   void place_components() {
     Index names("component");
     for (const auto& c : draft_.components) names.add(c.component.name);
-    // Where it is stated that a component sits there, and which node of a mesh it is.
+    // Where it was stated at which place, and at which node of a mesh, a component is.
     using Where = std::pair<core::Origin, std::string_view>;
     struct Stated {
       Where place;
@@ -132,7 +132,7 @@ class Ends {
     return !seat.network.empty() || !seat.gateway.empty();
   }
 
-  /// What tells a sender apart is the outer one's, unless it is stated here.
+  /// Takes over what identifies a sender from the outer seat, unless the own one states it.
   static void inherit_sender(SeatDraft& own, const SeatDraft& outer) {
     if (own.user.empty()) own.user = outer.user;
     if (own.address.empty()) own.address = outer.address;
@@ -155,7 +155,8 @@ class Ends {
     return Place{on_network ? Place::Kind::network : Place::Kind::gateway, *index};
   }
 
-  /// Of an end; one in a component sits where that sits, and says nothing else.
+  /// The place of an end. An end in a component is where the component is, and must not state a
+  /// place.
   std::optional<Place> place_of(const EndDraft& end, std::string_view element) {
     if (end.component == core::kNoComponent) return place_of(end.seat, end.origin, element);
     if (has_place(end.seat))
@@ -165,7 +166,7 @@ class Ends {
     return places_[end.component];
   }
 
-  /// The node that a seat names, if it names one.
+  /// The mesh node that a seat names; nullopt if it names none.
   std::optional<std::uint32_t> mesh_node_of(const SeatDraft& seat, Place place, core::Origin origin,
                                             std::string_view element) {
     if (seat.mesh_node.empty()) return std::nullopt;
@@ -187,7 +188,7 @@ class Ends {
     return found ? std::optional(static_cast<std::uint32_t>(*found)) : std::nullopt;
   }
 
-  /// Of an end; one in a component sits at that one's node unless it states its own.
+  /// The mesh node of an end. An end in a component is at the component's node unless it names one.
   std::optional<std::uint32_t> mesh_node_of(const EndDraft& end, Place place,
                                             std::string_view element) {
     if (end.component != core::kNoComponent && end.seat.mesh_node.empty())
@@ -195,8 +196,8 @@ class Ends {
     return mesh_node_of(end.seat, place, end.origin, element);
   }
 
-  /// channel@place or channel@component, numbered from the second one there on. Each kind of end
-  /// has names of its own.
+  /// The name of an end: its own, or channel@place or channel@component, numbered from the second
+  /// one on. Publishers and subscribers are numbered separately.
   std::string name_of(const EndDraft& end, std::size_t channel, Counter& counter) {
     if (!end.name.empty()) return end.name;
     const auto& where = name_of_place(end);
@@ -213,7 +214,8 @@ class Ends {
 
   // --- attribute sets ----------------------------------------------------------------------------
 
-  /// Own sets for every alternative, for one that there is, and each of them once.
+  /// Checks the attribute sets of an end: each must be for one of the channel's alternatives, and
+  /// stated once.
   void check_sets(const core::EventChannel& channel, const EndDraft& end) {
     for (auto own = end.own.begin(); own != end.own.end(); ++own) {
       if (std::ranges::find(end.own.begin(), own, own->priority, &StatedDraft::priority) != own)
@@ -248,8 +250,9 @@ class Ends {
     return out;
   }
 
-  /// All of them. The channel's Jitter is what subscribers stand; a publisher's own is stated by
-  /// itself: `prepare` takes it away.
+  /// Sets the attributes of an end for all alternatives. The channel's Jitter is what subscribers
+  /// accept, and a publisher states its own; so `prepare` removes the channel's Jitter for
+  /// publishers.
   template <class End, class Prepare>
   void set_attributes(End& out, const EndDraft& end, const Prepare& prepare) {
     const auto& channel = to_.system.channels[out.channel];
@@ -313,15 +316,16 @@ class Ends {
     set_attributes(out, end, std::identity{});
   }
 
-  /// A node is needed where the network's profile has them, and of use wherever events may go
-  /// there; the priority is FAMOUSO's.
+  /// Checks the attributes node and priority of a publisher. A node is required if the profile of
+  /// its network has nodes, and allowed if its events may reach such a network; only FAMOUSO has
+  /// priorities.
   void check_sender(EndDraft& end, Place place) {
     const auto wrong = [&](std::string_view text) {
       say(FindingId::wrong_place, end.origin, "Publisher", text);
     };
     const auto& seat = end.seat;
     const auto& networks = to_.system.networks;
-    // Frames that carry the subject name no node.
+    // Networks whose frames carry the subject need no node.
     const auto of_frames = [](const core::Network& n) {
       return n.carries_subjects() ? Profile::none : n.profile;
     };
@@ -332,7 +336,7 @@ class Ends {
           fmt::format("attribute node is missing: on a network with profile {} it is {}",
                       core::words::kProfiles.of(here), core::traits_of(here).nodes));
     if (seat.node) {
-      // What is not known here may be needed where its events go.
+      // The node may be needed on a network that the events reach, so the widest range is allowed.
       const core::ProfileTraits* widest = &core::traits_of(here);
       if (!core::has_nodes(here))
         for (const auto& network : networks)
@@ -404,7 +408,7 @@ class Ends {
     return std::nullopt;
   }
 
-  /// Its number in the system.
+  /// Index of the rule in the system that restricts the programs of an end to a group or unit.
   std::uint32_t program_rule_of(const EndDraft& end, Place place, std::string_view element) {
     if (end.group.empty() && end.unit.empty()) return core::kAnyProgram;
     if (place.kind != Place::Kind::gateway) {
@@ -421,7 +425,7 @@ class Ends {
     if (!end.group.empty()) {
       const auto gid = users_of_ == Users::of_this_machine
                            ? gid_of(end.group)
-                           : std::expected<std::uint32_t, NoUser>(0);  // nobody is asked for it
+                           : std::expected<std::uint32_t, NoUser>(0);  // no look-up is needed
       if (!gid)
         say(gid.error().id, end.origin, element,
             fmt::format("attribute group: {}", gid.error().text));
@@ -440,7 +444,7 @@ class Ends {
     if (!known)
       known = users_of_ == Users::of_this_machine
                   ? uid_of(user)
-                  : static_cast<std::uint32_t>(known_users_.size());  // distinguished, no more
+                  : static_cast<std::uint32_t>(known_users_.size());  // only distinguishes users
     return *known;
   }
 
@@ -454,7 +458,7 @@ class Ends {
         say(uid.error().id, port.origin, "Port",
             fmt::format("attribute sender: {}", uid.error().text));
     }
-    // Without that user nothing that mlcca-relay would carry is granted; all else is.
+    // Without that user, only what mlcca-relay would carry is refused.
     for (core::Gateway& gateway : to_.system.gateways)
       if (gateway.forwarder == core::Forwarder::relay && needs_program(gateway))
         if (const auto& uid = user_named("mlcca-relay")) gateway.relay = *uid;
@@ -472,7 +476,7 @@ class Ends {
   Problems& problems_;
   Users users_of_;
   std::vector<std::optional<Place>> places_;              ///< of the components
-  std::vector<std::optional<std::uint32_t>> mesh_nodes_;  ///< the same
+  std::vector<std::optional<std::uint32_t>> mesh_nodes_;  ///< of the components
   Counter unnamed_publishers_;
   Counter unnamed_subscribers_;
   std::map<std::string, std::optional<std::expected<std::uint32_t, NoUser>>> known_users_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The table that make-grammar makes of system.xsd.
+// The table that make-grammar generates from system.xsd, and the checks that it agrees with the
+// code.
 #include "description/grammar.hpp"
 
 #include <algorithm>
@@ -16,7 +17,7 @@ namespace {
 
 namespace words = core::words;
 
-/// Each word of an enumeration of the schema is an enumerator, and the other way round.
+/// Whether the words of an enumeration in the schema are exactly the enumerators.
 template <std::size_t N, class Enum>
 consteval bool are(const ValueType& type, const core::Words<Enum, N>& known) {
   return std::ranges::equal(type.values, known);
@@ -34,7 +35,7 @@ static_assert(are(type::kQueueing, words::kQueueings));
 static_assert(are(type::kRateKind, words::kRateKinds));
 static_assert(are(type::kRefused, words::kRefusals));
 static_assert(are(type::kSourceKind, words::kSourceKinds));
-/// Each built-in attribute has a short name.
+/// Whether the list has a short name for each built-in attribute.
 consteval bool has_every_short_name(const ElementType& list) {
   return std::ranges::all_of(kAttributeTable, [&](const AttributeInfo& row) {
     return std::ranges::any_of(list.keys,
@@ -43,7 +44,7 @@ consteval bool has_every_short_name(const ElementType& list) {
 }
 static_assert(has_every_short_name(element::kAttributes));
 
-// A channel may also state none.
+// kSafeSides begins with an empty word, for a channel without the attribute.
 static_assert(std::ranges::equal(type::kSafeSide.values,
                                  std::span(words::kSafeSides).subspan<1>()));
 

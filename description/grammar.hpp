@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What system.xsd says of elements, as one table that is looked up while a document is read. It is
-// made of the schema (make-grammar); here is its form.
+// The form of the grammar table: what system.xsd says about elements. make-grammar generates the
+// table from the schema, and it is looked up while a document is read.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -12,19 +12,19 @@ namespace mlcca::description {
 
 struct ElementType;
 
-/// An element that may stand at some place.
+/// An element that is allowed at some place.
 struct Child {
   std::string_view name;
   const ElementType* type = nullptr;
 };
 
-/// A place in the content of an element: one of `children`, so and so often.
+/// A step in the content of an element: one of `children`, `least` to `most` times.
 struct Step {
   std::span<const Child> children;
   std::uint32_t least = 1;
-  std::uint32_t most = 1;       ///< kUnlimited: no limit
-  bool needs_previous = false;  ///< only after something at the previous step
-  bool includes = false;        ///< xi:include may stand here
+  std::uint32_t most = 1;       ///< kUnlimited: without limit
+  bool needs_previous = false;  ///< allowed only if the previous step has a child
+  bool includes = false;        ///< xi:include is allowed here
 };
 
 inline constexpr std::uint32_t kUnlimited = 0xffffffff;
@@ -34,25 +34,26 @@ struct Key {
   std::string_view name;
   const ValueType* type = nullptr;
   bool required = false;
-  std::string_view otherwise;  ///< its value where it is absent, if the schema states one
+  std::string_view otherwise;  ///< default value in the schema; empty without one
 };
 
 /// A type of element: a value, an empty element, or one with children.
 struct ElementType {
-  std::string_view name;  ///< of the type in the schema; of a plain value: the value's type
-  const ValueType* value = nullptr;  ///< of its text; null: no text
-  std::span<const Step> steps;       ///< in this order
-  bool any_order = false;            ///< each step has one child, and they come in any order
+  std::string_view name;  ///< name of the type in the schema; for a plain value, the name of the
+                          ///< value's type
+  const ValueType* value = nullptr;  ///< type of its text; null: it has no text
+  std::span<const Step> steps;       ///< in the order of the content
+  bool any_order = false;  ///< each step has at most one child, and they may come in any order
   std::span<const Key> keys;
 };
 
-/// The root.
+/// The root element System.
 const Child& system_root();
 
-/// What may be a part of System, and the root of a file that is included.
+/// The elements that may be a part of System, or the root of an included file.
 std::span<const Child> system_parts();
 
-/// Every type that has children or attributes.
+/// All types that have children or attributes.
 std::span<const ElementType* const> element_types();
 
 }  // namespace mlcca::description

@@ -19,7 +19,7 @@ std::optional<Guard::Wrong> Guard::take(std::string_view bytes) {
   return std::nullopt;
 }
 
-/// False: one attribute too many.
+/// Returns false if the character begins one attribute too many.
 bool Guard::take(char c) {
   switch (state_) {
     case State::text:
@@ -65,7 +65,8 @@ void Guard::begin(char c) {
   }
 }
 
-/// The parser refuses what begins with <! and is neither a comment nor a section.
+/// Markup that begins with <! and is neither a comment nor a CDATA section is left to the parser,
+/// which refuses it.
 void Guard::open_markup(char c) {
   start_ += c;
   if (start_ == "--")
@@ -89,7 +90,7 @@ void Guard::in_tag(char c) {
   }
 }
 
-/// "--" ends a comment, with ">" behind it, and stands nowhere else in one.
+/// "--" may occur in a comment only as a part of the "-->" that ends it.
 void Guard::in_comment(char c) {
   if ((latest_ & 0xffffU) == 0x2d2dU && c != '>' && wrong_comment_ == 0) wrong_comment_ = began_;
   until("-->", c);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Looks at the bytes of a document before the parser does, for what the library cannot bear.
+// Checks the bytes of a document before the parser reads them, for what libxml2 does not handle
+// well.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -9,23 +10,24 @@
 
 namespace mlcca::description {
 
-/// Follows comments, sections and tags no further than to count the attributes of a start tag: the
-/// library compares each with each, so that 10^6 of them take minutes, and it takes a NUL for the
-/// end. The parser stops at the first thing that is not well-formed, and so does what is counted.
+/// Rejects NUL, which libxml2 takes for the end, and start tags with too many attributes: libxml2
+/// compares each with each, so that 10^6 of them take minutes. It follows comments, CDATA sections
+/// and tags only as far as that needs. The parser stops at the first text that is not well-formed,
+/// and so does the guard's count.
 class Guard {
  public:
   struct Wrong {
     int line = 0;
     std::string text;
   };
-  /// The next bytes. What is wrong in them, the first of it; or nothing.
+  /// Takes the next bytes. Returns the first thing that is wrong in them, or nullopt.
   std::optional<Wrong> take(std::string_view bytes);
 
-  /// Line in which the comment or section begins that is open now; 0: none is.
+  /// The line in which the open comment or CDATA section begins; 0 if none is open.
   [[nodiscard]] int open_since() const {
     return state_ == State::comment || state_ == State::section ? began_ : 0;
   }
-  /// Line in which the first comment begins that holds "--"; 0: none has.
+  /// The line in which the first comment begins that contains "--"; 0 if none does.
   [[nodiscard]] int wrong_comment() const { return wrong_comment_; }
 
  private:
@@ -40,12 +42,12 @@ class Guard {
 
   State state_ = State::text;
   int line_ = 1;
-  int began_ = 0;  ///< line of the latest <!
+  int began_ = 0;  ///< line of the latest "<!"
   int wrong_comment_ = 0;
-  char quote_ = 0;              ///< of the value in a tag; 0: outside
-  std::size_t attributes_ = 0;  ///< of the tag
-  std::string start_;           ///< of markup that begins with <!
-  std::uint32_t latest_ = 0;    ///< the last characters, which may end what is open
+  char quote_ = 0;              ///< quotation mark of the open value in a tag; 0: outside of values
+  std::size_t attributes_ = 0;  ///< number of attributes of the open tag
+  std::string start_;           ///< first characters of markup after "<!"
+  std::uint32_t latest_ = 0;    ///< the last four characters, compared with the end of open markup
 };
 
 }  // namespace mlcca::description

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// An href is a URI reference (RFC 3986) of which only the path is allowed.
+// Resolves the href of an inclusion: a URI reference (RFC 3986), of which only a path is allowed.
 #include "description/include.hpp"
 
 #include <fmt/format.h>
@@ -16,13 +16,14 @@ namespace {
 constexpr std::string_view kRightHref =
     "is not right: it must be the path of a local file, relative to this one or absolute";
 
-/// "letter (letter | digit | + | - | .)* :" at the start, RFC 3986, 3.1.
+/// Whether the text begins with a scheme (RFC 3986, 3.1): letter (letter | digit | + | - | .)* ":".
 bool has_scheme(std::string_view href) {
   const auto colon = href.find(':');
   return colon != std::string_view::npos && href.find('/') > colon;
 }
 
-/// Nothing where a % is not followed by two hexadecimal digits, or stands for no character.
+/// The percent-decoded text; nullopt if a % is not followed by two hexadecimal digits, or encodes
+/// NUL.
 std::optional<std::string> decoded(std::string_view text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {

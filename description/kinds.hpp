@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The same mistake in many places, as a person wants it: a few times, and how many more there are.
+// Shortens repeated problems: a problem that occurs at many places is shown a few times, with the
+// number of the others.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -14,11 +15,11 @@
 
 namespace mlcca::description {
 
-/// Of a kind so many mistakes are said one by one.
+/// Problems of one kind that are shown.
 inline constexpr std::size_t kMostOfAKind = 20;
 
-/// What mistakes of one kind have in common of their text: all but what is quoted, words with
-/// digits, and what helps. Names that nothing has are one kind.
+/// The kind of a problem: its text without quoted names, words with digits, and the hint after the
+/// semicolon. All unknown names are one kind.
 [[nodiscard]] inline std::string kind_of(core::FindingId id, std::string_view text) {
   std::string out;
   if (id == core::FindingId::unknown_name) return out;
@@ -35,14 +36,13 @@ inline constexpr std::size_t kMostOfAKind = 20;
   return out;
 }
 
-/// At most kMostOfAKind mistakes in elements of each kind, the last of which says how many more
-/// there are. `Mistake` has id, element and text; without an element each is a kind of its
-/// own.
+/// Keeps at most kMostOfAKind problems of each kind and element; the last one states how many were
+/// left out. `Mistake` has id, element and text. Problems without an element are all kept.
 template <class Mistake>
 [[nodiscard]] std::vector<Mistake> shortened(std::vector<Mistake> mistakes) {
   struct Kind {
     std::size_t count = 0;
-    std::size_t more = 0;  ///< the one that says how many more there are
+    std::size_t more = 0;  ///< index in `out` of the one that states the number
   };
   std::map<std::tuple<core::FindingId, std::string, std::string>, Kind> kinds;
   std::vector<Mistake> out;

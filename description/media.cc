@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Values are held against their ranges here, and a Source against its kind; names of nodes are
-// looked up in mesh.cc.
+// Checks the values of <Bus> and <Mesh> against their ranges, and a Source against its kind.
+// mesh.cc resolves the names of nodes.
 #include "description/media.hpp"
 
 #include <arpa/inet.h>
@@ -38,7 +38,7 @@ Number decimal(const Element& e, std::string_view attribute, Problems& problems)
 // --- addresses -----------------------------------------------------------------------------------
 
 bool is_mac(std::string_view text) {
-  constexpr std::size_t length = 17;  // "02:00:00:00:00:01"
+  constexpr std::size_t length = 17;  // of "02:00:00:00:00:01"
   if (text.size() != length) return false;
   for (std::size_t i = 0; i < length; ++i)
     if (i % 3 == 2 ? text[i] != ':' : std::isxdigit(static_cast<unsigned char>(text[i])) == 0)
@@ -57,7 +57,7 @@ std::optional<std::string> normal_ip(int family, const std::string& text) {
 
 bool is_port(std::string_view text) { return number_in<std::uint16_t>(text).value_or(0) != 0; }
 
-/// "127.0.0.1:33123" or "[::1]:33123"
+/// Whether the text is like "127.0.0.1:33123" or "[::1]:33123".
 bool is_host_and_port(std::string_view text) {
   const auto colon = text.rfind(':');
   if (colon == std::string_view::npos || !is_port(text.substr(colon + 1))) return false;
@@ -82,7 +82,7 @@ bool has_endpoint(SourceKind kind) {
   return kind == SourceKind::file || kind == SourceKind::babel || kind == SourceKind::olsr;
 }
 
-/// What an endpoint must be, or nothing where it is that.
+/// What an endpoint of that kind must be; empty if it is right.
 std::string_view right_endpoint(SourceKind kind, std::string_view endpoint) {
   if (kind == SourceKind::file)
     return endpoint.starts_with('/') ? "" : "the absolute path of a file of links";
@@ -93,7 +93,8 @@ std::string_view right_endpoint(SourceKind kind, std::string_view endpoint) {
                                       "socket (up to 107 bytes)";
 }
 
-/// The attributes that its kind needs, and no others.
+/// Reports attributes that the kind of source needs and does not state, or states and does not
+/// have.
 void check_source(const Element& e, SourceKind kind, Problems& problems) {
   const auto name = e.attribute("kind");
   const auto check = [&](std::string_view attribute, bool known, bool needed) {
@@ -130,7 +131,8 @@ core::mesh::Source source(const Element& e, Problems& problems) {
 // --- parts of a mesh
 // ------------------------------------------------------------------------------
 
-/// What the links themselves determine, or nobody provides.
+/// Whether PerHop may state the attribute: not those that follow from the links or that nobody
+/// provides.
 bool is_per_hop(Attribute a) {
   return a != Attribute::bandwidth && a != Attribute::max_payload && a != Attribute::deadline;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// <Bus> and <Mesh>: what a description says of a medium itself.
+// Reads <Bus> and <Mesh>, which describe a medium itself.
 #pragma once
 #include <optional>
 #include <string>
@@ -9,14 +9,14 @@
 
 namespace mlcca::description {
 
-/// A <Bus> that the schema accepts. What else is wrong with it is reported and left out.
+/// Reads a <Bus> that the schema has accepted. What else is wrong with it is reported and left out.
 core::CanBus read_bus(const Element& e, Problems& problems);
 
-/// The same of a <Mesh>.
+/// Reads a <Mesh> in the same way.
 MeshDraft read_mesh(const Element& e, Problems& problems);
 
-/// The address in the one notation that is compared: a MAC in lower case with leading zeros, an IP
-/// address as inet_ntop writes it. Nothing if it is neither.
+/// Normalises an address for comparisons: a MAC address in lower case with leading zeros, or an IP
+/// address as inet_ntop() writes it. Nullopt if it is neither.
 std::optional<std::string> normal_address(std::string_view address);
 
 }  // namespace mlcca::description

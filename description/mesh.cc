@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Meshes: names of nodes and gateways become indices.
+// Resolves the names of nodes and gateways in meshes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ class MeshResolver {
     add_links();
     add_domains();
     if (mesh_.sources.empty() && !mesh_.links.empty())
-      mesh_.sources.emplace_back().origin = mesh_.origin;  // of kind description
+      mesh_.sources.emplace_back().origin = mesh_.origin;  // its default kind is `description`
     return std::move(mesh_);
   }
 
@@ -118,7 +118,7 @@ void add_meshes(Draft& draft, Resolved& to, Problems& problems) {
     auto& d = draft.networks[i];
     check_media(d, problems);
     if (!d.mesh || d.network.kind != core::NetworkKind::mesh) continue;
-    // The names of nodes are looked up when ends are added: the draft keeps them until then.
+    // The index of nodes refers to names in the draft, which stays until the ends have been added.
     auto& nodes = to.mesh_nodes.try_emplace(i, "mesh node").first->second;
     to.system.networks[i].mesh = MeshResolver(*d.mesh, to, nodes, problems).run();
   }

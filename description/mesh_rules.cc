@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The rules of meshes: what is unique, who is a node, how many there may be.
+// The rules for meshes: uniqueness, membership and limits.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,8 +21,7 @@ using core::mesh::Mesh;
 using core::mesh::Node;
 using core::mesh::Source;
 
-/// Calls `say(first, again)` for things with the same key, which come in an order that brings them
-/// together.
+/// Calls `say(first, again)` for things with equal keys, after sorting them by key.
 template <class Thing, class Key, class Say>
 void for_each_equal(const std::vector<Thing>& things, const Key& key, const Say& say) {
   std::vector<const Thing*> sorted;
@@ -96,7 +95,7 @@ class MeshRules {
     for_each_equal(
         mesh_.nodes, [](const Node& n) -> const std::string& { return n.address; },
         [&](const Node& first, const Node& again) {
-          if (again.address.empty()) return;  // reported already
+          if (again.address.empty()) return;  // no address, or reported already
           say_twice(again.origin, "Node", first.origin,
                     fmt::format("address {} is already {}'s", again.address, first.name),
                     "addresses are unique");

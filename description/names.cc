@@ -10,7 +10,8 @@
 namespace mlcca::description {
 namespace {
 
-/// Comparing names costs more than anything else here: a hostile file gets no more than these.
+/// Problems up to which names are suggested. Comparing names is the slowest operation here, so a
+/// hostile file must not cause more of it.
 constexpr std::size_t kMostSuggestions = 50;
 
 }  // namespace
@@ -26,7 +27,7 @@ void Index::add(std::string_view name) {
 }
 
 std::optional<std::size_t> Index::find(std::string_view name) const {
-  // A name that is there twice is its first place's: the hint must not see the second.
+  // If a name occurs twice, the first one counts, so the hint must not find the second.
   if (next_ < names_.size() && names_[next_] == name && index_.size() == names_.size())
     return next_++;
   const auto found = index_.find(name);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Names become indices; for one that nothing has, what was meant.
+// Resolves names to indices, and suggests a name for an unknown one.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -15,10 +15,11 @@
 
 namespace mlcca::description {
 
-/// Names of one kind, in their order. The first of a name counts; rules.hpp reports the others.
+/// The names of one kind in the order of the description. If a name occurs twice, the first one
+/// counts; rules.hpp reports the others.
 class Index {
  public:
-  /// `kind` as a problem calls it.
+  /// `kind`: the noun in problems, e.g. "channel".
   explicit Index(std::string_view kind) : kind_(kind) {}
 
   void reserve(std::size_t names);
@@ -28,10 +29,10 @@ class Index {
   /// `name` must outlive the index.
   void add(std::string_view name);
 
-  /// Nothing, without a word, where nothing has that name.
+  /// The index of the name; nullopt, without a problem, if it is unknown.
   [[nodiscard]] std::optional<std::size_t> find(std::string_view name) const;
 
-  /// The same, with a problem.
+  /// The index of the name. An unknown one is reported, and nullopt is returned.
   std::optional<std::size_t> find(std::string_view name, core::Origin origin,
                                   std::string_view element, Problems& problems) const;
 
@@ -39,12 +40,13 @@ class Index {
   std::string_view kind_;
   std::unordered_map<std::string_view, std::size_t> index_;
   std::vector<std::string_view> names_;
-  /// Behind the last one found: descriptions name things in the same order again and again.
+  /// The index behind the last one found: tried first, because descriptions mostly use names in the
+  /// same order.
   mutable std::size_t next_ = 0;
 };
 
-/// Calls `say(first, again)` with the numbers of things that have the same name. Cheaper than a
-/// table of all names: only the rare equal hash makes it compare texts.
+/// Calls `say(first, again)` with the indices of things that have the same name. It sorts hashes,
+/// which is cheaper than a table of all names; texts are compared only if hashes are equal.
 template <class Things, class Say>
 void for_each_twice(const Things& things, const Say& say) {
   std::vector<std::pair<std::size_t, std::size_t>> hashes;
@@ -65,7 +67,7 @@ void for_each_twice(const Things& things, const Say& say) {
   }
 }
 
-/// "line 5", or "line 5 of motors.xml" where that is another file than `here`.
+/// "line 5", or "line 5 of motors.xml" if that is a file other than that of `here`.
 std::string line_words(const core::System& system, core::Origin here, core::Origin there);
 std::string line_words(const std::vector<std::string>& files, core::Origin here,
                        core::Origin there);

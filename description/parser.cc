@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// SAX instead of a tree: a line is known exactly even beyond 65535, a DTD is stopped at its first
-// character, and no more than a few KiB of the document are in memory.
+// The SAX interface is used instead of a tree: lines are exact beyond 65535, a DTD is refused at
+// its first character, and only a few KiB of the document are in memory.
 #include "description/parser.hpp"
 
 #include <fmt/format.h>
@@ -30,7 +30,8 @@ std::string_view view(const xmlChar* text) {
   return text == nullptr ? std::string_view{} : reinterpret_cast<const char*>(text);
 }
 
-/// Library messages that belong to no context come here instead of stderr, for one parse.
+/// Redirects messages of libxml2 that belong to no context from stderr to this object, during one
+/// parse.
 class CaughtMessages {
  public:
   CaughtMessages(void* context, xmlStructuredErrorFunc function)
@@ -48,8 +49,8 @@ class CaughtMessages {
   xmlStructuredErrorFunc old_function_;
 };
 
-/// An end tag that is not the one of the element that is open. `open`: the names of all that are,
-/// the innermost last.
+/// The text for an end tag that does not match the open element. `open`: the names of the open
+/// elements, the innermost last.
 std::string wrong_end(const xmlError& error, std::span<const xmlChar* const> open) {
   const std::string_view wanted(error.str1);
   const std::string_view got(error.str2);
@@ -69,7 +70,7 @@ std::string wrong_end(const xmlError& error, std::span<const xmlChar* const> ope
                             wanted, error.int1);
 }
 
-/// The library's message; what only reports a limit inside it becomes ours.
+/// The text for a message of libxml2; messages about its internal limits are replaced.
 std::string words_for(const xmlError& error, std::span<const xmlChar* const> open) {
   std::string_view text = error.message;
   while (text.ends_with('\n')) text.remove_suffix(1);
@@ -94,20 +95,20 @@ std::string words_for(const xmlError& error, std::span<const xmlChar* const> ope
   return fmt::format("not well-formed XML: {}", text);
 }
 
-/// Without memory nothing is known of the file.
+/// If memory runs out, nothing is known about the file.
 FindingId id_of(const xmlError& error) {
   return error.code == XML_ERR_NO_MEMORY ? FindingId::unreadable : FindingId::not_xml;
 }
 
 std::string_view view_of(const xmlError& error) { return error.message; }
 
-/// What is wrong in a comment or a CDATA section is reported with the line that it begins in; the
-/// library finds the end of the file where one does not end.
+/// The problem for errors in a comment or a CDATA section, with the line in which it begins;
+/// libxml2 reports the end of the file if one does not end.
 std::optional<Guard::Wrong> comment_message(const Guard& guard, const xmlError& error) {
   switch (error.code) {
     case XML_ERR_COMMENT_NOT_FINISHED:
     case XML_ERR_CDATA_NOT_FINISHED:
-      // Of one that is too long the library says that, by the same number.
+      // libxml2 reports one that is too long with the same code.
       if (guard.open_since() == 0 || view_of(error).contains("too big")) return std::nullopt;
       return Guard::Wrong{
           guard.open_since(),
@@ -144,7 +145,7 @@ class Parser {
   void start(const xmlChar* name, const xmlChar* uri, int attributes, const xmlChar** rows);
   [[nodiscard]] int line() const { return context_->input == nullptr ? 0 : context_->input->line; }
   [[nodiscard]] int line_of(const char* text) const;
-  /// Names of the elements that are open, the innermost last.
+  /// The names of the open elements, the innermost last.
   [[nodiscard]] std::span<const xmlChar* const> open() const {
     if (!context_ || context_->nameTab == nullptr || context_->nameNr <= 0) return {};
     return {context_->nameTab, static_cast<std::size_t>(context_->nameNr)};
@@ -159,7 +160,7 @@ class Parser {
     if (builder_.stopped()) end_here();
   }
 
-  /// False: the library must not see them.
+  /// Returns false if libxml2 must not read these bytes.
   bool pass(std::string_view bytes) {
     const auto wrong = guard_.take(bytes);
     if (wrong)
@@ -174,7 +175,7 @@ class Parser {
   const Account& account_;
   ParserContext context_;
   std::vector<ParsedAttribute> attributes_;
-  bool ended_ = false;  ///< further messages would be consequences
+  bool ended_ = false;  ///< further messages would be consequences of the first one
 };
 
 int Parser::read(void* data, char* to, int size) noexcept {
@@ -189,7 +190,7 @@ int Parser::read(void* data, char* to, int size) noexcept {
              self.pass({to, static_cast<std::size_t>(got)})) {
     return static_cast<int>(got);
   }
-  // As if the file ended: what the library says of that is not passed on.
+  // Acts as if the file ended; messages of libxml2 about that are ignored.
   self.ended_ = true;
   return 0;
 }
@@ -209,8 +210,8 @@ void Parser::message(void* data, xmlError* error) noexcept {
   if (error->level == XML_ERR_FATAL) self.end_here();
 }
 
-/// The line that `text` stands in, for a place of the start tag that was just read. The line that
-/// was read last, if the place is not in the buffer: a value with references stands elsewhere.
+/// The line of `text`, a place in the start tag that was just read. If the place is not in the
+/// buffer (libxml2 stores values with references elsewhere), the line that was read last.
 int Parser::line_of(const char* text) const {
   const auto* const input = context_->input;
   if (input == nullptr || text == nullptr) return line();
@@ -220,8 +221,8 @@ int Parser::line_of(const char* text) const {
   return line() - static_cast<int>(std::count(text, now, '\n'));
 }
 
-/// The "<" of the start tag that was just read: no value has one. Null: it is no longer in the
-/// buffer.
+/// The "<" of the start tag that was just read, found backwards, because values contain no "<".
+/// Null if it is not in the buffer any more.
 const char* Parser::tag_begin() const {
   const auto* const input = context_->input;
   if (input == nullptr) return nullptr;
@@ -233,7 +234,8 @@ const char* Parser::tag_begin() const {
 
 void Parser::start(const xmlChar* name, const xmlChar* uri, int attributes, const xmlChar** rows) {
   attributes_.clear();
-  // Of each attribute the name, its prefix and namespace, and where its value begins and ends.
+  // libxml2 passes five pointers for each attribute: name, prefix, namespace, begin and end of the
+  // value.
   for (const auto row = std::span(rows, static_cast<std::size_t>(attributes) * 5);
        attributes_.size() * 5 < row.size();) {
     const auto at = row.subspan(attributes_.size() * 5, 5);
@@ -286,8 +288,8 @@ void Parser::run() {
                     FindingId::unreadable);
     return;
   }
-  // NOENT: the five entities of XML itself are replaced in attributes too; there are no others
-  // without a DTD. The library's own limits (10 MB of one token) hold below ours.
+  // XML_PARSE_NOENT replaces the five predefined entities in attributes as well; without a DTD
+  // there are no others. The limits of libxml2 (10 MB for a token) stay in force.
   xmlCtxtUseOptions(context_.get(), XML_PARSE_NONET | XML_PARSE_NOENT);
   xmlParseDocument(context_.get());
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// libxml2's event parser over one source, and nothing else of libxml2.
+// Reads one document with the SAX parser of libxml2. Only this part of libxml2 is used.
 #pragma once
 #include <functional>
 
@@ -8,12 +8,12 @@
 
 namespace mlcca::description {
 
-/// Called before bytes are used, with their number. False: nothing more is read.
+/// Called with the number of bytes before they are used. Returns false to end the reading.
 using Account = std::function<bool(std::size_t bytes)>;
 
-/// Hands the events of `source`, which is the builder's current file `file`, to `builder`, until
-/// the document ends, is not well-formed or the builder has stopped. Opens nothing. What is wrong
-/// is reported to the builder.
+/// Passes the events of `source` to `builder`, in which it is the current file with number `file`,
+/// until the document ends, is not well-formed, or the builder has stopped. It opens no files.
+/// Problems are reported to the builder.
 void parse_document(Source& source, std::uint32_t file, Builder& builder, const Account& account);
 
 }  // namespace mlcca::description

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The rules of gateways and their ports: places, interfaces, bit rates.
+// The rules for gateways and their ports: places, interfaces, bit rates.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -60,12 +60,12 @@ void check_ports_of(const core::System& system, const Gateway& g, Problems& prob
   }
 }
 
-/// Ports that can see the same interfaces: those of one gateway, and of gateways on one host.
+/// Ports that can have the same interfaces: those of one gateway, or of gateways on the same host.
 using Machine = std::vector<const Port*>;
 
-/// Two identities are of the same interface where one of them states nothing that the other does
-/// not state alike. What is stated becomes numbers, so that 65536 ports need not be held against
-/// each other.
+/// Finds ports that claim the same interface. Two identities may be of one interface if the
+/// properties that one of them states are all stated alike by the other. Properties are converted
+/// to numbers, so that not all pairs of up to 65536 ports need to be compared.
 class Claims {
  public:
   explicit Claims(const Machine& ports) {
@@ -76,7 +76,7 @@ class Claims {
     for (std::size_t i = 0; i < keys_.size(); ++i) first_.push_back(look_for_narrower(i));
   }
 
-  /// The first port before this one that claims the same interface; kNone: there is none.
+  /// The first port before `i` that claims the same interface; kNone if there is none.
   [[nodiscard]] std::size_t before(std::size_t i) const {
     const Group& alike = groups_.at(keys_[i]);
     const std::size_t first = std::min({first_[i], alike.first, alike.first_closer});
@@ -87,11 +87,11 @@ class Claims {
 
  private:
   static constexpr std::size_t kProperties = 5;
-  using Key = std::array<std::size_t, kProperties>;  ///< 0: not stated
+  using Key = std::array<std::size_t, kProperties>;  ///< a number for each property; 0: not stated
 
   struct Group {
-    std::size_t first = kNone;         ///< port with this identity
-    std::size_t first_closer = kNone;  ///< port that states this and more
+    std::size_t first = kNone;         ///< first port with this identity
+    std::size_t first_closer = kNone;  ///< first port that states these properties and more
   };
 
   std::size_t number_of(const std::string& text) {
@@ -102,7 +102,8 @@ class Claims {
             i.port ? std::size_t{*i.port} + 1 : 0};
   }
 
-  /// The first port with less, all of it alike; those hear of this one.
+  /// The first port that states only some of the properties of `i`, all alike. Such ports learn of
+  /// `i` as one that states more.
   std::size_t look_for_narrower(std::size_t i) {
     std::size_t first = kNone;
     for (unsigned part = 1; part + 1 < 1U << kProperties; ++part) {
@@ -141,8 +142,8 @@ void check_claims(const core::System& system, const Machine& ports, Problems& pr
   }
 }
 
-/// As its node a gateway asks the broker for tags: two senders of one node would send one
-/// identifier.
+/// Node numbers of gateways must be unique on a bus, since a gateway asks the broker for tags with
+/// its number: two senders with the same number would send the same identifier.
 void check_nodes(const core::System& system, Problems& problems) {
   std::map<std::pair<std::size_t, unsigned>, std::pair<const Gateway*, const Port*>> taken;
   const auto say = [&](core::Origin origin, std::string_view element, std::string_view by,
@@ -190,7 +191,7 @@ void check_gateways(const core::System& system, Problems& problems) {
     check_ports_of(system, g, problems);
     const auto number = static_cast<std::size_t>(&g - system.gateways.data());
     if (number >= kMaxGateways) continue;
-    // A host name cannot begin with '#': gateways without a stated host are machines of their own.
+    // A gateway without a host is a machine of its own; no host name begins with '#'.
     auto& machine = machines[g.host.empty() ? fmt::format("#{}", number) : g.host];
     for (const auto& p : std::span(g.ports).first(std::min(g.ports.size(), kMaxPorts)))
       machine.push_back(&p);

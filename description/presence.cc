@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Rules for gateways that announce themselves (presence).
+// The rules for gateways that announce their presence.
 #include "core/model/presence.hpp"
 
 #include <fmt/format.h>
@@ -17,7 +17,7 @@ namespace mlcca::description {
 namespace {
 
 constexpr Value kSecond = 1'000'000'000;
-constexpr Value kAnnouncementHeader = 20;    // of an announcement, with the length of its name
+constexpr Value kAnnouncementHeader = 20;    // octets, with the length of the name
 constexpr Value kLongestAnnouncement = 256;  // octets
 
 class PresenceRules {
@@ -68,7 +68,7 @@ class PresenceRules {
                       gateway.name, network.name));
   }
 
-  /// Announcements are control traffic, which is limited.
+  /// Checks that the rate limit of control traffic suffices for the announcements.
   void check_rate(std::size_t n) {
     const core::Network& network = system_.networks[n];
     const core::ProfileTraits& traits = core::traits_of(network.profile);

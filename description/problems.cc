@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Collecting problems: cleaned, cut, without repetitions, ordered by file and line.
+// Collects problems: cleaned, shortened, without repetitions, ordered by file and line.
 #include "description/problems.hpp"
 
 #include <fmt/format.h>

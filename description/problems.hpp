@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Collects what is wrong with the files of a description, in a form that is safe to print and
-// bounded in size.
+// Collects the problems of a description. Their texts are safe to print and bounded in size.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -14,28 +13,29 @@
 
 namespace mlcca::description {
 
-/// More problems than this are not kept.
+/// Problems that are kept.
 inline constexpr std::size_t kMaxProblems = 1000;
 
-/// Longest text of a problem in bytes; the rest is cut. Nobody reads more, and a hostile file must
-/// not make our answer larger than itself.
+/// Longest text of a problem in bytes; the rest is cut. A hostile file must not make the answer
+/// larger than itself.
 inline constexpr std::size_t kMaxProblemText = 480;
 
-/// The text, or as many whole UTF-8 characters of it as fit into `bytes` and then an ellipsis.
+/// The text, or as many complete UTF-8 characters as fit into `bytes` together with an ellipsis.
 std::string clipped(std::string_view text, std::size_t bytes);
 
+/// The problems found so far, each with its file, line and element.
 class Problems {
  public:
-  /// `file` is the first one, number 0, and the current one.
+  /// `file`: the first file, which gets number 0 and is the current one.
   explicit Problems(std::string file) : files_{std::move(file)} {}
 
-  /// The number of that file: its own if it is known, else the next one.
+  /// The number of a file: an unknown file gets the next one.
   std::uint32_t add_file(const std::string& file);
-  /// The file that a problem without an origin is in from now on: a number of add_file.
+  /// Sets the file of problems that are added with a line only. `file`: a number of add_file().
   void set_file(std::uint32_t file) { current_ = file; }
 
-  /// Control characters in the texts become spaces. A repeated file, line, element and text is one
-  /// problem. Without an origin, the line is one of the current file.
+  /// Adds a problem. Control characters in the texts become spaces. A problem with the same file,
+  /// line, element and text is added once. With a line only, it belongs to the current file.
   void add(core::Origin at, std::string_view element, std::string_view text,
            core::FindingId id = core::FindingId::rule);
   void add(int line, std::string_view element, std::string_view text,
@@ -45,13 +45,12 @@ class Problems {
 
   [[nodiscard]] bool empty() const { return found_.empty(); }
   [[nodiscard]] std::size_t size() const { return found_.size(); }
-  /// Some were no longer kept: there is no point in looking for more.
+  /// Whether problems were discarded because there are too many, so that the examination may end.
   [[nodiscard]] bool overflowing() const { return overflowing_; }
-  /// All files, by number.
+  /// The names of all files, by number.
   [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
 
-  /// All of them, ordered by file in the order of the numbers, then by line; leaves the collector
-  /// without any.
+  /// Removes all problems and returns them in the order of files, then of lines.
   std::vector<Problem> take();
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The stages in their order: documents, draft, names, rules.
+// Runs the stages in order: documents, draft, names, rules.
 #include "description/read.hpp"
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace mlcca::description {
 namespace {
 
-/// A draft that is filled while a description is parsed.
+/// Fills a draft while a description is parsed, then runs the other stages.
 class Stages {
  public:
   explicit Stages(std::string name) : problems_(std::move(name)) {}
@@ -27,12 +27,12 @@ class Stages {
   }
   Problems& problems() { return problems_; }
 
-  /// `valid`: nothing was wrong so far but values of attributes.
+  /// `valid`: only values of attributes were wrong so far.
   Examined finish(bool valid, Users users = Users::of_this_machine) {
     Examined out;
     out.readable = valid;
-    // Names that an invalid part would have defined are not known: looking them up would accuse
-    // those who use them.
+    // Names defined by an invalid part are missing, so that looking up names would report their
+    // users as well.
     if (valid) {
       out.system = resolve(std::move(draft_), problems_, users);
       check_rules(out.system, problems_);
@@ -48,8 +48,8 @@ class Stages {
   Draft draft_;
 };
 
-/// The name in the first start tag, behind comments and processing instructions; empty if none
-/// begins here.
+/// The name in the first start tag, after comments and processing instructions; empty if there is
+/// none at the start of the text.
 std::string_view root_name(std::string_view xml) {
   for (auto at = xml.find('<'); at != std::string_view::npos; at = xml.find('<')) {
     xml.remove_prefix(at + 1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Names become indices: user-defined attributes, channels, networks, gateways. Meshes follow in
-// mesh.cc, publishers and subscribers in ends.cc, declared routes in routes.cc.
+// Resolves names to indices: user-defined attributes, channels, networks, gateways. mesh.cc does
+// that for meshes, ends.cc for publishers and subscribers, and routes.cc for declared routes.
 #include "description/resolve.hpp"
 
 #include <fmt/format.h>
@@ -26,7 +26,7 @@ using core::FindingId;
 using core::NetworkKind;
 using core::Profile;
 
-constexpr unsigned kLastAddress = 255;  // of J1939: everybody
+constexpr unsigned kLastAddress = 255;  // of J1939: the global address
 
 void add_user_attributes(const Draft& draft, Resolved& to, Problems& problems) {
   for (const auto& d : draft.user_attributes) {
@@ -47,13 +47,13 @@ void add_user_attributes(const Draft& draft, Resolved& to, Problems& problems) {
                    "minimum, Better smaller with sum, maximum or survival");
     to.system.user_attributes.push_back(attribute);
   }
-  // The System's are complete now: their addresses stay.
+  // The vector is complete, so pointers to its elements stay valid.
   for (std::size_t i = 0; i < draft.user_attributes.size(); ++i)
     to.user_attributes.push_back(
         {&to.system.user_attributes[i], draft.user_attributes[i].dimension.unit});
 }
 
-/// Several sets have a priority each, and are sorted by it.
+/// Checks that each of several sets has a priority, and sorts them by it.
 void order_sets(ChannelDraft& draft, const std::vector<std::string>& files, Problems& problems) {
   auto& sets = draft.sets;
   if (sets.size() < 2) return;
@@ -95,7 +95,8 @@ void add_channels(Draft& draft, Resolved& to, Problems& problems) {
   for (const auto& c : to.system.channels) to.channels.add(c.name);
 }
 
-/// The element of the network's profile, and what only some profiles have.
+/// Checks that the binding has the element of the network's profile, and nothing that its profile
+/// does not have.
 void check_form(const BindingDraft& b, const core::Network& network, Problems& problems) {
   const auto say = [&](std::string_view text) {
     problems.add(b.binding.origin, "Binding", text, FindingId::wrong_place);
@@ -136,7 +137,7 @@ void check_form(const BindingDraft& b, const core::Network& network, Problems& p
                     core::for_profiles_with([](const auto& p) { return p.xl; }), profile));
 }
 
-/// The kinds that are named, as bits; nothing is named: none.
+/// The named kinds of control traffic as bits; nullopt if the attribute is absent or wrong.
 std::optional<std::uint32_t> kinds_named(const std::string& words, const core::Network& network,
                                          const auto& say) {
   const auto kinds = core::control_kinds(network);
@@ -191,13 +192,14 @@ void add_network(const NetworkDraft& from, Resolved& to, Problems& problems) {
     if (!channel) continue;
     auto& binding = network.bindings.emplace_back(b.binding);
     binding.channel = *channel;
-    // Of one that names nothing that is said already: its channel is not unbound as well.
+    // A binding without identifier is reported already. It counts as one whose tag is not known
+    // yet, so that its channel is not reported as unbound, too.
     if (b.element.empty()) binding.dynamic = true;
     if (b.destination) binding.destination = static_cast<std::uint8_t>(*b.destination);
   }
 }
 
-/// Whose programs may send control traffic: the superuser's, unless another is named.
+/// The user whose programs may send control traffic: root unless another one is named.
 std::uint32_t control_user(const PortDraft& p, Users users, Problems& problems) {
   if (p.control.user.empty() || users != Users::of_this_machine) return 0;
   const auto uid = uid_of(p.control.user);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// From the draft to the System, step by step: what has been resolved so far.
+// The steps from the draft to the System, and what has been resolved so far.
 #pragma once
 #include <cstddef>
 #include <map>
@@ -16,17 +16,19 @@
 
 namespace mlcca::description {
 
-/// A user-defined attribute with composition survival counts in 1e-9, as PacketLoss does.
+/// The magnitude of user-defined attributes with composition survival: they count in 1e-9, like
+/// PacketLoss.
 inline constexpr int kSurvivalMagnitude = -9;
 
-/// Whose program sends at a port; users are looked up with those of publishers.
+/// The user whose program sends at a port; resolved together with the users of publishers.
 struct PortSender {
   std::size_t gateway = 0;
   std::size_t port = 0;
   std::string user;
 };
 
-/// The System with an index of its names. The indices refer to names in the draft or the System.
+/// The System so far, with indices of its names. The indices refer to texts in the draft or the
+/// System.
 struct Resolved {
   core::System system;
   std::vector<KnownUserAttribute> user_attributes;
@@ -34,21 +36,22 @@ struct Resolved {
   Index channels{"channel"};
   Index networks{"network"};
   Index gateways{"gateway"};
-  std::map<std::size_t, Index> mesh_nodes;                    ///< of the networks that have a Mesh
-  std::unordered_map<core::Subject, std::size_t> by_subject;  ///< filled when first asked
+  std::map<std::size_t, Index> mesh_nodes;                    ///< for the networks that have a Mesh
+  std::unordered_map<core::Subject, std::size_t> by_subject;  ///< built when it is needed for the
+                                                              ///< first time
 
-  /// By name, or by subject as 0x….
+  /// Finds a channel by its name, or by its subject as 0x….
   std::optional<std::size_t> channel_named(std::string_view name, core::Origin origin,
                                            std::string_view element, Problems& problems);
 };
 
-/// The meshes of the networks that have one. Networks and gateways are known.
+/// Adds the meshes of networks; networks and gateways must have been added.
 void add_meshes(Draft& draft, Resolved& to, Problems& problems);
 
-/// Components, then publishers and subscribers, which are taken out of the draft.
+/// Adds components, publishers and subscribers, and removes the latter two from the draft.
 void add_ends(Draft& draft, Resolved& to, Problems& problems, Users users);
 
-/// Declared routes: known places that are next to each other.
+/// Adds declared routes: each place must be known and next to the one before.
 void add_routes(const Draft& draft, Resolved& to, Problems& problems);
 
 }  // namespace mlcca::description

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Declared routes: each step leads from a network to a gateway with a port on it, or back.
+// Resolves declared routes: each step must lead from a network to a gateway with a port on it, or
+// back.
 #include <fmt/format.h>
 
 #include <algorithm>

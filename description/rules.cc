@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The rules of channels, networks, publishers and subscribers; those of gateways are in ports.cc,
-// those of meshes in mesh_rules.cc.
+// The rules for channels, networks, publishers and subscribers. Those for gateways are in ports.cc,
+// those for meshes in mesh_rules.cc.
 #include "description/rules.hpp"
 
 #include <fmt/format.h>
@@ -46,18 +46,18 @@ std::string identifier_words(const core::Network& network, const Binding& b) {
   return (b.extended ? "extended identifier" : "standard identifier") + mask;
 }
 
-/// Bindings in an order that brings together what must not be the same.
+/// The bindings of a network, sorted by a key, so that those with equal keys are neighbours.
 template <class Key>
 std::vector<const Binding*> sorted_by(const core::Network& network, const Key& key) {
   std::vector<const Binding*> out;
   out.reserve(network.bindings.size());
   for (const auto& b : network.bindings) out.push_back(&b);
-  // Most descriptions are in order already.
+  // Most descriptions are sorted already.
   if (!std::ranges::is_sorted(out, {}, key)) std::ranges::stable_sort(out, {}, key);
   return out;
 }
 
-/// A range of identifiers must have none of another binding in it.
+/// Checks that no range of identifiers contains the identifier of another binding.
 void check_masks(const core::System& system, const core::Network& network, Problems& problems) {
   std::vector<const Binding*> masked;
   for (const auto& b : network.bindings)
@@ -71,7 +71,7 @@ void check_masks(const core::System& system, const core::Network& network, Probl
   }
   for (const auto* m : masked)
     for (const auto& b : network.bindings) {
-      // Of two masks the later one is reported; equal numbers are reported already.
+      // Of two masks the later one is reported. Equal identifiers are reported elsewhere.
       const bool reported = &b == m || (b.is_masked() && &b > m) || b.id == m->id;
       if (reported || !core::clash(network.profile, *m, b)) continue;
       problems.add(
@@ -85,7 +85,7 @@ void check_masks(const core::System& system, const core::Network& network, Probl
     }
 }
 
-/// The tag of FAMOUSO's own subject is one as any other, and no channel's.
+/// Checks the tag of FAMOUSO's subject SUBSCRIB: it must be a valid tag that no channel has.
 void check_subscribe_tag(const core::System& system, const core::Network& network,
                          Problems& problems) {
   if (!network.states_subscribe_tag) return;
@@ -167,7 +167,7 @@ void check_bindings(const core::System& system, const core::Network& network, Pr
     for (const auto& b : network.bindings) check_binding(network, b, problems);
 }
 
-/// Which bindings there are, without a search through all for each publisher.
+/// Finds the binding of a channel on a network without a search through all of them.
 class Bindings {
  public:
   explicit Bindings(const core::System& system) {
@@ -176,7 +176,7 @@ class Bindings {
   }
   const Binding* find(std::size_t network, std::size_t channel) {
     auto& [all, next] = of_network_[network];
-    // Publishers and subscribers mostly come in the order of their channels.
+    // Publishers and subscribers mostly are in the order of their channels.
     if (next >= all.size() || all[next]->channel != channel)
       next = static_cast<std::size_t>(
           std::ranges::lower_bound(all, channel, {}, [](const Binding* b) { return b->channel; }) -
@@ -187,12 +187,13 @@ class Bindings {
  private:
   struct Sorted {
     std::vector<const Binding*> bindings;
-    std::size_t next;  ///< behind the one that was found last
+    std::size_t next;  ///< index behind the binding that was found last
   };
   std::vector<Sorted> of_network_;
 };
 
-/// The binding of a publisher's or subscriber's channel on its own network, if it needs one.
+/// Returns the binding of an end's channel on its own network, and reports it if it is missing;
+/// null if the end needs none.
 template <class End>
 const Binding* check_bound(const core::System& system, Bindings& bindings, const End& end,
                            std::string_view element, Problems& problems) {
@@ -211,7 +212,7 @@ const Binding* check_bound(const core::System& system, Bindings& bindings, const
   return binding;
 }
 
-/// How a network carries its largest event.
+/// How large an event the network carries, in words.
 std::string room_words(const core::Network& network, const Binding& binding) {
   if (const auto* several = core::fragmentation_of(network, binding); several != nullptr)
     return std::string(several->room);
@@ -225,7 +226,7 @@ std::string room_words(const core::Network& network, const Binding& binding) {
 
 void check_payload(const core::Network& network, const Binding& binding,
                    const core::Publisher& publisher, Problems& problems) {
-  // One of several sets may fit where another does not: that is decided, not a rule.
+  // If there are several sets, another one may fit: that is decided at run time and is no rule.
   if (!publisher.attributes.has(Attribute::max_payload) || !publisher.lower.empty()) return;
   const Value bytes = publisher.attributes[Attribute::max_payload];
   const Value most = core::event_bytes(network, binding);
@@ -249,7 +250,7 @@ void check_names(const core::System& system, const Things& things, std::string_v
 }
 
 void check_twice(const core::System& system, Problems& problems) {
-  // One that is alone in its channel needs no comparison.
+  // A publisher that is alone in its channel needs no comparison.
   std::vector<std::uint32_t> senders(system.channels.size(), 0);
   for (const auto& p : system.publishers) ++senders[p.channel];
   std::vector<std::pair<core::Sender, const core::Publisher*>> told_apart;
@@ -272,7 +273,7 @@ void check_twice(const core::System& system, Problems& problems) {
   }
 }
 
-/// Each publisher is held against each subscriber: what a channel costs is their product.
+/// Limits the pairs of publishers and subscribers of a channel, because each pair is checked.
 void check_pairs(const core::System& system, Problems& problems) {
   struct Ends {
     std::size_t publishers = 0;
@@ -291,7 +292,7 @@ void check_pairs(const core::System& system, Problems& problems) {
           FindingId::too_many);
 }
 
-/// Of the kinds that do not fragment.
+/// Checks the MaxPayload that a network provides if it cannot fragment events.
 void check_provided_payload(const core::Network& n, Problems& problems) {
   if (n.kind != NetworkKind::ieee802154 || !n.carries_subjects()) return;
   const Value most = core::event_bytes(n);

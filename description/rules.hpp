@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What must hold in a described system beyond its form. Each rule names the place where it is
-// broken and what would be right.
+// The rules that a described system must obey beyond the schema. A problem names the place that
+// breaks the rule and says what would be right.
 #pragma once
 #include <cstddef>
 #include <string>
@@ -16,19 +16,19 @@ inline constexpr std::size_t kMaxUserAttributes = 64;
 inline constexpr std::size_t kMaxPairs = 262144;  ///< publishers times subscribers of a channel
 inline constexpr std::size_t kMaxNetworks = 1024;
 inline constexpr std::size_t kMaxGateways = 256;
-inline constexpr std::size_t kMaxMasks = 32;        ///< bindings of a network with a mask
-inline constexpr std::size_t kMaxPorts = 256;       ///< of one gateway
-inline constexpr std::size_t kMaxMeshNodes = 4096;  ///< of one mesh, as the following
-inline constexpr std::size_t kMaxMeshLinks = 8192;  ///< directions, as core::mesh::kMaxLinks; also
-                                                    ///< members of domains
+inline constexpr std::size_t kMaxMasks = 32;        ///< bindings with a mask on one network
+inline constexpr std::size_t kMaxPorts = 256;       ///< for each gateway
+inline constexpr std::size_t kMaxMeshNodes = 4096;  ///< for each mesh, like the following limits
+inline constexpr std::size_t kMaxMeshLinks = 8192;  ///< directed links, as core::mesh::kMaxLinks;
+                                                    ///< also the limit of members of domains
 inline constexpr std::size_t kMaxMeshDomains = 1024;
 inline constexpr std::size_t kMaxMeshSources = 16;
 
-/// Names, subjects, networks with their bindings, gateways with their ports, meshes, publishers and
-/// subscribers. `system` must have valid indices.
+/// Checks all rules: for names, subjects, networks with their bindings, gateways with their ports,
+/// meshes, publishers and subscribers. All indices in `system` must be valid.
 void check_rules(const core::System& system, Problems& problems);
 
-/// More than `most` of them are too many.
+/// Reports a problem if there are more than `most` things.
 template <class Things>
 void check_count(const Things& things, std::size_t most, std::string_view element,
                  std::string_view words, Problems& problems) {
@@ -39,7 +39,7 @@ void check_count(const Things& things, std::size_t most, std::string_view elemen
                  core::FindingId::too_many);
 }
 
-/// The parts of check_rules.
+/// The parts of check_rules().
 void check_channels(const core::System& system, Problems& problems);
 void check_networks(const core::System& system, Problems& problems);
 void check_gateways(const core::System& system, Problems& problems);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The schema, compiled in: a program shows it without depending on a file next to it.
+// The schema, compiled in, so that a program can show it without any file.
 #include "description/read.hpp"
 
 namespace mlcca::description {

@@ -13,7 +13,7 @@
 namespace mlcca::description {
 namespace {
 
-/// Its units that are powers of ten of the one inside.
+/// The units of the attribute that are powers of ten of its integer unit.
 std::vector<const mlcca::Unit*> units_of(Attribute attribute) {
   const Measure measure = units::measure_of(info(attribute).unit);
   std::vector<const mlcca::Unit*> out;
@@ -50,7 +50,7 @@ std::optional<Attribute> with_short_name(std::string_view key) {
 }
 
 const ElementType* list_named(std::string_view element) {
-  // Elements of these names have types of the same names.
+  // The types have the same names as their elements.
   if (element != "Attributes" && element != "Provision" && element != "PerHop") return nullptr;
   const auto types = element_types();
   const auto found = std::ranges::find(types, element, &ElementType::name);

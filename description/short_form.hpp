@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The short form of a list: an XML attribute for each built-in attribute, such as period="50ms".
-// Which there are in which list, and what their values look like, is what system.xsd says.
+// The short form of a list of attributes: one XML attribute for each built-in attribute, e.g.
+// period="50ms". system.xsd says which ones a list may have and how their values are written.
 #pragma once
 #include <optional>
 #include <string>
@@ -14,34 +14,34 @@ namespace mlcca::description {
 
 constexpr char small(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-/// `key` is `name` with a small first letter.
+/// Whether `key` is `name` with a lower-case first letter.
 constexpr bool is_short_of(std::string_view key, std::string_view name) {
   return key.size() == name.size() && key.front() == small(name.front()) &&
          key.substr(1) == name.substr(1);
 }
 
-/// The name that the attribute has in the short form: "maxPayload" of MaxPayload.
+/// The attribute's name in the short form, e.g. "maxPayload" for MaxPayload.
 std::string short_name(Attribute attribute);
 
-/// The attribute that has the short name `key`.
+/// The attribute with the short name `key`; nullopt if there is none.
 std::optional<Attribute> with_short_name(std::string_view key);
 
-/// The type of <Attributes>, <Provision> or <PerHop>; null: that element is no list of attributes.
+/// The type of <Attributes>, <Provision> or <PerHop>; null for other elements.
 const ElementType* list_named(std::string_view element);
 
-/// What the elements Value and Dimension would state.
+/// The amount that the elements Value and Dimension state in the long form.
 struct Amount {
   std::string_view decimal;
   Dimension dimension;
 };
 
-/// "50ms" of a Period: 50, with Seconds 1 and Magnitude -3. The schema has accepted the text, which
-/// the result refers to.
+/// Parses a value that the schema has accepted: "50ms" of a Period is 50 with Seconds 1 and
+/// Magnitude -3. The result refers to `text`.
 Amount read_short(Attribute attribute, std::string_view text);
 
-/// The amount as an XML attribute of that list, exactly: the digits as they stand if a unit has the
-/// magnitude, otherwise in the unit in which they are the fewest. Nothing where the list has no
-/// such XML attribute or no unit says it: the amount then stays an element.
+/// The amount as an XML attribute of that list, exactly. If a unit has the amount's magnitude, its
+/// digits are kept; otherwise the unit that needs the fewest digits is used. Nullopt if the list
+/// has no such XML attribute or no unit can express the amount; then it must remain an element.
 std::optional<std::string> write_short(const ElementType& list, Attribute attribute,
                                        const Amount& amount);
 

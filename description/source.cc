@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A file is opened so that nothing but a regular one can hold us.
+// Opens only regular files, so that no other kind can block the program.
 #include "description/source.hpp"
 
 #include <fcntl.h>
@@ -22,7 +22,7 @@ constexpr std::size_t kBuffer = std::size_t{64} << 10U;  // bytes
 
 Result<Source> Source::open(const std::string& path) {
   Source out;
-  // A FIFO must not hold the daemon: it is opened without waiting, then refused.
+  // O_NONBLOCK, because opening a FIFO would block the daemon; it is refused below.
   out.fd_.reset(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   if (!out.fd_) return fail(fmt::format("cannot open the file: {}", std::strerror(errno)));
   struct stat status{};
@@ -56,14 +56,15 @@ ssize_t Source::read(char* to, std::size_t size) {
 
 namespace {
 
-/// Of text that begins with a byte order mark or with '<' in wider characters (XML 1.0, F.1).
+/// The encoding of a text that begins with a byte order mark, or with '<' in wider characters (XML
+/// 1.0, appendix F.1); nullopt for others.
 std::optional<std::string_view> other_encoding(std::string_view xml) {
   using namespace std::string_view_literals;
   struct Start {
     std::string_view bytes;
     std::string_view encoding;
   };
-  // UTF-32 before UTF-16, whose mark it begins with.
+  // UTF-32 comes first, because its mark begins with that of UTF-16.
   for (const auto& [bytes, encoding] : std::initializer_list<Start>{{"\xff\xfe\0\0"sv, "UTF-32"},
                                                                     {"\0\0\xfe\xff"sv, "UTF-32"},
                                                                     {"<\0\0\0"sv, "UTF-32LE"},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Where the bytes of a document come from: a regular file, or a text in memory.
+// The source of a document: a regular file, or a text in memory.
 #pragma once
 #include <sys/types.h>
 
@@ -17,27 +17,29 @@
 
 namespace mlcca::description {
 
-/// One document, read once from its start to its end.
+/// One document, which is read once from the start to the end.
 class Source {
  public:
-  /// Identity of a file, whatever its name.
+  /// Identifies a file independently of its name.
   using Identity = std::pair<dev_t, ino_t>;
 
-  /// A regular file. The error says why it cannot be opened or its start be read.
+  /// Opens a regular file. Fails with the reason if it cannot be opened or its first bytes cannot
+  /// be read.
   static Result<Source> open(const std::string& path);
   /// `text` must outlive the source.
   explicit Source(std::string_view text) : left_(text), size_(text.size()) {}
 
-  /// The first bytes, all of a text, that read() gives too. Before the first read().
+  /// The first bytes (all bytes of a text), which read() will return as well. Valid before the
+  /// first read().
   [[nodiscard]] std::string_view start() const { return left_; }
-  /// Bytes when it was opened.
+  /// The size in bytes when it was opened.
   [[nodiscard]] std::uint64_t size() const { return size_; }
-  /// Nothing for a text.
+  /// Nullopt for a text.
   [[nodiscard]] const std::optional<Identity>& identity() const { return identity_; }
 
-  /// Up to `size` bytes to `to`: how many, 0 at the end, -1 with errno.
+  /// Copies up to `size` bytes to `to`. Returns their number, 0 at the end, or -1 with errno.
   ssize_t read(char* to, std::size_t size);
-  /// From now on `copy` is called with what read() gives; null: no more.
+  /// Sets a function that is called with all bytes that read() returns; null removes it.
   void on_read(std::function<void(std::string_view)> copy) { copy_ = std::move(copy); }
 
  private:
@@ -45,15 +47,15 @@ class Source {
   ssize_t fill();
 
   Fd fd_;
-  std::unique_ptr<char[]> buffer_;  ///< of a file
-  std::string_view left_;           ///< of the buffer or text, not yet given
+  std::unique_ptr<char[]> buffer_;  ///< for a file only
+  std::string_view left_;           ///< the part of the buffer or text that is not read yet
   std::uint64_t size_ = 0;
   std::optional<Identity> identity_;
   std::function<void(std::string_view)> copy_;
 };
 
-/// Why a document that begins so, and is no longer than that if it is `whole`, cannot be UTF-8 XML;
-/// or nothing.
+/// Why a document with these first bytes cannot be XML in UTF-8; nullopt if it can. `whole`: these
+/// are all of its bytes.
 std::optional<std::string> wrong_start(std::string_view xml, bool whole);
 
 }  // namespace mlcca::description

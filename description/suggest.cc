@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Edit distance with swapped neighbours (optimal string alignment), over short names only.
+// Computes the edit distance with swapped neighbours (optimal string alignment) of short names.
 #include "description/suggest.hpp"
 
 #include <fmt/format.h>

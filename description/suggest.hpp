@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What was meant, when a name is unknown: the known names, and the one that is close.
+// Suggestions for an unknown name: the known names, and the one that is similar.
 #pragma once
 #include <span>
 #include <string>
@@ -7,11 +7,12 @@
 
 namespace mlcca::description {
 
-/// The name that differs from `name` by a slip or two (letters added, lost, changed or swapped,
-/// case aside), or an empty text. Looks at no more than the first 4096.
+/// The known name that differs from `name` by one or two slips (letters added, lost, changed or
+/// swapped, ignoring case); empty if there is none. Only the first 4096 names are compared.
 std::string_view closest(std::string_view name, std::span<const std::string_view> known);
 
-/// "did you mean robot-can? Known are robot-can, second-can"; at most 9 are named.
+/// The hint for an unknown name: "did you mean robot-can? Known are robot-can, second-can". At most
+/// 9 names are listed.
 std::string known_names(std::string_view name, std::span<const std::string_view> known);
 
 }  // namespace mlcca::description

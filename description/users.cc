@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The databases of users and groups, without their static buffers.
+// Looks up users and groups with the reentrant functions of the C library.
 #include "description/users.hpp"
 
 #include <fmt/format.h>
@@ -18,9 +18,10 @@
 namespace mlcca::description {
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{1} << 20U;  // of one entry
+constexpr std::size_t kMostBytes = std::size_t{1} << 20U;  // bytes of one entry
 
-/// `kind`: "user" or "group". `look_up` is as getpwnam_r, of entries with a number.
+/// `kind`: "user" or "group". `look_up`: getpwnam_r or a similar function. `number`: returns the
+/// number in an entry.
 template <class Entry, class LookUp, class Number>
 std::expected<std::uint32_t, NoUser> number_of(std::string_view kind, const std::string& name,
                                                LookUp look_up, Number number) {
@@ -43,7 +44,7 @@ std::expected<std::uint32_t, NoUser> number_of(std::string_view kind, const std:
     return std::unexpected(NoUser{fmt::format("{} {} cannot be looked up: {}", kind, name,
                                               std::strerror(error)),  // NOLINT(*-mt-unsafe)
                                   core::FindingId::unreadable});
-  // The C library says the same where a database cannot be opened, or is not there yet.
+  // The C library reports the same if a database cannot be opened or does not exist yet.
   return std::unexpected(NoUser{
       fmt::format("{0} {1} is not known on this machine: add the {0} or give a number", kind, name),
       core::FindingId::unreadable});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A value is held against its simple type.
+// Checks a value against its simple type.
 #include "description/values.hpp"
 
 #include <fmt/format.h>
@@ -19,9 +19,10 @@ namespace mlcca::description {
 
 namespace {
 
-constexpr std::size_t kShownValue = 80;  // bytes of a value that is quoted
+constexpr std::size_t kShownValue = 80;  // bytes of a value that are quoted
 
-/// No run needs a character that one before it has taken: make-grammar refuses such patterns.
+/// Greedy matching suffices: make-grammar refuses patterns in which a run needs a character that an
+/// earlier one could take.
 bool fits(Form form, std::string_view text) {
   const char* at = text.data();
   const char* const end = at + text.size();
@@ -34,8 +35,8 @@ bool fits(Form form, std::string_view text) {
   return at == end;
 }
 
-/// An optional sign and digits, as a number; nothing for anything else. What is beyond the range of
-/// long becomes its end.
+/// Parses an optional sign and digits; nullopt for other texts. A value outside the range of long
+/// becomes its limit.
 std::optional<long> to_integer(std::string_view text) {
   const bool negative = text.starts_with('-');
   if (negative || text.starts_with('+')) text.remove_prefix(1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The simple types of system.xsd: what a value looks like. The table is made of the schema
-// (make-grammar); here are its form and what it is read with.
+// The simple types of system.xsd, i.e. what a value must be like. make-grammar generates the table
+// from the schema; here are its form and the functions that read it.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -26,53 +26,54 @@ class Characters {
   std::array<bool, 256> in_{};
 };
 
-/// Characters of a set, one after the other: as many as there are, up to `most`.
+/// A run of characters of one set, as long as possible up to `most`; at least `least`.
 struct Run {
   const Characters* of = nullptr;
   std::uint32_t least = 0;
   std::uint32_t most = 0;
 };
 
-/// Runs, one after the other.
+/// Runs that follow one another.
 using Form = std::span<const Run>;
 
-/// What a decimal becomes: a whole number of 10^-digits.
+/// How a decimal is converted to an integer: in units of 10^-digits.
 struct Scale {
   int digits = 0;
-  Rounding rounding = Rounding::down;  ///< to the safe side
-  Value least = 0;                     ///< inclusive, as is the next
+  Rounding rounding = Rounding::down;  ///< towards the safe side
+  Value least = 0;                     ///< inclusive, as is `most`
   Value most = 0;
-  std::string_view range;  ///< in words
+  std::string_view range;  ///< the range in words
 };
 
-/// One simple type. Exactly one of `forms`, `values`, `integer` and `longest` says what is right.
+/// One simple type. Exactly one of `forms`, `values`, `integer` and `longest` defines its values.
 struct ValueType {
-  std::string_view name;                     ///< as in the schema
-  std::string_view words;                    ///< "it must be ...", of `forms` and integers
-  std::string_view pattern;                  ///< of the schema, from which `forms` are, or empty
-  std::span<const Form> forms;               ///< alternatives
-  std::span<const std::string_view> values;  ///< of an enumeration
+  std::string_view name;        ///< name in the schema
+  std::string_view words;       ///< "it must be ...", for `forms` and integers
+  std::string_view pattern;     ///< the pattern in the schema from which `forms` was made; empty
+                                ///< without one
+  std::span<const Form> forms;  ///< alternatives
+  std::span<const std::string_view> values;  ///< the words of an enumeration
   bool integer = false;
   long least = 0;  ///< of an integer, inclusive
   long most = 0;
   std::size_t shortest = 0;  ///< in characters
   std::size_t longest = 0;   ///< in characters
-  Scale scale;               ///< of a decimal that has a range
+  Scale scale;               ///< for a decimal with a range
 };
 
-/// Those that are named outside of the table, by the names that the schema gives them.
+/// The types that are used outside of the table, by their names in the schema.
 namespace type {
 extern const ValueType kAttributeName, kDecimal, kName, kNodeAddress, kSafeSide, kSetPriority,
     kSubject, kText;
 }  // namespace type
 
-/// All of them.
+/// All types of the table.
 std::span<const ValueType* const> value_types();
 
-/// Whether the schema accepts `value`, whose white space is collapsed.
+/// Whether the schema accepts `value`, whose white space must be collapsed.
 bool is_valid(const ValueType& type, std::string_view value);
 
-/// What is wrong with a value that is not valid, and what would be right.
+/// The text for a value that is not valid: what is wrong, and what would be right.
 std::string explain(const ValueType& type, std::string_view value);
 
 }  // namespace mlcca::description

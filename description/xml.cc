@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The files of a description: which are open, which are included where, and the limits of all of
-// them together.
+// Opens the files of a description, follows inclusions, and enforces the limits of all files
+// together.
 #include "description/xml.hpp"
 
 #include <fmt/format.h>
@@ -21,7 +21,8 @@ namespace {
 
 using core::FindingId;
 
-constexpr std::uint64_t kReportedStep = std::uint64_t{1} << 20U;  // of progress, in bytes
+constexpr std::uint64_t kReportedStep = std::uint64_t{1} << 20U;  // bytes between two reports of
+                                                                  // progress
 
 class Document {
  public:
@@ -44,7 +45,7 @@ class Document {
   /// A file that is being read.
   struct OpenFile {
     std::string path;
-    std::optional<std::string> folder;  ///< where includes are looked up; nothing: refused
+    std::optional<std::string> folder;  ///< where includes are looked up; nullopt: they are refused
     std::optional<Source::Identity> identity;
   };
 
@@ -59,13 +60,13 @@ class Document {
   const Progress& progress_;
   Builder builder_;
   bool hashes_, copies_;
-  std::vector<Sha256::Digest> digests_;  ///< of the files, in the order in which they were opened
-  std::vector<BundledFile> files_;       ///< the same
-  std::vector<FileInBundle> supplied_;   ///< in place of files
-  std::size_t next_ = 0;                 ///< of those
+  std::vector<Sha256::Digest> digests_;  ///< of the files in the order in which they are opened
+  std::vector<BundledFile> files_;       ///< in the same order
+  std::vector<FileInBundle> supplied_;   ///< files of a bundle, used instead of files on disk
+  std::size_t next_ = 0;                 ///< index of the next one
   std::vector<OpenFile> open_;
-  std::size_t opened_ = 0;   ///< files so far
-  std::uint64_t total_ = 0;  ///< bytes in them, as far as it is known
+  std::size_t opened_ = 0;   ///< number of files so far
+  std::uint64_t total_ = 0;  ///< bytes in all files so far
   std::uint64_t read_ = 0;   ///< bytes
   std::uint64_t reported_ = 0;
 };
@@ -75,7 +76,7 @@ std::string too_many_bytes() {
                      kMaxBytes);
 }
 
-/// False where the limit of bytes is exceeded.
+/// Counts bytes and reports progress. Returns false if the limit of bytes is exceeded.
 bool Document::account(std::size_t bytes) {
   read_ += bytes;
   total_ = std::max(total_, read_);
@@ -92,7 +93,7 @@ bool Document::account(std::size_t bytes) {
   return true;
 }
 
-/// Why the file cannot be read now, although it can be opened.
+/// Why a file that can be opened must not be read now; nullopt if it may.
 std::optional<std::string> Document::refusal(const Source& source, const std::string& path) const {
   if (total_ + source.size() > kMaxBytes) return too_many_bytes();
   if (opened_ >= kMaxFiles)
@@ -179,7 +180,7 @@ void Document::include(std::string_view href, core::Origin at) {
   }
   auto source = Source::open(*path);
   if (!source) {
-    problems_.add_file(*path);  // who watches the files wants to know when it appears
+    problems_.add_file(*path);  // so that a watcher of the files notices when it appears
     refuse(fmt::format("{}: {}", *path, source.error().text), FindingId::unreadable);
     return;
   }
