@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause
 /*
- * The dead-man closes all gates when the daemon's heart-beat stands still. Each beat moves a
- * deadline in jiffies, which the gates compare with the clock themselves (closed.bpf.h); user space
- * cannot read jiffies, so a beat is a run of gate_beat. A kernel timer is the second line: it
- * counts the lapse while no heart-beat comes. A value with a timer can't be memory-mapped, so it
- * has a map of its own.
+ * The dead-man: closes all gates when the daemon's heart-beat stops. Each beat moves a deadline in
+ * jiffies, which the gates themselves compare with the clock (closed.bpf.h). User space cannot read
+ * jiffies, so a beat is a run of gate_beat. A kernel timer is the second line of defence: it counts
+ * the lapse when no heart-beat comes. A value with a timer cannot be memory-mapped, so it has a map
+ * of its own.
  */
 #include <stdbool.h>
 #include <linux/bpf.h>
@@ -18,7 +18,7 @@
 #include "bpf/closed.bpf.h"
 
 #define FOR_EVER       (~0ULL)
-#define SHORTEST_CHECK 1000000ULL /* ns: a word of 0 must not keep a CPU busy */
+#define SHORTEST_CHECK 1000000ULL /* ns, so that a control word of 0 does not keep a CPU busy */
 
 struct deadman {
 	struct bpf_timer timer;
@@ -45,7 +45,7 @@ static __u64 next_check(void)
 	return check < SHORTEST_CHECK ? SHORTEST_CHECK : check;
 }
 
-/* Timer and beat may find the same silence: it is one lapse. */
+/* Timer and beat may notice the same silence, which counts as one lapse. */
 static __always_inline void lapse(void)
 {
 	if (!__sync_lock_test_and_set(&control.lapsed, 1))
@@ -55,7 +55,10 @@ static __always_inline void lapse(void)
 static int check_heartbeat(void *map, __u32 *key, struct deadman *d)
 {
 	__u64 grace = READ_ONCE(control.grace_ns);
-	/* The heart-beat before the clock: a beat in between must not count as a long silence. */
+	/*
+	 * The heart-beat is read before the clock, so that a beat in between does not count as a
+	 * long silence.
+	 */
 	__u64 heartbeat = READ_ONCE(control.heartbeat);
 	__u64 now = bpf_ktime_get_ns();
 
@@ -66,7 +69,10 @@ static int check_heartbeat(void *map, __u32 *key, struct deadman *d)
 	return 0;
 }
 
-/* Run once by BPF_PROG_TEST_RUN: only a program can start a timer. Gives 0, or a negative errno. */
+/*
+ * Starts the timer. Run once by BPF_PROG_TEST_RUN, because only a program can start a timer.
+ * Returns 0 or a negative errno.
+ */
 SEC("tc")
 int gate_arm(struct __sk_buff *skb)
 {
@@ -77,7 +83,7 @@ int gate_arm(struct __sk_buff *skb)
 	d = bpf_map_lookup_elem(&deadman, &key);
 	if (!d)
 		return -1;
-	/* It is there already after a restart of the daemon. Then the callback becomes ours. */
+	/* After a restart of the daemon it exists; then only its callback is replaced. */
 	bpf_timer_init(&d->timer, &deadman, CLOCK_MONOTONIC);
 	err = bpf_timer_set_callback(&d->timer, check_heartbeat);
 	if (err)
@@ -90,8 +96,8 @@ int gate_arm(struct __sk_buff *skb)
 }
 
 /*
- * The deadline `next`, or the one before that gate_until allows. Jiffies are rounded down, and one
- * is taken off for that which has begun; where nothing is left the deadline is over already.
+ * The deadline `next`, or an earlier one that gate_until requires. Jiffies are rounded down, and
+ * one is subtracted for the one that has begun; if nothing is left, the deadline has passed.
  */
 static __always_inline __u64 allowed(__u64 jiffies, __u64 next)
 {
@@ -109,9 +115,9 @@ static __always_inline __u64 allowed(__u64 jiffies, __u64 next)
 }
 
 /*
- * Run by BPF_PROG_TEST_RUN; skb->mark is an enum gate_beat. Gates that have been closed for silence
- * never open by a beat: frames may have been dropped, and what the daemon knows may be old. A
- * deadline of 0 is that of a word for which no heart-beat has come yet.
+ * Moves the deadline. Run by BPF_PROG_TEST_RUN; skb->mark is an enum gate_beat. A beat never opens
+ * gates that were closed because of silence: frames may have been dropped, and what the daemon
+ * knows may be outdated. A deadline of 0 belongs to a control word that had no heart-beat yet.
  */
 SEC("tc")
 int gate_beat(struct __sk_buff *skb)
@@ -134,7 +140,10 @@ int gate_beat(struct __sk_buff *skb)
 	return 0;
 }
 
-/* Run by BPF_PROG_TEST_RUN: jiffies until the gates close by themselves, ~0: 2^32 and more. */
+/*
+ * Run by BPF_PROG_TEST_RUN: returns the jiffies until the gates close by themselves; ~0: 2^32 or
+ * more.
+ */
 SEC("tc")
 int gate_left(struct __sk_buff *skb)
 {

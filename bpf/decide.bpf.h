@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
 /*
- * The decision, as far as gates of CAN and of Ethernet decide alike: the walk over the slots of one
- * subject, and that all of it is read by the verdicts of one generation. A kind of gate defines
- * before it
- *   ASKED       the struct that is decided about, with `generation` and `read`
- *   CONTEXT     the parameter in front that fit_apart() needs, with its comma, or nothing
+ * The part of the decision that gates of CAN and of Ethernet have in common: the walk over the
+ * slots of one subject, and the check that all of it was read in one generation of verdicts. A kind
+ * of gate defines before it is included:
+ *   ASKED       the struct that is decided about, with the members `generation` and `read`
+ *   CONTEXT     the parameter that fit_apart() needs in front, with its comma, or nothing
  *   OF_CONTEXT  the argument for it
- * and behind it the functions that are declared here.
+ * and after it the functions that are declared here.
  */
 #ifndef MLCCA_DECIDE_BPF_H
 #define MLCCA_DECIDE_BPF_H
@@ -16,7 +16,7 @@ struct decision {
 	__u32 reason; /* enum gate_reason */
 };
 
-/* A decision in one word, as functions that the verifier checks once by themselves return it. */
+/* A decision in one word, because functions that the verifier checks separately return a scalar. */
 static __always_inline __u64 packed(__u32 reason, __u32 slot) { return (__u64)reason << 32 | slot; }
 
 static __always_inline struct decision unpacked(__u64 found)
@@ -24,14 +24,16 @@ static __always_inline struct decision unpacked(__u64 found)
 	return (struct decision){.slot = found, .reason = found >> 32};
 }
 
-/* Whether the slot admits it; GATE_R_UNKNOWN: the slot is for another subject. */
+/*
+ * Whether the slot admits `asked`, as enum gate_reason; GATE_R_UNKNOWN: it is for another subject.
+ */
 __noinline __u32 fit_apart(CONTEXT __u32 at, struct ASKED *asked, __u32 direction);
-/* The slot behind this one; 0: it is the last. */
+/* The slot after this one in the chain; 0: it is the last one. */
 static __always_inline __u32 next_of(__u32 at);
-/* As walk(), from the first slot that the subject may have. Leaves in `read` what it read. */
+/* Like walk(), from the first slot that the subject may have. Adds what it reads to `read`. */
 static __always_inline __u64 walk_from_head(CONTEXT struct ASKED *asked, __u32 direction);
 
-/* The verdict of a slot, by the generation that is decided by. */
+/* The verdict of a slot, as a reason, in the generation that is used for the decision. */
 static __always_inline __u32 reason_of_verdict(const __u8 *verdict, struct ASKED *asked)
 {
 	__u32 now = READ_ONCE(verdict[asked->generation & 1]);
@@ -41,16 +43,16 @@ static __always_inline __u32 reason_of_verdict(const __u8 *verdict, struct ASKED
 }
 
 /*
- * Passes when any slot of the subject admits it. Otherwise gives the slot that came furthest, of
- * equals the first; the direction's own slot where the subject has none.
+ * Passes if any slot of the subject admits it. Otherwise returns the reason of the slot that came
+ * furthest, of equals the first; or the direction's own slot if the subject has none.
  *
- * Not static: the verifier checks it once by itself, and takes its result for any number. Static
- * functions would multiply with every way that leads to and from them.
+ * It is not static, so that the verifier checks it once and takes any number for its result. For a
+ * static function it would check every path that leads to and from it.
  */
 __noinline __u64 walk(CONTEXT __u32 at, struct ASKED *asked, __u32 direction)
 {
 	__u32 slot = direction, best = GATE_R_UNKNOWN;
-	__u64 i; /* alone in its word of the stack, or the verifier loses count */
+	__u64 i; /* alone in its stack word, or the verifier loses its value */
 
 	if (!asked)
 		return packed(GATE_R_UNKNOWN, direction);
@@ -69,7 +71,7 @@ __noinline __u64 walk(CONTEXT __u32 at, struct ASKED *asked, __u32 direction)
 	return packed(best, slot);
 }
 
-/* By the verdicts of one generation, after another one has begun during the first try. */
+/* Decides again in one generation, because another one began during the first try. */
 __noinline __u64 decide_again(CONTEXT const struct ASKED *asked, __u32 direction)
 {
 	struct ASKED copy;
@@ -90,7 +92,7 @@ __noinline __u64 decide_again(CONTEXT const struct ASKED *asked, __u32 direction
 	return packed(GATE_R_DENIED, direction);
 }
 
-/* What was found, if all of it was read by one generation; else the same decided again. */
+/* The result that was found if all of it was read in one generation; otherwise decides again. */
 static __always_inline struct decision settled(CONTEXT const struct ASKED *asked, __u32 direction,
 					       __u64 found)
 {

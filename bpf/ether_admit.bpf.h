@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
-/* What becomes of an event that its slot admits. */
+/* Handles an event that its slot admits: marking, policing, counting, watching. */
 #ifndef MLCCA_ETHER_ADMIT_BPF_H
 #define MLCCA_ETHER_ADMIT_BPF_H
 
@@ -11,8 +11,8 @@ static __always_inline struct gate_watch *watch_of(const struct ether_slot *slot
 }
 
 /*
- * Marks what comes in, polices, counts and watches it. One reading of the clock serves all of it.
- * False: more than was admitted, and to be dropped.
+ * Marks an event at ingress, polices, counts and watches it. The clock is read once for all of
+ * that. Returns false if it exceeds what was admitted and must be dropped.
  */
 static __always_inline bool admit(struct __sk_buff *skb, struct ether_cpu *cpu, __u32 direction,
 				  __u32 at, const struct event *e)
@@ -28,7 +28,7 @@ static __always_inline bool admit(struct __sk_buff *skb, struct ether_cpu *cpu, 
 	contract = contract_of(slot);
 	if (!contract)
 		return false;
-	/* In audit mode what is too much goes on as what it is. */
+	/* In audit mode, excess goes on with its mark. */
 	if (direction == GATE_INGRESS)
 		skb->mark = mark_of(slot, contract, ifindex);
 	cost = cost_of(contract->per_frame, contract->per_byte, e->len);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
 /*
- * The gate of one Ethernet-like interface: of what carries events it lets through what a slot
- * admits and drops everything else. All other traffic is left alone. What the kernel says of a
- * buffer, skb.bpf.h or test_skb.bpf.h, is included before it.
+ * The gate of one Ethernet-like interface: passes the events that a slot admits, and drops all
+ * other events. Other traffic is not affected. skb.bpf.h or test_skb.bpf.h, which describe a socket
+ * buffer, must be included before.
  */
 #ifndef MLCCA_ETHER_BODY_BPF_H
 #define MLCCA_ETHER_BODY_BPF_H
@@ -14,24 +14,24 @@
 #include "bpf/police.bpf.h"
 #include "bpf/sample.bpf.h"
 
-/* Set before loading. */
+/* These constants are set before loading. */
 const volatile __u32 ifindex = 0;
 const volatile __u32 bucket_mask = 0;
 const volatile __u32 slots_of_bank = 0;
 const volatile __u32 banks = 1;
 /* The prefilter is read before the buckets. */
 const volatile __u8 has_prefilter = false;
-/* Read packets by packet pointers; false where the verifier refuses unaligned loads. */
+/* Reads packets by packet pointers; false if the verifier refuses unaligned loads. */
 const volatile __u8 direct_access = true;
-/* The interface is of IEEE 802.15.4. What a buffer says of its protocol is its sender's word. */
+/* The interface is IEEE 802.15.4. The protocol in a buffer is what its sender states there. */
 const volatile __u8 is_wpan = false;
 #include "bpf/ether_maps.bpf.h"
 
 MAPPED_ARRAY(buckets, __u64);
 MAPPED_ARRAY(ether_prefilter, struct ether_prefilter_part);
 MAPPED_ARRAY(contracts, struct ether_contract);
-MAPPED_ARRAY(counts, struct gate_count); /* [bank][slot] */
-MAPPED_ARRAY(audits, struct gate_audit); /* by slot */
+MAPPED_ARRAY(counts, struct gate_count); /* index: [bank][slot] */
+MAPPED_ARRAY(audits, struct gate_audit); /* index: slot */
 MAPPED_ARRAY(cpus, struct ether_cpu);
 
 #include "bpf/ether_parse.bpf.h"
@@ -53,9 +53,9 @@ static __always_inline struct packet packet_of(struct __sk_buff *skb)
 }
 
 /*
- * What the headers say may lie in pages that cannot be read in place. Then it is brought together,
- * for UDP and AWDS alone: of other packets nothing behind the IP header is read.
- * Not static: the verifier checks it once by itself, and takes its result for any number.
+ * Parses a packet. Its headers may be in pages that cannot be read in place; they are made linear
+ * then, but for UDP and AWDS only, since nothing after the IP header is read of other packets. It
+ * is not static, so that the verifier checks it once and takes any number for its result.
  */
 __noinline __u32 read_event(struct __sk_buff *skb, struct event *e)
 {
@@ -75,7 +75,7 @@ __noinline __u32 read_event(struct __sk_buff *skb, struct event *e)
 	return parse(&p, e);
 }
 
-/* Who sends; of no interest at ingress. */
+/* Determines the local or remote sender, for egress. */
 static __always_inline void take_sender(struct __sk_buff *skb, struct event *e)
 {
 	__u32 from = skb->ingress_ifindex;
@@ -84,7 +84,10 @@ static __always_inline void take_sender(struct __sk_buff *skb, struct event *e)
 	e->source = is_local(skb) ? 0 : from ? from : GATE_NO_SOURCE;
 }
 
-/* Counts a drop, or what would be one, and gives the action: audit mode drops nothing. */
+/*
+ * Counts a drop and returns the action. In audit mode nothing is dropped, and what would be is
+ * counted.
+ */
 static __always_inline int drop(struct ether_cpu *cpu, __u32 direction, __u32 slot, __u32 reason,
 				const struct event *e)
 {
@@ -98,8 +101,8 @@ static __always_inline int drop(struct ether_cpu *cpu, __u32 direction, __u32 sl
 }
 
 /*
- * The same of what carries an event, or may. What ingress has refused in audit mode is marked, so
- * that it is counted once; at egress only ones that ingress has counted are left.
+ * Drops an event, or what may be one. In audit mode, what ingress refuses is marked so that it is
+ * counted once; egress passes it without counting it again.
  */
 static __always_inline int refuse(struct __sk_buff *skb, struct ether_cpu *cpu, __u32 direction,
 				  __u32 slot, __u32 reason, struct event *e)
@@ -122,7 +125,7 @@ static __always_inline int refuse(struct __sk_buff *skb, struct ether_cpu *cpu, 
 	return action;
 }
 
-/* Of a first fragment: an identification that is in use for something else says nothing. */
+/* Checks a first fragment: it is refused if its identification is in use for another datagram. */
 static __always_inline __u32 judge_first(const struct event *e, void *others)
 {
 	return e->more && remembered(others, &e->key) ? GATE_R_FRAGMENT : GATE_R_PASSED;
@@ -135,7 +138,7 @@ static __always_inline struct decision judge(struct __sk_buff *skb, __u32 direct
 
 	if (closed(READ_ONCE(table.epoch)))
 		return d;
-	/* Several datagrams in one buffer, of which only the first would be checked. */
+	/* A buffer with several datagrams, of which only the first would be checked. */
 	d.reason = skb->gso_size ? GATE_R_MALFORMED : judge_first(e, &foreign_fragments);
 	if (d.reason != GATE_R_PASSED)
 		return d;
@@ -159,7 +162,7 @@ static __always_inline int filter_event(struct __sk_buff *skb, struct ether_cpu 
 		       : refuse(skb, cpu, direction, d.slot, d.reason, e);
 }
 
-/* The mark of the datagram that a fragment of it belongs to, which its slot has admitted. */
+/* The mark of the datagram that a later fragment belongs to, as its slot has admitted it. */
 static __always_inline __u32 mark_of_later(const struct ether_fragment *f)
 {
 	__u32 at = f->slot;
@@ -209,7 +212,7 @@ static __always_inline int filter(struct __sk_buff *skb, __u32 direction)
 		take_sender(skb, &e);
 	if (nature == LATER)
 		return filter_later(skb, cpu, direction, &e);
-	/* No token leaves the machine or the namespace. */
+	/* No token may leave the machine or the namespace. */
 	skb->mark = 0;
 	if (nature != EVENT)
 		return refuse(skb, cpu, direction, direction,
@@ -221,7 +224,7 @@ foreign:
 	return TC_ACT_UNSPEC;
 }
 
-/* Not static, as read_event(). */
+/* Not static, for the same reason as read_event(). */
 __noinline __u32 copies_event(struct __sk_buff *skb)
 {
 	struct packet p = packet_of(skb);
@@ -266,9 +269,9 @@ __noinline __u32 read_early(struct xdp_md *ctx, struct event *e)
 }
 
 /*
- * In the driver, where it can be had: what ingress would drop anyway is dropped before it costs a
- * buffer, and before programs with packet sockets see it. All that is not certain is left to
- * ingress, which also polices, counts what passes and knows fragments.
+ * XDP, where the driver has it: drops what ingress would drop, before it costs a buffer and before
+ * packet sockets see it. What is not certain is left to ingress, which also polices, counts what
+ * passes, and knows fragments.
  */
 SEC("xdp")
 int ether_early(struct xdp_md *ctx)

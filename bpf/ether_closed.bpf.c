@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause
 /*
- * What an Ethernet-like interface gets before there is a daemon: of what carries events nothing
- * passes, all other traffic is left alone, exactly as the gate does while it is closed. Without
- * tables and counters, so that it is there in a tenth of the time.
+ * The program of an Ethernet-like interface before a daemon runs: like a closed gate, it drops what
+ * carries events and does not affect other traffic. It has no tables and counters, so that it is
+ * loaded in a tenth of the time.
  */
 #include <stdbool.h>
 #include <stddef.h>
@@ -22,16 +22,16 @@
 
 struct gate_control control SEC(".data.control"); /* shared by all interfaces */
 
-/* Packets are read by a helper: that works on every machine, and is checked by the kernel soon. */
+/* Packets are read by a helper, which works on every machine and is verified quickly. */
 #define direct_access false
 
-/* Set before loading: the interface is of IEEE 802.15.4. */
+/* Set before loading: the interface is IEEE 802.15.4. */
 const volatile __u8 is_wpan = false;
 
 #include "bpf/ether_parse.bpf.h"
 #include "bpf/ether_remember.bpf.h"
 
-/* Not static: the verifier checks it once by itself. */
+/* Not static, so that the verifier checks it once. */
 __noinline __u32 read_event(struct __sk_buff *skb, struct event *e)
 {
 	struct packet p = {.ctx = skb, .len = skb->len};
@@ -61,7 +61,7 @@ static __always_inline int filter(struct __sk_buff *skb, __u32 direction)
 {
 	if (passes(skb, direction))
 		return TC_ACT_UNSPEC;
-	skb->mark = 0; /* whoever made it: nothing here was granted */
+	skb->mark = 0; /* whoever set it: nothing was granted here */
 	return READ_ONCE(control.mode) == GATE_AUDIT ? TC_ACT_UNSPEC : TC_ACT_SHOT;
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
 /*
- * Counting, exact, as gate_count.bpf.h does it. Where a table has one bank of counters for all
- * CPUs, they are added to atomically.
+ * Exact counters for Ethernet, like gate_count.bpf.h. If a table has one bank of counters for all
+ * CPUs, they are updated atomically.
  */
 #ifndef MLCCA_ETHER_COUNT_BPF_H
 #define MLCCA_ETHER_COUNT_BPF_H
@@ -62,7 +62,7 @@ static __always_inline void report_unknown(__u64 frames, __u32 direction, const 
 	report_sample(&sample, &table.sample_due);
 }
 
-/* The sequence is 0 while the entry changes hands. */
+/* The sequence is 0 while the entry is reused for another subject. */
 static __always_inline void note_unknown(struct ether_cpu *cpu, __u32 direction,
 					 const struct event *e)
 {
@@ -84,7 +84,7 @@ static __always_inline void note_unknown(struct ether_cpu *cpu, __u32 direction,
 	store_in_order(&seen->sequence, sequence);
 }
 
-/* Of what is dropped, and of what audit mode lets through. */
+/* Notes what is dropped, or in audit mode would be. */
 static __always_inline void note_refusal(struct ether_cpu *cpu, __u32 direction, __u32 at,
 					 __u32 reason, const struct event *e)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
-/* Which slot an event belongs to, and whether that slot admits it. */
+/* Decides which slot an event belongs to, and whether the slot admits it. */
 #ifndef MLCCA_ETHER_DECIDE_BPF_H
 #define MLCCA_ETHER_DECIDE_BPF_H
 
@@ -15,7 +15,7 @@ static __always_inline struct ether_contract *contract_of(const struct ether_slo
 	return bpf_map_lookup_elem(&contracts, &at);
 }
 
-/* The mark of what the ingress gate of an interface has passed by a slot like this one. */
+/* The mark of events that the ingress gate of interface `from` has passed by such a slot. */
 static __always_inline __u32 mark_of(const struct ether_slot *slot,
 				     const struct ether_contract *contract, __u32 from)
 {
@@ -23,7 +23,10 @@ static __always_inline __u32 mark_of(const struct ether_slot *slot,
 				  gate_origin(slot->subject, ether_station(slot, contract)));
 }
 
-/* Egress: it comes from the interface of the grant, or from a program of its user. */
+/*
+ * Egress: whether the event comes from the granted interface, or from a program of the granted
+ * user.
+ */
 static __always_inline bool comes_from(const struct ether_contract *contract, const struct event *e)
 {
 	if (e->source != contract->source)
@@ -31,7 +34,9 @@ static __always_inline bool comes_from(const struct ether_contract *contract, co
 	return e->source || contract->uid == GATE_ANY_UID || contract->uid == e->uid;
 }
 
-/* Egress: the gate of the interface that it comes from has passed it as what the slot is for. */
+/*
+ * Egress: whether the gate of the interface that it comes from has passed it as this slot's event.
+ */
 static __always_inline bool is_vouched_for(const struct ether_slot *slot,
 					   const struct ether_contract *contract,
 					   const struct event *e)
@@ -40,8 +45,8 @@ static __always_inline bool is_vouched_for(const struct ether_slot *slot,
 }
 
 /*
- * Whoever has a slot of that subject for himself never meets the wildcard. An event that has met
- * its own slot in the chain, which stands first, is `known`.
+ * Checks the sender. A station with a slot of its own for the subject never uses the wildcard
+ * entry: its slot precedes that in the chain and sets `known`.
  */
 static __always_inline __u32 fit_sender(const struct ether_slot *slot,
 					const struct ether_contract *contract, struct event *e)
@@ -83,7 +88,7 @@ static __always_inline bool is_of(const struct ether_slot *slot, __u32 direction
 	return slot->subject == e->subject && slot->direction == direction;
 }
 
-/* Not static, as walk(). */
+/* Not static, for the same reason as walk(). */
 __noinline __u32 fit_apart(__u32 at, struct event *e, __u32 direction)
 {
 	const struct ether_slot *slot = bpf_map_lookup_elem(&slots, &at);
@@ -113,7 +118,7 @@ static __always_inline __u64 walk_from_head(struct event *e, __u32 direction)
 	return walk(first, e, direction);
 }
 
-/* Of one slot, by one generation. */
+/* The verdict of one slot, read in one generation. */
 static __always_inline __u32 verdict_of(const struct ether_slot *slot)
 {
 	__u32 i;
@@ -128,7 +133,10 @@ static __always_inline __u32 verdict_of(const struct ether_slot *slot)
 	return GATE_DENY;
 }
 
-/* False: the bucket has no such subject. Bits are there before their subject, and go after it. */
+/*
+ * Returns false if the bucket has no such subject. User space sets the bits before it adds a
+ * subject, and clears them after it has removed it.
+ */
 static __always_inline bool may_be_there(__u32 bucket, __u64 hash)
 {
 	__u32 at = bucket / ETHER_PREFILTER_BUCKETS;
@@ -138,7 +146,7 @@ static __always_inline bool may_be_there(__u32 bucket, __u64 hash)
 	return part && (READ_ONCE(part->bits[bucket % ETHER_PREFILTER_BUCKETS]) & wanted) == wanted;
 }
 
-/* The first slot is compared in place: nearly always it is the only one. */
+/* The first slot is compared in place, because it is nearly always the only one. */
 static __always_inline struct decision decide(__u32 direction, struct event *e)
 {
 	__u64 hash = ether_hash(table.seed, e->subject, direction);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
-/* IP fragments of events: they go the way of the first one. */
+/* Later IP fragments of events: they are treated like the first one. */
 #ifndef MLCCA_ETHER_FRAGMENT_BPF_H
 #define MLCCA_ETHER_FRAGMENT_BPF_H
 
@@ -7,8 +7,10 @@
 
 FRAGMENT_MAP(fragments);
 
-/* What is too much gives back what it took: for a moment others may find too little, never too
- * much. */
+/*
+ * Takes the fragment's bytes from what may still follow. If that does not suffice they are given
+ * back: for a moment other fragments may find too little, but never too much.
+ */
 static __always_inline bool take_octets(struct ether_fragment *f, const struct event *e)
 {
 	if (__sync_fetch_and_add(&f->left, -(__s64)e->payload) >= (__s64)e->payload)
@@ -17,7 +19,10 @@ static __always_inline bool take_octets(struct ether_fragment *f, const struct e
 	return false;
 }
 
-/* Of a datagram whose first fragment was admitted, and would be now from the same sender. */
+/*
+ * Whether a later fragment passes: its first fragment was admitted, and would be admitted now from
+ * the same sender.
+ */
 static __always_inline __u32 fragment_reason(const struct ether_fragment *f, const struct event *e)
 {
 	__u32 end = e->offset + e->payload, at = f->slot;
@@ -37,8 +42,8 @@ static __always_inline __u32 fragment_reason(const struct ether_fragment *f, con
 }
 
 /*
- * GATE_R_PASSED or a reason to drop it; GATE_R_FOREIGN where it belongs to no event of ours. Excess
- * is counted with its slot.
+ * GATE_R_PASSED, or a reason to drop the fragment; GATE_R_FOREIGN if it belongs to no event. Excess
+ * is counted with the slot.
  */
 static __always_inline struct decision judge_later(struct ether_fragment *f, const struct event *e)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
-/* The maps that the Ethernet gate and its timers share. */
+/* The maps that the Ethernet gate and its silence timers share. */
 #ifndef MLCCA_ETHER_MAPS_BPF_H
 #define MLCCA_ETHER_MAPS_BPF_H
 

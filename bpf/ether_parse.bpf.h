@@ -1,47 +1,49 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
-/* From a packet to the event in it, for tc and XDP alike. */
+/* Finds the event in a packet, for tc and XDP. */
 #ifndef MLCCA_ETHER_PARSE_BPF_H
 #define MLCCA_ETHER_PARSE_BPF_H
 
 struct packet {
 	void *ctx;
 	const void *data;
-	const void *end; /* of what can be read in place */
-	__u32 len;	 /* of all of it */
+	const void *end; /* end of what can be read in place */
+	__u32 len;	 /* length of the packet */
 	bool xdp;
 };
 
 enum nature {
-	NOT_EVENT,	 /* nothing of ours */
+	NOT_EVENT,	 /* no event, and nothing that may carry one */
 	NOT_EVENT_FIRST, /* first IP fragment of a datagram that is no event */
-	EVENT,		 /* whole, or the first IP fragment */
-	LATER,		 /* IP fragment without a subject */
+	EVENT,		 /* a complete event, or the first IP fragment of one */
+	LATER,		 /* later IP fragment, without the subject */
 	MALFORMED,
 	OPAQUE,
 };
 
 struct event {
 	__u64 subject;
-	__u64 station;	  /* whom it is from: as ether_station() */
+	__u64 station;	  /* sender, see ether_station() */
 	__u32 len;	  /* payload bytes */
 	__u32 form;	  /* ETHER_UNFRAGMENTED or ETHER_FRAGMENT */
-	__u32 mark;	  /* when the gate saw it first */
-	__u32 source;	  /* who sends it, at egress: as in gate_frame.bpf.h */
-	__u32 uid;	  /* of the local program that sends it */
-	__u32 generation; /* of the verdicts that it is decided by */
-	__u32 read;	  /* sum of what was read for that: see moved_on() */
-	/* Of an IP packet: */
+	__u32 mark;	  /* its mark when the gate read it */
+	__u32 source;	  /* egress: where it comes from, as source_of() in gate_frame.bpf.h */
+	__u32 uid;	  /* user of the local program that sends it */
+	__u32 generation; /* generation of verdicts used for the decision */
+	__u32 read;	  /* sum of what was read for the decision, see moved_on() */
+	/* For IP packets: */
 	__u32 offset;  /* of the fragment in the datagram */
-	__u32 payload; /* bytes of it here */
-	__u32 whole;   /* bytes of the datagram, as its UDP header has it */
-	bool more;     /* fragments follow */
+	__u32 payload; /* bytes of the datagram in this packet */
+	__u32 whole;   /* bytes of the datagram according to its UDP header */
+	bool more;     /* more fragments follow */
 	bool known;    /* a slot is for its station alone */
-	/* Of the innermost Ethernet frame: take_mac(). */
+	/* For the innermost Ethernet frame, see take_mac(): */
 	__u8 mac[ETH_ALEN];
 	struct ether_fragment_key key;
 };
 
-/* Reads one number or header; false beyond the end. Where to is bounded, so that it can be checked.
+/*
+ * Reads one number or header at offset `at`; false beyond the end. `at` must be bounded, so that
+ * the verifier can check it.
  */
 #define TAKE(p, at, to)                                                                            \
 	({                                                                                         \
@@ -59,7 +61,7 @@ struct event {
 		ok_;                                                                               \
 	})
 
-/* Behind the addresses and tags at *at: leaves *at where the payload begins. */
+/* Skips the addresses and tags of a frame at *at: *at is where the payload begins afterwards. */
 static __always_inline enum nature parse_link(const struct packet *p, __u32 *at, __be16 *protocol)
 {
 	__u32 i;
@@ -75,7 +77,7 @@ static __always_inline enum nature parse_link(const struct packet *p, __u32 *at,
 		if (!TAKE(p, *at - 2, protocol))
 			return MALFORMED;
 	}
-	/* A frame with more tags than are skipped. */
+	/* The frame has more tags than are skipped. */
 	return *protocol == bpf_htons(ETH_P_8021Q) || *protocol == bpf_htons(ETH_P_8021AD)
 		   ? OPAQUE
 		   : NOT_EVENT;
@@ -127,7 +129,9 @@ static __always_inline enum nature parse_ip(const struct packet *p, __u32 at, st
 	e->station = bpf_ntohl(ip.saddr);
 	e->offset = (fragment & 0x1fff) * 8;
 	e->more = fragment & 0x2000;
-	/* All fragments but the last end at a multiple of 8, and none behind what a length can say.
+	/*
+	 * All fragments except the last have a multiple of 8 bytes, and none ends beyond the
+	 * largest length.
 	 */
 	if ((e->more && e->payload % 8) || e->offset + e->payload > 0xffff)
 		return MALFORMED;
@@ -157,7 +161,7 @@ static __always_inline enum nature parse_publish(const struct packet *p, __u32 a
 	return EVENT;
 }
 
-/* What a mesh has to say about itself is left alone. */
+/* Kinds of packets by which an AWDS mesh organises itself; they are not affected. */
 static __always_inline bool is_awds_business(__u8 kind)
 {
 	switch (kind) {
@@ -176,7 +180,9 @@ static __always_inline bool is_awds_business(__u8 kind)
 	return false;
 }
 
-/* *inner: where the Ethernet frame in it begins, or 0. */
+/*
+ * Parses an AWDS packet. *inner: where the Ethernet frame in it begins; unchanged if there is none.
+ */
 static __always_inline enum nature parse_awds(const struct packet *p, __u32 at, struct event *e,
 					      __u32 *inner)
 {
@@ -208,7 +214,7 @@ static __always_inline enum nature parse_awds(const struct packet *p, __u32 at, 
 	return is_awds_business(kind) ? NOT_EVENT : OPAQUE;
 }
 
-/* Packets of batman-adv: <linux/batadv_packet.h>. *inner: as parse_awds(). */
+/* Parses a packet of batman-adv, see <linux/batadv_packet.h>. *inner: as for parse_awds(). */
 static __always_inline enum nature parse_batman(const struct packet *p, __u32 at, __u32 *inner)
 {
 	struct {
@@ -230,7 +236,7 @@ static __always_inline enum nature parse_batman(const struct packet *p, __u32 at
 	case BATADV_UNICAST_4ADDR:
 		*inner = at + sizeof(struct batadv_unicast_4addr_packet);
 		return NOT_EVENT;
-	/* What a mesh has to say about itself is left alone. */
+	/* Packets by which the mesh organises itself are not affected. */
 	case BATADV_IV_OGM:
 	case BATADV_ELP:
 	case BATADV_OGM2:
@@ -238,7 +244,7 @@ static __always_inline enum nature parse_batman(const struct packet *p, __u32 at
 	case BATADV_UNICAST_TVLV:
 		return NOT_EVENT;
 	}
-	/* Fragments, coded packets and kinds that came later may have an event in them. */
+	/* Fragments, coded packets and later kinds of packets may contain an event. */
 	return OPAQUE;
 }
 
@@ -249,7 +255,7 @@ static __always_inline bool is_mesh(__be16 protocol)
 	return protocol == bpf_htons(ETHER_P_AWDS) || protocol == bpf_htons(ETH_P_BATMAN);
 }
 
-/* Of the frame whose addresses stand at `at`. */
+/* Stores the sender of the frame whose addresses are at `at`. */
 static __always_inline void take_mac_at(const struct packet *p, __u32 at, struct event *e)
 {
 	struct {
@@ -260,7 +266,10 @@ static __always_inline void take_mac_at(const struct packet *p, __u32 at, struct
 		__builtin_memcpy(e->mac, &from, sizeof(from));
 }
 
-/* The sender of the frame, for reports; AWDS packets and frames of 802.15.4 state a station. */
+/*
+ * Stores the frame's sender for reports. AWDS packets and frames of 802.15.4 state a station
+ * instead.
+ */
 static __always_inline void take_mac(const struct packet *p, struct event *e)
 {
 	if (!is_wpan && !e->key.inside && !(e->station & ETHER_MAC))
@@ -296,9 +305,9 @@ static __always_inline enum nature parse(const struct packet *p, struct event *e
 }
 
 /*
- * Of the local copy of what a program here sends to a group or to everybody, which the kernel makes
- * before the gate sees the packet leave. It begins with the IP header. Nobody knows whose it is,
- * and an event in it was admitted to nobody.
+ * Whether the buffer is the local copy of a multicast or broadcast that a program on this host
+ * sends. The kernel makes it before the gate sees the packet leave; it begins with the IP header.
+ * Its sender is unknown, and an event in it was not admitted for anyone.
  */
 static __always_inline bool is_event_copy(const struct packet *p, __be16 protocol, struct event *e)
 {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
 /*
- * IP fragments: only the first one has the subject. It is remembered for each datagram, of events
- * and of other UDP traffic apart, so that a flood of the one cannot push out the other.
+ * IP fragments: only the first one has the subject. So the first fragments of datagrams are
+ * remembered, separately for events and other UDP traffic, so that a flood of one cannot displace
+ * the other.
  */
 #ifndef MLCCA_ETHER_REMEMBER_BPF_H
 #define MLCCA_ETHER_REMEMBER_BPF_H
@@ -36,7 +37,7 @@ static __always_inline void remember(void *map, const struct event *e, __u32 slo
 	bpf_map_update_elem(map, &e->key, &f, BPF_ANY);
 }
 
-/* What a later fragment may not do to the first one. */
+/* Whether a later fragment would overlay the first one. */
 static __always_inline bool is_overlaid(const struct ether_fragment *f, const struct event *e)
 {
 	return e->offset < f->first;

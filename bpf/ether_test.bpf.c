@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause
-/* The gate of one Ethernet-like interface, for BPF_PROG_TEST_RUN. It is attached nowhere. */
+/* The gate of one Ethernet-like interface, for BPF_PROG_TEST_RUN; it is never attached. */
 #include <stdbool.h>
 #include <stddef.h>
 #include <linux/batadv_packet.h>

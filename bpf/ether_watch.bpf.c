@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause
-/* The timers of an Ethernet gate: a watch names its slot. */
+/* The silence timers of an Ethernet gate. A watch states its slot. */
 #include <stdbool.h>
 #include <linux/bpf.h>
 #include <linux/errno.h>

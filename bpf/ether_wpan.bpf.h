@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
 /*
- * From a MAC frame of IEEE 802.15.4 to the event in it. The kernel shows it from the frame control
- * on, in both directions, without the frame check sequence. Numbers are little-endian.
+ * Finds the event in a MAC frame of IEEE 802.15.4. The kernel passes it from the frame control
+ * field on, in both directions, without the frame check sequence. Numbers are little-endian.
  */
 #ifndef MLCCA_ETHER_WPAN_BPF_H
 #define MLCCA_ETHER_WPAN_BPF_H
 
-/* Frame control. */
+/* The frame control field. */
 #define WPAN_TYPE	7
 #define WPAN_SECURED	0x0008
-#define WPAN_ONE_PAN	0x0040 /* the source has no PAN of its own: it is that of the destination */
+#define WPAN_ONE_PAN	0x0040 /* PAN ID compression: the source has the PAN of the destination */
 #define WPAN_TO(c)	((c) >> 10 & 3)
 #define WPAN_VERSION(c) ((c) >> 12 & 3)
 #define WPAN_FROM(c)	((c) >> 14 & 3)
@@ -19,13 +19,13 @@
 #define WPAN_ACK     2
 #define WPAN_COMMAND 3
 
-/* Addresses, by their mode. 1 is reserved. */
+/* Addressing modes; 1 is reserved. */
 #define WPAN_NONE     0
 #define WPAN_SHORT    2
 #define WPAN_EXTENDED 3
 
-#define WPAN_ADDRESSES 3 /* behind frame control and sequence number */
-#define WPAN_NEWEST    1 /* version, of 2006; in later ones other fields may be there */
+#define WPAN_ADDRESSES 3 /* offset: after frame control and sequence number */
+#define WPAN_NEWEST    1 /* newest known frame version (2006); later ones may have other fields */
 #define WPAN_FIRST_GROUP                                                                           \
 	0xfffe /* short addresses that no station has: none assigned, broadcast                    \
 		*/
@@ -33,7 +33,9 @@
 #define WPAN_LE16(x) bpf_ntohs(__builtin_bswap16(x))
 #define WPAN_LE64(x) bpf_be64_to_cpu(__builtin_bswap64(x))
 
-/* The station at *at, which is moved behind it. `pan`: of the destination, where there is one. */
+/*
+ * Reads the sender at *at, and moves *at behind it. `pan`: PAN of the destination, if it has one.
+ */
 static __always_inline enum nature take_wpan_station(const struct packet *p, __u16 control,
 						     __u16 pan, __u32 *at, struct event *e)
 {
@@ -70,7 +72,7 @@ static __always_inline enum nature parse_wpan(const struct packet *p, struct eve
 		return MALFORMED;
 	control = WPAN_LE16(control);
 	switch (control & WPAN_TYPE) {
-	/* What a PAN has to say about itself is left alone. */
+	/* Frames by which a PAN organises itself are not affected. */
 	case WPAN_BEACON:
 	case WPAN_ACK:
 	case WPAN_COMMAND:

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
 /*
- * What the gate programs and user space share. Every size is asserted on both sides; a change of
- * any layout here needs a new GATE_LAYOUT_VERSION, which is part of the pin path.
+ * The definitions that the gate programs and user space share. Both sides assert every size. A
+ * change of any layout here needs a new GATE_LAYOUT_VERSION, which is part of the pin path.
  */
 #ifndef MLCCA_GATE_H
 #define MLCCA_GATE_H
@@ -14,8 +14,7 @@
 
 #define GATE_LAYOUT_VERSION 9
 
-/* Our tc filters: this priority and handle belong to the gate, and nothing else is ever replaced.
- */
+/* Priority and handle of our tc filters. No filter with others is ever replaced. */
 #define GATE_TC_PRIORITY 1
 #define GATE_TC_HANDLE	 0x4d4c4343 /* "MLCC" */
 
@@ -23,24 +22,24 @@
 #define GATE_EGRESS	1
 #define GATE_DIRECTIONS 2
 
-/* Slots of one interface, both directions. 0 and 1 count what has no slot, per direction. */
+/* Slots of one interface for both directions. Slots 0 and 1 count frames without a slot. */
 #define GATE_SLOTS	4096
 #define GATE_FIRST_SLOT 2
 
 /* Slots that may share one key (publishers of one subject on one interface). */
 #define GATE_CHAIN 8
-/* Decisions of one frame that a change of generation may undo; then it is denied. */
+/* Decisions on one frame that changes of generation may invalidate; then the frame is denied. */
 #define GATE_TRIES 32
 /*
- * Slots of one bucket that the program walks: several 29-bit identifiers may hash together. So many
- * masked slots a direction has at most.
+ * Slots of one bucket that the program walks, since several 29-bit identifiers may have the same
+ * hash. It is also the largest number of masked slots of a direction.
  */
 #define GATE_WALK 32
 
 /*
- * Buckets of one direction. An 11-bit identifier is its own bucket; a 29-bit one (raw) or a PGN
- * (j1939) hashes into the 14 bits behind them. An etag (famouso) or subject-id (cyphal) is the
- * bucket.
+ * Buckets of one direction. An 11-bit identifier is the number of its bucket; a 29-bit one (raw) or
+ * a PGN (j1939) is hashed to the 14-bit range after them. An etag (famouso) or subject-id (cyphal)
+ * is the number of its bucket.
  */
 #define GATE_STANDARD_BUCKETS 2048
 #define GATE_HASH_BITS	      14
@@ -50,59 +49,59 @@
 
 /*
  * SAE J1939-21: priority, extended data page, data page, PDU format, PDU specific, source address.
- * The PGN is everything between priority and source; below PDU format 240 (PDU1) PDU specific is
- * the destination and no part of it.
+ * The PGN is everything between priority and source; for PDU formats below 240 (PDU1), PDU specific
+ * is the destination and not part of it.
  */
 #define GATE_J1939_PDU1_KEY 0x03ff0000U
 #define GATE_J1939_PDU2_KEY 0x03ffff00U
-#define GATE_J1939_PDU2	    0x00f00000U /* PDU format of 240 and more has all of these */
+#define GATE_J1939_PDU2	    0x00f00000U /* all set for PDU formats from 240 on */
 
 /*
  * Cyphal/CAN 1.0: priority, service, anonymous, reserved (0), two bits that receivers ignore,
- * subject-id, reserved (0), source. Frames of services and with a reserved bit have no key.
+ * subject-id, reserved (0), source. Service frames and frames with a reserved bit have no key.
  */
 #define GATE_CYPHAL_KEY	    0x001fff00U
 #define GATE_CYPHAL_SHIFT   8
 #define GATE_CYPHAL_FOREIGN (1U << 25 | 1U << 23 | 1U << 7)
 
-#define GATE_SEEN 64 /* last seen frames without a slot, per CPU; power of two */
+#define GATE_SEEN 64 /* latest frames without a slot, for each CPU; a power of two */
 
 /*
- * Gaps between the events of a slot, by eighths of its period: [n] counts those of n to n + 1
- * eighths, the last one what is longer. From 12 on (one and a half) an event is missing in between.
+ * Histogram of the gaps between events of a slot, in eighths of its period: [n] counts gaps of n to
+ * n + 1 eighths, the last one all longer ones. From 12 on (1.5 periods) an event is missing.
  */
 #define GATE_GAPS	  16
 #define GATE_GAPS_PERIOD  8
 #define GATE_GAPS_MISSING 12
-#define GATE_GAP_BITS	  56 /* of gap * scale behind the point */
+#define GATE_GAP_BITS	  56 /* fractional bits of gap * scale */
 /*
- * A gap as long as `silence` of its watch, or as so many periods where that is 0, and no shorter
- * than GATE_RECOVERY_HOLD, is a silence: what was found starts over with the event that ends it.
+ * A gap of at least `silence` of its watch (or so many periods, if that is 0) and of at least
+ * GATE_RECOVERY_HOLD is a silence: the statistics start over with the event that ends it.
  */
 #define GATE_SILENT_PERIODS 16
-#define GATE_LONGEST_PERIOD (1ULL << 50) /* ns, 13 days: longer ones are not watched */
+#define GATE_LONGEST_PERIOD (1ULL << 50) /* ns, 13 days; longer periods are not watched */
 
 #define GATE_SILENCE_TIMERS 16 /* timers of one interface; each supervises every 16th slot */
 #define GATE_RECOVERY_HOLD                                                                         \
-	1000000000ULL		      /* ns for which events come again before that is reported */
-#define GATE_EVENTS_SIZE (256 * 1024) /* bytes of the ring of gate_event and gate_sample */
+	1000000000ULL /* ns for which events must arrive again before it is reported */
+#define GATE_EVENTS_SIZE (256 * 1024) /* bytes of the ring buffer of gate_event and gate_sample */
 
 /* Samples of frames without a slot, for each interface: so many at once, then one in that time. */
 #define GATE_SAMPLES   16
 #define GATE_SAMPLE_NS 1000000000ULL
 
-/* Bands of the prio queueing discipline behind a gate, the first one is served first. */
+/* Bands of the prio queueing discipline after a gate; the first one is served first. */
 #define GATE_BANDS 16
 
 #define GATE_ANY_UID 0xffffffffU
 /*
- * Source of a frame that came by no interface and belongs to no socket: the kernel made it (the
- * transport protocol of can-j1939).
+ * Source of a frame that has entered by no interface and belongs to no socket: the kernel made it
+ * (the transport protocol of can-j1939).
  */
 #define GATE_NO_SOURCE 0xffffffffU
 
 enum gate_profile {
-	GATE_PROFILE_NONE = 0,	  /* no frame names a subject: everything is unknown */
+	GATE_PROFILE_NONE = 0,	  /* no frame has a subject, so all are unknown */
 	GATE_PROFILE_RAW = 1,	  /* key: the identifier, 11 or 29 bits */
 	GATE_PROFILE_FAMOUSO = 2, /* 29-bit only; key: the low 14 bits */
 	GATE_PROFILE_J1939 = 3,	  /* 29-bit only; key: the 18-bit PGN */
@@ -117,147 +116,144 @@ enum gate_verdict {
 
 enum gate_mode {
 	GATE_ENFORCE = 0,
-	GATE_AUDIT = 1, /* drop nothing, and count apart what would be dropped */
+	GATE_AUDIT = 1, /* drop nothing, and count separately what would be dropped */
 };
 
-/* Frame formats of a slot, a bit set. */
+/* Bit set of the frame formats of a slot. */
 #define GATE_CLASSIC 1
 #define GATE_FD	     2
 #define GATE_XL	     8 /* identifier: the 11-bit priority */
 /*
- * J1939: messages of 9 to max_len bytes as well, by the transport protocol. A frame alone has no
- * more than its own format holds.
+ * J1939: also messages of 9 to max_len bytes by the transport protocol. A single frame has no more
+ * bytes than its own format allows.
  */
 #define GATE_TRANSPORT 16
-/* In the same bits: frames beyond the admitted traffic are counted, and pass. */
+/* In the same bits: frames in excess of the admitted traffic are counted and passed. */
 #define GATE_EXCESS_PASSES 4
 
 /*
- * Why a frame was dropped; index of the reason counters. Of several slots with the frame's key the
- * one that came furthest gives the reason: UNKNOWN < IDENTIFIER < ... < DENIED is that order.
+ * Why a frame was dropped; the index of the reason counters. If several slots have the frame's key,
+ * the one that came furthest gives the reason: UNKNOWN < IDENTIFIER < ... < DENIED is the order.
  */
 enum gate_reason {
 	GATE_R_PASSED = 0,
 	GATE_R_UNKNOWN,	    /* no slot */
 	GATE_R_IDENTIFIER,  /* priority, node, fragment or RTR differ from the grant */
-	GATE_R_SOURCE,	    /* not from the granted station; egress: interface or user */
-	GATE_R_FORMAT,	    /* classic/FD/XL not granted */
+	GATE_R_SOURCE,	    /* not the granted station; egress: not the granted interface or user */
+	GATE_R_FORMAT,	    /* classic, FD or XL is not granted */
 	GATE_R_LENGTH,	    /* longer than granted */
-	GATE_R_DENIED,	    /* slot, verdict deny */
-	GATE_R_ERROR_FRAME, /* error frame on its way out */
+	GATE_R_DENIED,	    /* the slot's verdict is deny */
+	GATE_R_ERROR_FRAME, /* error frame at egress */
 	GATE_R_MALFORMED,   /* not a CAN, CAN FD or CAN XL frame */
-	GATE_R_CLOSED,	    /* gate closed: stopped, starting, or the daemon's heart-beat lapsed */
+	GATE_R_CLOSED,	    /* the gate is closed: stopped, starting, or the heart-beat lapsed */
 	/*
-	 * Not a drop: echo of a frame that left here, let through at ingress; in audit mode also
-	 * what ingress has refused and counted, let out.
+	 * Not a drop: the echo of a frame that left here, passed at ingress; in audit mode also a
+	 * frame that ingress has refused and counted, passed at egress.
 	 */
 	GATE_R_ECHO,
-	GATE_R_ERROR_IN, /* not a drop: error frame let through at ingress */
-	GATE_R_EXCESS,	 /* admitted, but more than was admitted: see gate_slot */
-	GATE_R_FOREIGN,	 /* Ethernet, not a drop: no event traffic, left alone */
-	GATE_R_FRAGMENT, /* part of a datagram or J1939 message whose first one was not admitted */
-	GATE_R_OPAQUE,	 /* Ethernet: may carry an event, and its subject cannot be seen */
+	GATE_R_ERROR_IN, /* not a drop: error frame passed at ingress */
+	GATE_R_EXCESS,	 /* admitted, but in excess of what was admitted: see gate_slot */
+	GATE_R_FOREIGN,	 /* Ethernet, not a drop: no event, not affected */
+	GATE_R_FRAGMENT, /* part of a datagram or J1939 message whose first part was not admitted */
+	GATE_R_OPAQUE,	 /* Ethernet: may contain an event whose subject cannot be read */
 	GATE_REASONS = 16,
 };
 
 /*
- * One admitted or refused (subject, publisher) on one interface and direction. It says everything
- * that was granted and nothing more: a frame fits when (can_id & mask) == id, where both hold the
- * EFF and RTR flags of <linux/can.h> in place.
- * A slot of the profiles raw and canopen whose mask leaves part of the key open is a masked slot:
- * it has no bucket, and frames come to it whose own key has no slot. User space never changes a
- * live slot other than `verdict`, `next` and what is policed.
+ * One admitted or refused (subject, publisher) on one interface and direction. It describes exactly
+ * what was granted: a frame fits if (can_id & mask) == id, where both include the EFF and RTR flags
+ * of <linux/can.h>.
+ * A slot of the profiles raw and canopen whose mask leaves a part of the key open is a masked slot:
+ * it has no bucket, and serves frames whose own key has no slot. User space changes only `verdict`,
+ * `next` and the policing of a live slot.
  *
- * Many verdicts change as one step, on all interfaces: the halves that the next generation will
- * read are written, then gate_control.generation, then the halves that no program reads any more. A
- * program that finds another generation at the end of a decision than at its beginning decides
- * again.
+ * Many verdicts change in one step on all interfaces: user space writes the halves that the next
+ * generation reads, then gate_control.generation, then the other halves. A program that finds
+ * another generation at the end of a decision than at its beginning decides again.
  *
  * Policing is the virtual scheduling form of the generic cell rate algorithm (ITU-T I.371): a frame
- * costs per_frame + bytes * per_byte of time, and is in turn when it comes no more than `tolerance`
+ * costs per_frame + bytes * per_byte of time, and conforms if it arrives no more than `tolerance`
  * before `due`. An empty frame costs as much as one of a byte.
  */
 struct gate_slot {
-	__u8 verdict[2]; /* enum gate_verdict, in even and in odd generations */
-	__u16 max_len;	 /* payload bytes, of a message with GATE_TRANSPORT */
+	__u8 verdict[2]; /* enum gate_verdict, for even and odd generations */
+	__u16 max_len;	 /* payload bytes; with GATE_TRANSPORT of a message */
 	__u32 id;
 	__u32 mask;
-	/* Egress: ifindex it must have entered by; 0: a local program; GATE_NO_SOURCE: the kernel
-	 */
+	/* Egress: ifindex that it entered by; 0: a local program; GATE_NO_SOURCE: the kernel */
 	__u32 source;
 	union {
-		__u32 origin; /* gate_has_origin(): see gate_origin() */
-		__u32 uid;    /* otherwise: local sender's user, or GATE_ANY_UID */
+		__u32 origin; /* if gate_has_origin(): see gate_origin() */
+		__u32 uid;    /* otherwise: user of the local sender, or GATE_ANY_UID */
 	};
-	__u16 next;   /* further slot of the same bucket; 0: none */
+	__u16 next;   /* next slot of the same bucket; 0: none */
 	__u8 formats; /* GATE_CLASSIC | GATE_FD | GATE_XL | GATE_TRANSPORT */
 	/* FAMOUSO: see gate_binding; nothing passes. Set by the program, cleared by user space. */
 	__u8 contradicted;
 	__u64 subject;
-	__u64 per_frame; /* ns; with per_byte 0: this slot is not policed */
+	__u64 per_frame; /* ns; 0 together with per_byte 0: not policed */
 	__u64 per_byte;	 /* 2^-8 ns */
 	__u64 tolerance; /* ns */
-	__u64 due;	 /* CLOCK_MONOTONIC ns of the next turn; written by the program */
+	__u64 due; /* CLOCK_MONOTONIC ns of the next conforming frame; written by the program */
 };
 
 /*
- * How the events of a slot come: the first cache line and the gaps are written by the gate, with
- * atomic operations where two CPUs may meet, the last line by the timer of the slot. What is
- * expected is written by user space. An event is one frame, or those that come within `together` of
- * its first one.
+ * The arrival of the events of a slot. The gate writes the first cache line and the gaps, with
+ * atomic operations where two CPUs may meet; the timer of the slot writes the last line; user space
+ * writes what is expected. An event is one frame, or the frames within `together` of its first one.
  */
 struct gate_watch {
 	__u64 period;	 /* ns; 0: not supervised */
 	__u64 scale;	 /* gate_gap_scale(period) */
 	__u64 together;	 /* ns; 0: each frame is an event */
-	__u64 last;	 /* CLOCK_MONOTONIC ns of the latest event that passed, 0: none yet */
-	__u64 last_gap;	 /* ns, as the others; 0: not two events yet */
-	__u64 shortest;	 /* 0: not two events yet */
-	__u64 longest;	 /* with what was missing in between */
-	__u64 deviation; /* furthest that a gap was from the events that it should have been */
+	__u64 last;	 /* CLOCK_MONOTONIC ns of the latest event that passed; 0: none yet */
+	__u64 last_gap;	 /* ns, like the others; 0: fewer than two events yet */
+	__u64 shortest;	 /* 0: fewer than two events yet */
+	__u64 longest;	 /* includes missing events in between */
+	__u64 deviation; /* largest difference of a gap from a multiple of the period */
 	__u64 gaps[GATE_GAPS];
-	__u64 missing; /* events between those that came */
-	__u64 silence; /* ns without an event that are too long; 0: no timer */
-	__u64 since; /* CLOCK_MONOTONIC ns from which on silence counts, 0: from the next poll on */
-	__u64 silent;	  /* it has lasted too long, and that was reported */
+	__u64 missing;	  /* events missing between those that arrived */
+	__u64 silence;	  /* ns without an event that are too long; 0: no timer */
+	__u64 since;	  /* CLOCK_MONOTONIC ns since when silence counts; 0: since the next poll */
+	__u64 silent;	  /* the silence was too long, and was reported */
 	__u64 from;	  /* when that silence began */
-	__u64 recovering; /* since when events come again, 0: they do not */
+	__u64 recovering; /* since when events arrive again; 0: they do not */
 	__u64 first;	  /* CLOCK_MONOTONIC ns of the first event */
-	__u64 slot;	  /* Ethernet: whose events these are; on CAN each slot has its own */
+	__u64 slot;	  /* Ethernet: slot of the events; on CAN each slot has its own watch */
 };
 
 /*
- * What audit mode lets through, of one slot. All CPUs add to it: enforcing pays nothing for it, and
- * what was dropped stays what gate_count says.
+ * What audit mode passed, for one slot. All CPUs add to it, since enforcing does not use it; what
+ * was really dropped is in gate_count.
  */
 struct gate_audit {
 	__u64 would_drop;   /* frames */
-	__u64 would_exceed; /* of them: admitted, but more than was admitted */
+	__u64 would_exceed; /* of these: admitted, but in excess */
 };
 
 /*
- * One for each interface, one memory-mapped value. Written by user space, except for
- * `unknown_frames`, `last_reason`, the `due` of slots, `sessions`, what watches find and what
- * audit mode counts. A slot is a cache line.
+ * The table of one interface, one memory-mapped value. User space writes it, except for
+ * `unknown_frames`, `last_reason`, the `due` of slots, `sessions`, the findings of watches and the
+ * counters of audit mode. A slot is a cache line.
  */
 struct gate_table {
 	__u32 layout_version;
-	__u32 profile;	      /* enum gate_profile that the buckets were filled for */
-	__u64 unknown_frames; /* frames without a slot: the order of gate_seen across CPUs */
+	__u32 profile;	      /* enum gate_profile for which the buckets were filled */
+	__u64 unknown_frames; /* frames without a slot; orders gate_seen across CPUs */
 	/*
-	 * Of what leaves: 0 leaves skb->priority alone. Otherwise a frame goes into the first band
-	 * whose limit is not below its gate_arbitration(), and into the last one if there is none.
+	 * Egress: 0 leaves skb->priority unchanged. Otherwise a frame is put into the first band
+	 * whose limit is not below its gate_arbitration(), or into the last one without such.
 	 */
 	__u32 bands;
 	__u32 band_limit[GATE_BANDS - 1];
-	__u32 slots_end;	       /* all slots that were ever used are below this one */
+	__u32 slots_end;	       /* exclusive upper bound of all slots that were ever used */
 	__u16 masked[GATE_DIRECTIONS]; /* first masked slot, 0 for none */
-	__u64 sample_due;   /* as gate_slot.due, of the samples; written by the program */
-	__u32 retired;	    /* the interface has left: its programs go with it */
-	__u32 bindings_end; /* all bindings that were ever used are below this one */
-	__u32 binding_news; /* how often something was found about one */
-	__u32 epoch;	    /* of the daemon that holds the gate: see gate_control */
-	__u64 reply_due;    /* as gate_slot.due, of reports of replies; written by the program */
+	__u64 sample_due;	       /* like gate_slot.due, for samples; written by the program */
+	__u32 retired;	    /* the interface was removed from the gateway: its programs pass all */
+	__u32 bindings_end; /* exclusive upper bound of all bindings that were ever used */
+	__u32 binding_news; /* number of findings about bindings */
+	__u32 epoch;	    /* of the daemon that holds the gate, see gate_control */
+	__u64 reply_due;    /* like gate_slot.due, for reports of replies; written by the program */
 	__u64 pad2;
 	struct gate_slot slots[GATE_SLOTS];
 	struct gate_watch watches[GATE_SLOTS];
@@ -273,27 +269,26 @@ struct gate_table {
 
 struct gate_count {
 	__u64 passed;
-	__u64 dropped; /* really: see gate_audit */
-	__u64 bytes;   /* payload bytes passed; a remote frame has none */
+	__u64 dropped; /* really dropped; see gate_audit */
+	__u64 bytes;   /* payload bytes passed; remote frames have none */
 	/*
-	 * More than admitted; of them dropped those that do not pass all the same. In audit mode
-	 * only the latter are counted here.
+	 * Frames in excess: those that were dropped, and those that passed by GATE_EXCESS_PASSES.
+	 * In audit mode only the latter are counted here.
 	 */
 	__u64 excess;
 };
 
-/* A frame without a slot; entry [hash(id)] is overwritten by the latest. */
+/* A frame without a slot; entry [hash(id)] is overwritten by the latest one. */
 struct gate_seen {
-	__u64
-	    sequence; /* value of unknown_frames when it was last seen; 0: empty or being written */
-	__u64 count;  /* frames of this id since it took the entry */
+	__u64 sequence; /* unknown_frames when it was last seen; 0: empty or being written */
+	__u64 count;	/* frames with this id since it has the entry */
 	__u32 can_id;
 	__u16 len;
 	__u8 format; /* GATE_CLASSIC, GATE_FD or GATE_XL */
 	__u8 direction;
 };
 
-/* One for each possible CPU, memory-mapped; written by that CPU, summed by user space. */
+/* The counters of one CPU, memory-mapped; written by that CPU, summed by user space. */
 struct gate_cpu {
 	struct gate_count slots[GATE_SLOTS];
 	__u64 reasons[GATE_DIRECTIONS][GATE_REASONS]; /* frames; drops are real ones */
@@ -301,87 +296,87 @@ struct gate_cpu {
 };
 
 enum gate_event_kind {
-	GATE_E_MISSING = 1, /* nothing has come for longer than `silence` */
-	GATE_E_RESTORED,    /* events come again */
+	GATE_E_MISSING = 1, /* nothing has arrived for longer than `silence` */
+	GATE_E_RESTORED,    /* events arrive again */
 	GATE_E_UNKNOWN,	    /* a frame without a slot: a gate_sample */
-	GATE_E_BOUND, /* gate_table.binding_news has changed; it may change without a report */
+	GATE_E_BOUND, /* gate_table.binding_news has changed; it may also change without a report */
 };
 
-/* What the kernel reports by the ring, one for the whole gateway, in the order of the reports. */
+/* A report of the kernel by the ring buffer, which all gates share, in the order of the reports. */
 struct gate_event {
 	__u32 kind; /* enum gate_event_kind */
 	__u32 ifindex;
 	__u64 subject;
 	__u64 at;     /* CLOCK_MONOTONIC ns of the finding */
-	__u64 silent; /* ns that nothing came: up to `at`, or until it came again */
+	__u64 silent; /* ns without an event: up to `at`, or until events arrived again */
 	__u32 slot;
-	__u32 never; /* nothing had come since the slot was granted */
+	__u32 never; /* 1: nothing had arrived since the slot was granted */
 };
 
 /*
- * A frame without a slot that was not among the last seen ones before. Reported only while half of
- * the ring is free, so that no unadmitted sender takes the place of a gate_event.
+ * A frame without a slot that was not among the latest ones. It is reported only while half of the
+ * ring buffer is free, so that unadmitted senders cannot displace a gate_event.
  */
 struct gate_sample {
 	__u32 kind; /* GATE_E_UNKNOWN */
 	__u32 ifindex;
 	__u64 at;      /* CLOCK_MONOTONIC ns */
-	__u64 frames;  /* without a slot on this interface, with this one */
+	__u64 frames;  /* frames without a slot on this interface, including this one */
 	__u64 subject; /* Ethernet */
 	__u32 can_id;  /* CAN */
 	__u16 len;
 	__u8 format; /* GATE_CLASSIC, GATE_FD or GATE_XL; 0: Ethernet */
 	__u8 direction;
-	__u64 station; /* Ethernet: as ether_seen, like `mac` */
+	__u64 station; /* Ethernet: as in ether_seen, like `mac` */
 	__u8 mac[6];
-	__u8 audit; /* it was let through, and would have been dropped */
+	__u8 audit; /* it was passed by audit mode, and would have been dropped */
 	__u8 pad;
 };
 
 /*
- * One for the whole gateway, pinned, memory-mapped. The gates are open only while `open` is set,
- * `lapsed` is not, and `deadline` is not over. Each heart-beat moves the deadline; a beat that
- * comes after it, or a kernel timer that finds `heartbeat` older than `grace_ns`, sets `lapsed`;
- * only the daemon clears it, after it has observed the interfaces again. A daemon that starts gives
- * each gate that it holds the next epoch, and then the word itself: from then on a gate that it
- * does not know is closed, wherever its device went. Layout version and `open` stand at the head in
- * all layouts: a daemon closes what one of another layout has left.
+ * The control word of the gateway, pinned and memory-mapped. The gates are open only while `open`
+ * is set, `lapsed` is not, and `deadline` has not passed. Each heart-beat moves the deadline. A
+ * beat after the deadline, or a kernel timer that finds `heartbeat` older than `grace_ns`, sets
+ * `lapsed`; only the daemon clears it, after it has observed the interfaces again. A daemon that
+ * starts gives the next epoch to each gate that it holds, and then to the control word: from then
+ * on a gate that it does not know is closed, wherever its device went. Layout version and `open`
+ * come first in all layouts, so that a daemon can close what one of another layout has left.
  */
 struct gate_control {
 	__u32 layout_version;
 	__u32 open;
 	__u32 mode; /* enum gate_mode */
 	__u32 lapsed;
-	__u64 deadline;	 /* jiffies; ~0: for ever, 0: no heart-beat yet */
-	__u64 heartbeat; /* CLOCK_MONOTONIC ns of the daemon's last sign of life */
-	__u32 token;	 /* random: see gate_ingress_token() */
+	__u64 deadline;	 /* jiffies; ~0: without limit; 0: no heart-beat yet */
+	__u64 heartbeat; /* CLOCK_MONOTONIC ns of the daemon's latest heart-beat */
+	__u32 token;	 /* random, see gate_ingress_token() */
 	__u32 armed;	 /* the timer runs */
 	__u32
-	    generation; /* of all verdicts: its lowest bit chooses the half of gate_slot.verdict */
-	__u32 epoch;	/* how often a daemon has taken over: gates of an earlier one are closed */
-	__u64 grace_ns; /* ~0: for ever */
-	__u64 grace_ticks; /* the same in jiffies, rounded up; ~0: for ever */
+	    generation; /* of all verdicts; its lowest bit selects the half of gate_slot.verdict */
+	__u32 epoch;	/* number of daemon starts; gates of an earlier epoch are closed */
+	__u64 grace_ns; /* ~0: without limit */
+	__u64 grace_ticks; /* the same in jiffies, rounded up; ~0: without limit */
 	__u64 check_ns;	   /* interval of the kernel timer */
-	__u64 lapses;	   /* how often the gates were closed for silence */
+	__u64 lapses;	   /* how often the gates were closed because the heart-beat was overdue */
 };
 
-#define GATE_CONTROL_NAME "mlcca_control" /* of its map, for programs that nothing else names */
+#define GATE_CONTROL_NAME "mlcca_control" /* name of its map, by which roster.bpf.c finds ours */
 
-/* One of the programs that read such a word: see roster.bpf.c. */
+/* A program that reads such a control word: see roster.bpf.c. */
 struct gate_program {
 	__u32 id;
 	char name[16];
 };
 
-/* What gate_beat is run for. */
+/* What a run of gate_beat is for. */
 enum gate_beat {
 	GATE_BEAT = 0,	   /* the daemon lives */
-	GATE_BEAT_CLEAR,   /* it has observed again: the lapse is over */
-	GATE_BEAT_SHORTEN, /* the grace has changed: the deadline may come nearer, no more */
+	GATE_BEAT_CLEAR,   /* the daemon has observed the interfaces again: the lapse is over */
+	GATE_BEAT_SHORTEN, /* the grace period has changed: the deadline may only come nearer */
 };
 
 /*
- * The part of an identifier that is the key, 0 where the profile has no subject for it; frames of
+ * The part of an identifier that is the key; 0 if the profile has no subject for it. Frames with
  * other keys can share a bucket.
  */
 static inline __u32 gate_key_mask(__u32 profile, __u32 can_id)
@@ -403,7 +398,7 @@ static inline __u32 gate_key_mask(__u32 profile, __u32 can_id)
 	return 0;
 }
 
-/* Bucket of a frame or slot, or GATE_NO_BUCKET where the profile has no subject for it. */
+/* The bucket of a frame or slot; GATE_NO_BUCKET if the profile has no subject for it. */
 static inline __u32 gate_bucket(__u32 profile, __u32 can_id)
 {
 	__u32 key_mask = gate_key_mask(profile, can_id);
@@ -421,7 +416,7 @@ static inline __u32 gate_bucket(__u32 profile, __u32 can_id)
 	       (((can_id & key_mask & CAN_EFF_MASK) * 0x9e3779b1U) >> (32 - GATE_HASH_BITS));
 }
 
-/* The order of arbitration as one number: the smaller identifier wins. */
+/* The order of arbitration as one number: the smaller one wins. */
 static inline __u32 gate_arbitration(__u32 can_id)
 {
 	if (!(can_id & CAN_EFF_FLAG))
@@ -429,7 +424,10 @@ static inline __u32 gate_arbitration(__u32 can_id)
 	return (can_id & CAN_EFF_MASK) >> 18 << 19 | 1U << 18 | (can_id & 0x3ffffU);
 }
 
-/* Rounded up: a gap of just an eighth is in the bin that begins there. 0: not to be watched. */
+/*
+ * The scale of a gap histogram, rounded up, so that a gap of exactly n eighths is in bin n. 0: not
+ * watched.
+ */
 static inline __u64 gate_gap_scale(__u64 period)
 {
 	if (!period || period > GATE_LONGEST_PERIOD)
@@ -437,17 +435,19 @@ static inline __u64 gate_gap_scale(__u64 period)
 	return ((__u64)GATE_GAPS_PERIOD << GATE_GAP_BITS) / period + 1;
 }
 
-/* An ingress slot gives its frames an origin; an egress slot demands one of what came in by an
- * interface. */
+/*
+ * Ingress slots give their frames an origin; egress slots require it of what entered by an
+ * interface.
+ */
 static inline int gate_has_origin(__u32 direction, __u32 source)
 {
 	return direction == GATE_INGRESS || (source && source != GATE_NO_SOURCE);
 }
 
 /*
- * As what a frame was admitted at ingress, in 31 bits: the subject and the publisher, by which
- * the slot distinguishes its frames: gate_publisher() on CAN, ether_station() on Ethernet. Two of
- * them are the same with a chance of 2^-31.
+ * The origin of a frame, in 31 bits: the subject and the publisher as which it was admitted at
+ * ingress. The publisher is gate_publisher() on CAN and ether_station() on Ethernet. Two origins
+ * are equal with a probability of 2^-31.
  */
 static inline __u32 gate_origin(__u64 subject, __u64 publisher)
 {
@@ -457,14 +457,13 @@ static inline __u32 gate_origin(__u64 subject, __u64 publisher)
 static inline __u64 gate_publisher(__u32 id, __u32 mask) { return (__u64)mask << 32 | id; }
 
 /*
- * Marks that frames carry inside this kernel. The ingress gate of an interface marks what it has
- * passed: from where, and with the origin of its slot, so that egress admits neither a frame of a
- * third bus nor one that was admitted as another subject or as another publisher's, whatever was
- * done to its identifier or address on the way. The egress gate marks what it lets out to a device
- * that echoes. What only audit mode lets through is marked at ingress, so that egress does not
- * count it once more. The token's top bit is set, not all others are, the lowest left aside, and
- * neither an ifindex nor an origin has a top bit: no mark is 0, and an ingress mark is never one of
- * the others.
+ * Marks that frames carry inside this kernel. The ingress gate marks what it passes with its
+ * interface and the origin of its slot, so that egress admits neither a frame of a third bus nor
+ * one that was admitted as another subject or publisher, whatever was done to its identifier or
+ * address on the way. The egress gate marks what it passes to a device that echoes. What only audit
+ * mode passes is marked at ingress, so that egress does not count it again. The token's top bit is
+ * set, its other bits (apart from the lowest) are not all set, and neither an ifindex nor an origin
+ * has a top bit: so no mark is 0, and an ingress mark never equals one of the others.
  */
 static inline __u32 gate_ingress_token(__u32 token, __u32 ifindex, __u32 origin)
 {

@@ -1,42 +1,42 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
-/* The part of gate.h that is about FAMOUSO's tags; of the same layout version. */
+/* The part of gate.h for FAMOUSO's tags; it belongs to the same layout version. */
 #ifndef MLCCA_GATE_BINDING_H
 #define MLCCA_GATE_BINDING_H
 
 #include <linux/types.h>
 
-/* FAMOUSO: the broker's replies, and the subject by which nodes announce what they subscribe to. */
+/* FAMOUSO: the broker's replies, and the subject by which nodes announce their subscriptions. */
 #define GATE_REPLY_TAG 4
 #define GATE_REPLY_ID  0x1f5fc004U
 #define GATE_SUBSCRIBE 0x5355425343524942ULL /* "SUBSCRIB" */
-#define GATE_BINDINGS  4096		     /* of one interface; a power of two */
-#define GATE_ASKERS    256		     /* nodes, as replies name them */
+#define GATE_BINDINGS  4096		     /* for one interface; a power of two */
+#define GATE_ASKERS    256		     /* nodes, by their number in replies */
 
 /*
- * FAMOUSO: a subject and the tag that its frames have on this bus, as user space states it, held
- * against the replies of the broker. A reply that deals the tag to another subject, or the subject
- * another tag, is a contradiction: the slots of the binding refuse before the next frame. It is
- * over when user space says so (`settled`), which it may do once a whole reply has dealt the tag to
+ * FAMOUSO: a subject and the tag of its frames on this bus, as user space states it. It is compared
+ * with the broker's replies. A reply that assigns the tag to another subject, or another tag to the
+ * subject, is a contradiction: the slots of the binding refuse before the next frame. User space
+ * ends the contradiction (`settled`); it may do so once a complete reply has assigned the tag to
  * the subject again (`confirmed`), and while the verdicts of these slots deny.
  */
 struct gate_binding {
 	__u64 subject; /* 0: not in use */
-	__u64 other;   /* the subject that the tag was dealt to, as far as it is known */
+	__u64 other;   /* the subject that the tag was assigned to, as far as it is known */
 	__u32 contradictions;
-	__u32 settled;	 /* by user space: so many of them are over */
-	__u32 confirmed; /* so many there were when the tag was dealt as stated again */
+	__u32 settled;	 /* written by user space: so many of them are over */
+	__u32 confirmed; /* number of contradictions when a reply confirmed the tag */
 	__u16 etag;	 /* 0: not known yet */
-	__u16 dealt;	 /* tag that a whole reply dealt to the subject last; 0: none */
-	__u8 halves; /* bits: which halves of `other` are known; 0: the subject got another tag */
+	__u16 dealt;	 /* tag that the latest complete reply assigned to the subject; 0: none */
+	__u8 halves;	 /* bits: known halves of `other`; 0: the subject got another tag */
 	__u8 pad[7];
 };
 
-/* First half of a reply, until the second one comes. */
+/* The first half of a reply, until the second one arrives. */
 struct gate_half {
 	__u32 part; /* the first half of the subject */
 	__u16 etag;
 	__u8 there;
-	__u8 broker; /* it is as a broker sends it */
+	__u8 broker; /* it has the form that a broker sends */
 };
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
 /*
- * The gate of one CAN interface: lets through what a slot admits and drops everything else.
- * Pass is TC_ACT_UNSPEC, so that other filters still see the frame. What the kernel says of a
- * buffer, skb.bpf.h or test_skb.bpf.h, is included before it.
+ * The gate of one CAN interface: passes frames that a slot admits, and drops everything else. It
+ * passes with TC_ACT_UNSPEC, so that other filters still see the frame. skb.bpf.h or
+ * test_skb.bpf.h, which describe a socket buffer, must be included before.
  */
 #ifndef MLCCA_GATE_BODY_BPF_H
 #define MLCCA_GATE_BODY_BPF_H
@@ -12,12 +12,12 @@
 #include "bpf/shared.bpf.h"
 #include "bpf/refuse.bpf.h"
 
-/* Set before loading. */
+/* These constants are set before loading. */
 const volatile __u32 profile = GATE_PROFILE_NONE;
 const volatile __u32 ifindex = 0;
-/* The device gives what it has sent back through ingress, with the mark that egress has set. */
+/* The device returns what it has sent through ingress, with the mark that egress has set. */
 const volatile __u8 echo_by_mark = false;
-/* Read frames by packet pointers; false where the verifier refuses unaligned loads. */
+/* Reads frames by packet pointers; false if the verifier refuses unaligned loads. */
 const volatile __u8 direct_access = true;
 struct gate_table table; /* the only variable of .bss: this map is pinned and memory-mapped */
 
@@ -37,7 +37,10 @@ struct {
 #include "bpf/gate_watch.bpf.h"
 #include "bpf/gate_tags.bpf.h"
 
-/* Whether the cost is within what was admitted, or counted only. False: to be dropped. */
+/*
+ * Polices a frame. Returns false if it exceeds what was admitted and must be dropped; excess that
+ * passes is counted.
+ */
 static __always_inline bool police(struct gate_cpu *cpu, __u32 at, __u64 cost, __u64 now)
 {
 	struct gate_slot *slot = &table.slots[at & (GATE_SLOTS - 1)];
@@ -53,8 +56,8 @@ static __always_inline bool police(struct gate_cpu *cpu, __u32 at, __u64 cost, _
 #include "bpf/gate_transport.bpf.h"
 
 /*
- * Polices, counts and watches a frame that its slot admits. One reading of the clock serves all of
- * it. False: more than was admitted, and to be dropped.
+ * Polices, counts and watches a frame that its slot admits. The clock is read once for all of that.
+ * Returns false if it exceeds what was admitted and must be dropped.
  */
 static __always_inline bool admit(struct gate_cpu *cpu, __u32 direction, __u32 at,
 				  const struct frame *frame)
@@ -119,7 +122,7 @@ int gate_ingress(struct __sk_buff *skb)
 		heed_reply(skb, &frame, GATE_INGRESS, d.reason == GATE_R_PASSED);
 	if (d.reason != GATE_R_PASSED)
 		return refuse_in(skb, cpu, d.slot, d.reason, &frame);
-	/* In audit mode what is too much goes on as what it is. */
+	/* In audit mode, excess goes on with its mark. */
 	skb->mark = gate_ingress_token(control.token, ifindex,
 				       table.slots[d.slot & (GATE_SLOTS - 1)].origin);
 	if (!admit(cpu, GATE_INGRESS, d.slot, &frame))
@@ -127,13 +130,13 @@ int gate_ingress(struct __sk_buff *skb)
 	return TC_ACT_UNSPEC;
 
 echo:
-	/* Without a mark, so that it is not forwarded as a frame from the bus. */
+	/* Without a mark, so that it is not forwarded like a frame from the bus. */
 	skb->mark = 0;
 	count_reason(cpu, GATE_INGRESS, GATE_R_ECHO);
 	return TC_ACT_UNSPEC;
 }
 
-/* So that the frame that wins arbitration is also the first to leave the queue. */
+/* Sets the band, so that the frame that wins arbitration also leaves the queue first. */
 static __always_inline void choose_band(struct __sk_buff *skb, __u32 can_id)
 {
 	__u32 rank = gate_arbitration(can_id), band = 0, i;
@@ -146,7 +149,7 @@ static __always_inline void choose_band(struct __sk_buff *skb, __u32 can_id)
 	skb->priority = band;
 }
 
-/* What audit mode lets out is on the bus as well, and no word of a broker. */
+/* What audit mode passes is on the bus as well, but it is not a broker's reply. */
 static __always_inline int heed_unless_dropped(struct __sk_buff *skb, struct frame *frame,
 					       int action)
 {
@@ -167,8 +170,8 @@ int gate_egress(struct __sk_buff *skb)
 	frame.source = source_of(skb);
 	frame.mark = skb->mark;
 	/*
-	 * No token leaves the machine or the namespace. The echo mark goes on local frames too: the
-	 * echo of a program that has closed its socket has lost it.
+	 * No token may leave the machine or the namespace. Local frames get the echo mark as well:
+	 * without it, the echo of a program that has closed its socket could not be recognised.
 	 */
 	skb->mark = echo_by_mark ? gate_echo_token(control.token) : 0;
 

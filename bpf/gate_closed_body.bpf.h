@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
 /*
- * What a CAN interface gets before there is a daemon: nothing passes but what passes a gate that is
- * closed as well. Without tables and counters: the kernel has checked it in no time.
+ * The program of a CAN interface before a daemon runs: it passes only what a closed gate passes. It
+ * has no tables and counters, so that the kernel verifies it quickly.
  */
 #ifndef MLCCA_GATE_CLOSED_BODY_BPF_H
 #define MLCCA_GATE_CLOSED_BODY_BPF_H
@@ -17,7 +17,7 @@ struct gate_control control SEC(".data.control"); /* shared by all interfaces */
 
 static __always_inline int refuse(struct __sk_buff *skb)
 {
-	skb->mark = 0; /* whoever made it: nothing here was granted */
+	skb->mark = 0; /* whoever set it: nothing was granted here */
 	return READ_ONCE(control.mode) == GATE_AUDIT ? TC_ACT_UNSPEC : TC_ACT_SHOT;
 }
 
@@ -26,7 +26,7 @@ int closed_ingress(struct __sk_buff *skb)
 {
 	struct frame frame;
 
-	/* An echo, or an error frame. */
+	/* an echo or an error frame */
 	if (is_local(skb) ||
 	    (read_frame(skb, GATE_INGRESS, &frame) && frame.can_id & CAN_ERR_FLAG)) {
 		skb->mark = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause
-/* The closed gate of a CAN interface, for BPF_PROG_TEST_RUN. It is attached nowhere. */
+/* The closed gate of a CAN interface, for BPF_PROG_TEST_RUN; it is never attached. */
 #include <stdbool.h>
 #include <linux/bpf.h>
 #include <linux/can.h>

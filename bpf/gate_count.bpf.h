@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
 /*
- * Counting, exact. A CPU writes only its own gate_cpu. tc programs run with bottom halves off, from
- * a system call or from a softirq, and never nest: a frame that ingress passes meets egress only
- * after the ingress program has returned. So plain additions lose nothing. Under PREEMPT_RT bottom
- * halves can be preempted: there `atomic_counts` is set.
+ * Exact counters for CAN. A CPU writes only its own gate_cpu. tc programs run with bottom halves
+ * disabled, from a system call or a softirq, and never nest: a frame that ingress passes reaches
+ * egress only after the ingress program has returned. So plain additions lose nothing. Under
+ * PREEMPT_RT, bottom halves can be preempted; `atomic_counts` is set there.
  */
 #ifndef MLCCA_GATE_COUNT_BPF_H
 #define MLCCA_GATE_COUNT_BPF_H
@@ -30,7 +30,9 @@ static __always_inline void count_pass(struct gate_cpu *cpu, __u32 direction, __
 	count_reason(cpu, direction, GATE_R_PASSED);
 }
 
-/* Audit mode drops nothing, nor does a gate that has left. */
+/*
+ * Whether nothing is dropped: in audit mode, and when the interface was removed from the gateway.
+ */
 static __always_inline bool lets_all_through(void)
 {
 	return READ_ONCE(control.mode) == GATE_AUDIT || READ_ONCE(table.retired);
@@ -47,7 +49,7 @@ static __always_inline int count_would_drop(__u32 direction, __u32 slot, __u32 r
 	return TC_ACT_UNSPEC;
 }
 
-/* Counts a drop, or what would be one, and gives the action. */
+/* Counts a drop, or what would be one, and returns the action. */
 static __always_inline int drop(struct gate_cpu *cpu, __u32 direction, __u32 slot, __u32 reason)
 {
 	slot &= GATE_SLOTS - 1;
@@ -76,7 +78,7 @@ static __always_inline void report_unknown(__u64 frames, __u32 direction, const 
 	report_sample(&sample, &table.sample_due);
 }
 
-/* The sequence is 0 while the entry changes hands. */
+/* The sequence is 0 while the entry is reused for another frame. */
 static __always_inline void note_unknown(struct gate_cpu *cpu, __u32 direction,
 					 const struct frame *frame)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
-/* What a socket buffer says about itself: the CAN frame in it and where it comes from. */
+/* Reads the CAN frame in a socket buffer and where it comes from. */
 #ifndef MLCCA_GATE_FRAME_BPF_H
 #define MLCCA_GATE_FRAME_BPF_H
 
@@ -9,17 +9,17 @@ struct frame {
 	__u32 can_id;
 	__u32 len;	  /* payload bytes */
 	__u32 format;	  /* GATE_CLASSIC, GATE_FD or GATE_XL */
-	__u32 mark;	  /* when the gate saw it first */
-	__u32 source;	  /* as source_of(); GATE_NO_SOURCE at ingress */
-	__u32 generation; /* of the verdicts that it is decided by */
-	__u32 read;	  /* sum of what was read for that: see moved_on() */
-	/* J1939, see gate_transport.bpf.h: set where `transport` is. */
-	__u32 transport; /* TRANSPORT_NONE unless it carries a part of a message that passes */
+	__u32 mark;	  /* its mark when the gate read it */
+	__u32 source;	  /* source_of(); GATE_NO_SOURCE at ingress */
+	__u32 generation; /* generation of verdicts used for the decision */
+	__u32 read;	  /* sum of what was read for the decision, see moved_on() */
+	/* J1939, see gate_transport.bpf.h; valid if `transport` is set. */
+	__u32 transport; /* TRANSPORT_NONE unless it is part of a message that passes */
 	__u32 message;	 /* identifier of the message that it announces */
 	__u32 size;	 /* bytes of that message */
 };
 
-/* First words of struct can_frame and struct canfd_frame. */
+/* The first words of struct can_frame and struct canfd_frame. */
 struct frame_head {
 	__u32 can_id;
 	__u8 len;
@@ -27,8 +27,8 @@ struct frame_head {
 } __attribute__((aligned(8)));
 
 /*
- * First words of struct canxl_frame, which the headers of older kernels lack. The identifier is the
- * 11-bit priority; the network's number (VCID) stands beside it.
+ * The first words of struct canxl_frame, which older kernel headers lack. The identifier is the
+ * 11-bit priority; the number of the virtual network (VCID) is next to it.
  */
 struct xl_head {
 	__u32 prio;
@@ -42,7 +42,7 @@ struct xl_head {
 #define XL_FLAG	    0x80
 #define XL_ID_MASK  0x00ff07ffU
 
-/* The first eight bytes of a frame; CAN buffers are linear. */
+/* Reads the first eight bytes of a frame; buffers of CAN are linear. */
 static __always_inline bool load_head(struct __sk_buff *skb, __u32 lead, void *head)
 {
 	if (direct_access) {
@@ -62,7 +62,9 @@ static __always_inline bool is_xl(struct __sk_buff *skb, __u32 lead, struct xl_h
 	       head->len <= XL_MAX_DLEN && skb->len == lead + XL_HEADER + head->len;
 }
 
-/* The length does not say whether a header stands in front. A frame that could be both is neither.
+/*
+ * Reads a CAN XL frame. Its length does not show whether a lead precedes it, so a frame that could
+ * be both is refused.
  */
 static __always_inline bool read_xl(struct __sk_buff *skb, __u32 direction, struct frame *frame)
 {
@@ -78,7 +80,7 @@ static __always_inline bool read_xl(struct __sk_buff *skb, __u32 direction, stru
 	return !(frame->can_id & ~XL_ID_MASK);
 }
 
-/* False: not a frame of the right size. */
+/* Returns false if it is not a frame of the right size. */
 static __always_inline bool read_frame(struct __sk_buff *skb, __u32 direction, struct frame *frame)
 {
 	__u32 protocol = protocol_of(skb);
@@ -106,9 +108,9 @@ static __always_inline bool read_frame(struct __sk_buff *skb, __u32 direction, s
 }
 
 /*
- * Egress: 0 for a local program, else the ifindex that the frame came in by. That the ingress gate
- * there has passed it is what its mark must say: a frame from an interface without a gate, or the
- * echo of a local program's frame, has none.
+ * Egress: 0 for a local program, otherwise the ifindex by which the frame entered. Its mark must
+ * show that the ingress gate there has passed it: a frame from an interface without a gate, or the
+ * echo of a local frame, has no such mark.
  */
 static __always_inline __u32 source_of(struct __sk_buff *skb)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
-/* The decision: which slot a frame belongs to, and whether that slot admits it. */
+/* Decides which slot a frame belongs to, and whether the slot admits it. */
 #ifndef MLCCA_GATE_SLOT_BPF_H
 #define MLCCA_GATE_SLOT_BPF_H
 
@@ -9,8 +9,9 @@
 #include "bpf/decide.bpf.h"
 
 /*
- * A slot's mask covers its key, so that only a misfit needs to know whose key it was. Of a masked
- * slot what the mask covers is the key.
+ * The reason for an identifier that does not fit. A slot's mask covers its key, so only such a
+ * frame needs to know whether the key was the slot's. For a masked slot, the part that the mask
+ * covers is the key.
  */
 static __always_inline __u32 misfit_identifier(const struct gate_slot *slot, __u32 can_id)
 {
@@ -45,7 +46,7 @@ static __always_inline __u32 fit(struct __sk_buff *skb, __u32 direction,
 	return reason;
 }
 
-/* Not static, as walk(). */
+/* Not static, for the same reason as walk(). */
 __noinline __u32 fit_apart(struct __sk_buff *skb, __u32 at, struct frame *frame, __u32 direction)
 {
 	if (!frame)
@@ -58,7 +59,7 @@ static __always_inline __u32 next_of(__u32 at)
 	return READ_ONCE(table.slots[at & (GATE_SLOTS - 1)].next);
 }
 
-/* As walk(), from the first masked slot. */
+/* Like walk(), from the first masked slot. */
 static __always_inline __u64 walk_masked(struct __sk_buff *skb, struct frame *frame,
 					 __u32 direction)
 {
@@ -83,8 +84,8 @@ static __always_inline __u64 walk_from_head(struct __sk_buff *skb, struct frame 
 }
 
 /*
- * The first slot is compared in place: nearly always it is the only one. A key that has a slot is
- * decided there, even if that refuses: masked slots never open what was refused by name.
+ * The first slot is compared in place, because it is nearly always the only one. A key that has a
+ * slot is decided by it, even if that refuses: a masked slot never admits what was refused by name.
  */
 static __always_inline struct decision decide(struct __sk_buff *skb, __u32 direction,
 					      struct frame *frame)
@@ -117,8 +118,7 @@ static __always_inline struct decision decide(struct __sk_buff *skb, __u32 direc
 	return settled(skb, frame, direction, found);
 }
 
-/* Drops what is not to pass; in audit mode it goes on, marked. A `frame` without a slot is
- * reported. */
+/* Drops a frame; in audit mode it goes on with a mark. A `frame` without a slot is reported. */
 static __always_inline int refuse_in(struct __sk_buff *skb, struct gate_cpu *cpu, __u32 slot,
 				     __u32 reason, const struct frame *frame)
 {
@@ -132,7 +132,10 @@ static __always_inline int refuse_in(struct __sk_buff *skb, struct gate_cpu *cpu
 	return action;
 }
 
-/* What an ingress gate has refused is counted there, if it comes here all the same. */
+/*
+ * Drops a frame at egress. In audit mode, a frame that an ingress gate has refused was counted
+ * there.
+ */
 static __always_inline int refuse_out(struct gate_cpu *cpu, __u32 slot, __u32 reason,
 				      const struct frame *frame)
 {

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
 /*
- * FAMOUSO: what the broker's replies say is held against the bindings that are stated here. See
- * struct gate_binding. Only frames of etag 4 come here.
+ * FAMOUSO: compares the broker's replies with the stated bindings, see struct gate_binding. Only
+ * frames with etag 4 are passed to it.
  */
 #ifndef MLCCA_GATE_TAGS_BPF_H
 #define MLCCA_GATE_TAGS_BPF_H
 
-/* REPLIES wake-ups at once, then one in REPLY_NS. The table holds what they report. */
+/* At most REPLIES wake-ups at once, then one in REPLY_NS. The table has what they report. */
 #define REPLIES	 16
 #define REPLY_NS 100000000ULL
 
-/* A reply is two of these: the node that asked, first or second half, the tag, half a subject. */
+/* A reply has two of these: the asking node, first or second half, the tag, half of a subject. */
 struct reply_frame {
 	__u8 node;
 	__u8 half;
@@ -19,12 +19,12 @@ struct reply_frame {
 };
 
 struct reply {
-	__u64 subject; /* of both halves, where they are known */
+	__u64 subject; /* from both halves, if both are known */
 	__u32 part;
 	__u32 half;
 	__u32 etag;
-	__u32 whole;  /* `subject` is */
-	__u32 broker; /* both halves are as a broker sends them, and control traffic */
+	__u32 whole;  /* `subject` is complete */
+	__u32 broker; /* both halves have a broker's form and are admitted as control traffic */
 	__u32 news;   /* something about a binding was found */
 };
 
@@ -34,8 +34,8 @@ static __always_inline __u32 half_of(__u64 subject, __u32 half)
 }
 
 /*
- * The slots of a binding refuse from now on. After the count of contradictions: who reads that
- * after linking a slot sees this one, or this walk sees the slot.
+ * Makes the slots of a binding refuse. It must follow the count of contradictions: a reader that
+ * links a slot and then reads the count sees this one, or this walk sees the slot.
  */
 static __always_inline void shut(__u32 etag, __u64 subject)
 {
@@ -61,7 +61,7 @@ static __always_inline void contradict(struct gate_binding *b, struct reply *r)
 	r->news = 1;
 }
 
-/* The tag is dealt to a subject of which one half at least is another one. */
+/* The tag was assigned to a subject of which at least one half differs. */
 static __always_inline void deal_to_another(struct gate_binding *b, struct reply *r)
 {
 	if (r->whole) {
@@ -76,7 +76,7 @@ static __always_inline void deal_to_another(struct gate_binding *b, struct reply
 	contradict(b, r);
 }
 
-/* The subject is dealt a tag. */
+/* The subject was assigned a tag. */
 static __always_inline void deal(struct gate_binding *b, struct reply *r)
 {
 	if (r->broker && b->dealt != r->etag) {
@@ -86,7 +86,7 @@ static __always_inline void deal(struct gate_binding *b, struct reply *r)
 	if (!b->etag)
 		return;
 	if (b->etag != r->etag) {
-		/* To whom its tag was dealt says more, where that is known. */
+		/* If it is known to whom the tag was assigned, that says more, so it is kept. */
 		if (b->contradictions == b->settled)
 			WRITE_ONCE(b->halves, 0);
 		contradict(b, r);
@@ -97,8 +97,9 @@ static __always_inline void deal(struct gate_binding *b, struct reply *r)
 }
 
 /*
- * A tag that the subject was dealt, and which user space has not stated yet, is another one's now.
- * Counted, so that user space, which may just be stating it, finds a contradiction.
+ * A tag that the subject was assigned, but that user space has not stated yet, now belongs to
+ * another subject. It is counted, so that user space finds a contradiction if it is just stating
+ * it.
  */
 static __always_inline void take_back(struct gate_binding *b, struct reply *r)
 {
@@ -123,7 +124,9 @@ static long look_at_binding(__u32 at, void *context)
 	return 0;
 }
 
-/* The first half of a reply wakes no reader: at the second one the whole subject is known.
+/*
+ * Reports a finding. The first half of a reply wakes no reader, because only the second one makes
+ * the subject known.
  */
 static __always_inline void report_news(__u32 half)
 {
@@ -140,8 +143,8 @@ static __always_inline void report_news(__u32 half)
 }
 
 /*
- * Joins the second half of a reply to the first one for the same node. A reply of which one half is
- * not the broker's binds nothing new.
+ * Joins the second half of a reply to the first one for the same node. If one half is not the
+ * broker's, the reply confirms nothing.
  */
 static __always_inline void join(struct reply *r, __u32 direction, __u32 node)
 {
@@ -161,10 +164,10 @@ static __always_inline void join(struct reply *r, __u32 direction, __u32 node)
 }
 
 /*
- * What comes in has been on the bus, whatever becomes of it here; what goes out comes here when it
- * passes, also by audit mode. `admitted`: as control traffic. A reply that no broker may send
- * closes as well: nodes take the answer from any sender. Not static: the verifier checks it once
- * by itself.
+ * Takes a reply. At ingress it has been on the bus, whatever is decided here; at egress it is
+ * passed to this function if it passes, also in audit mode. `admitted`: as control traffic. A reply
+ * that no broker may send contradicts as well, because nodes accept answers from any sender. It is
+ * not static, so that the verifier checks it once.
  */
 __noinline __u32 heed_reply(struct __sk_buff *skb, struct frame *frame, __u32 direction,
 			    __u32 admitted)

@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
 /*
- * Messages that the transport protocol of J1939 carries: see gate_transport.h. What announces a
- * message is decided as a frame of the PGN that it names, of the format GATE_TRANSPORT and as long
- * as the message. Each packet is decided once more: as a frame of the message that its source has
- * announced, in its turn. So a slot that is closed or removed ends the message with the next
- * packet, and a sender that the slot does not name adds nothing to it. Everything else with these
- * PGNs is control traffic: its own key decides. Only frames of these PGNs come here.
+ * Messages that J1939's transport protocol carries, see gate_transport.h. An announcement is
+ * decided like a frame of the PGN that it names, with the format GATE_TRANSPORT and the length of
+ * the message. Each packet is decided again: as a frame of the message that its source has
+ * announced, in order. So if a slot is closed or removed, the message ends with the next packet,
+ * and a sender that the slot does not name cannot add to it. Everything else with these PGNs is
+ * control traffic, which is decided by its own key. Only frames with these PGNs are passed to these
+ * functions.
  */
 #ifndef MLCCA_GATE_TRANSPORT_BPF_H
 #define MLCCA_GATE_TRANSPORT_BPF_H
 
-/* What frame.transport says. */
+/* Values of frame.transport. */
 #define TRANSPORT_NONE	   0
 #define TRANSPORT_PACKET   1
-#define TRANSPORT_ANNOUNCE 2 /* and above 8 bits the number of packets */
+#define TRANSPORT_ANNOUNCE 2 /* with the number of packets from bit 8 on */
 
 static __always_inline bool is_transport(const struct frame *frame)
 {
@@ -33,7 +34,7 @@ static __always_inline __u64 session_state(__u32 id, __u32 slot, __u32 packets, 
 	       (id & (CAN_EFF_MASK & ~GATE_TP_PRIORITY));
 }
 
-/* The frame as one of the message, with the priority that it has. */
+/* Turns the frame into one of the message, with the frame's own priority. */
 static __always_inline void make_message(struct frame *frame, __u32 id, __u32 len)
 {
 	frame->can_id = (frame->can_id & (CAN_EFF_FLAG | GATE_TP_PRIORITY)) | id;
@@ -42,8 +43,8 @@ static __always_inline void make_message(struct frame *frame, __u32 id, __u32 le
 }
 
 /*
- * The message that is announced: the frame is what is decided, and gets the identifier of the
- * message. GATE_R_UNKNOWN: it is no channel's.
+ * Decides about an announcement: `frame` gets the identifier and size of the announced message.
+ * GATE_R_UNKNOWN: the message belongs to no channel.
  */
 static __always_inline __u64 judge_announcement(struct __sk_buff *skb, struct frame *frame,
 						__u32 direction, const __u8 *data)
@@ -67,7 +68,7 @@ static __always_inline __u64 judge_announcement(struct __sk_buff *skb, struct fr
 		frame->message = message.can_id;
 	if (found >> 32 != GATE_R_PASSED)
 		return found;
-	/* A request to send is answered by frames of others, which no slot admits. */
+	/* A request to send is answered by frames of other nodes, which no slot admits. */
 	if (data[0] != GATE_TP_BAM || destination != GATE_TP_EVERYBODY)
 		return packed(GATE_R_FORMAT, found);
 	if (size < GATE_TP_LEAST || size > GATE_TP_MOST ||
@@ -79,7 +80,7 @@ static __always_inline __u64 judge_announcement(struct __sk_buff *skb, struct fr
 	return found;
 }
 
-/* GATE_R_UNKNOWN: its source has announced nothing that it could be of. */
+/* Decides about a packet. GATE_R_UNKNOWN: its source has announced no message. */
 static __always_inline __u64 judge_packet(struct __sk_buff *skb, struct frame *frame,
 					  __u32 direction, __u32 number)
 {
@@ -107,15 +108,15 @@ static __always_inline __u64 judge_packet(struct __sk_buff *skb, struct frame *f
 }
 
 /*
- * What the source sent before is over for all who have seen this announcement: at ingress all have,
- * at egress those of what passes.
+ * Ends the former message of the source, for all that have seen the announcement: at ingress all
+ * nodes have, at egress only if the announcement passes.
  */
 static __always_inline void end_session(const struct frame *frame, __u32 direction)
 {
 	WRITE_ONCE(session_of(frame, direction)->state, 0);
 }
 
-/* Not static: the verifier checks it once by itself. */
+/* Not static, so that the verifier checks it once. */
 __noinline __u64 judge_transport(struct __sk_buff *skb, struct frame *frame, __u32 direction)
 {
 	__u64 found = packed(GATE_R_UNKNOWN, direction), own;
@@ -145,7 +146,7 @@ __noinline __u64 judge_transport(struct __sk_buff *skb, struct frame *frame, __u
 			end_session(frame, direction);
 		return own;
 	}
-	/* Reported by the PGN that was announced; a packet alone says of none. */
+	/* An unknown announcement is reported with the announced PGN; a single packet has none. */
 	if (announces) {
 		frame->can_id = frame->message;
 		return found;
@@ -155,7 +156,7 @@ __noinline __u64 judge_transport(struct __sk_buff *skb, struct frame *frame, __u
 	return own;
 }
 
-/* As admit(): the announcement pays for all frames and bytes of the message. */
+/* Like admit(): the announcement pays for all frames and bytes of the message. */
 static __always_inline bool admit_transport(struct gate_cpu *cpu, __u32 direction, __u32 at,
 					    const struct frame *frame)
 {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
 /*
- * How the events of a slot come. The exchange of `last` gives each gap to one frame, whatever the
- * CPUs do, and every gap is counted once, so that the counts are exact. No timer is touched here:
- * the one of the slot (watch.bpf.c) reads `last` when it is due.
+ * Watches the arrival of a slot's events. The atomic exchange of `last` gives each gap to one
+ * frame, whatever other CPUs do, so that every gap is counted once. No timer is touched here: that
+ * of the slot (watch.bpf.c) reads `last` when it expires.
  */
 #ifndef MLCCA_GATE_WATCH_BPF_H
 #define MLCCA_GATE_WATCH_BPF_H
 
-/* Others only get in the way by having come further: after a few tries they have. */
+/* A try fails only if another CPU has stored a more extreme value, so a few tries suffice. */
 #define EXTREME_TRIES 4
 
 static __always_inline void raise(__u64 *most, __u64 value)
@@ -44,7 +44,10 @@ static __always_inline bool is_silence(const struct gate_watch *w, __u64 period,
 	return gap >= silence && gap >= GATE_RECOVERY_HOLD;
 }
 
-/* The event of `now` is the first one. Another CPU may leave a gap of its own behind. */
+/*
+ * Restarts the statistics with the event at `now` as the first one. Another CPU may still add a
+ * gap.
+ */
 static void begin_anew(struct gate_watch *w, __u64 now)
 {
 	__u32 i;
@@ -72,7 +75,10 @@ static __always_inline void watch(struct gate_watch *w, __u64 period, __u64 now)
 		WRITE_ONCE(w->first, now);
 		return;
 	}
-	/* Clocks are read before the exchange: of two frames the later one may have been first. */
+	/*
+	 * The clock is read before the exchange, so of two frames the later one may have been
+	 * first.
+	 */
 	gap = now > last ? now - last : 1;
 	if (is_silence(w, period, gap)) {
 		begin_anew(w, now);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
-/* One access, neither torn nor repeated, of memory that others write or read meanwhile. */
+/* One access, neither torn nor repeated, to memory that others access at the same time. */
 #ifndef MLCCA_ONCE_BPF_H
 #define MLCCA_ONCE_BPF_H
 

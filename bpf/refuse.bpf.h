@@ -4,15 +4,15 @@
 #define MLCCA_REFUSE_BPF_H
 
 /*
- * Set before loading. The program that sent a frame which is dropped at egress gets success;
- * otherwise it gets ENOBUFS.
+ * Set before loading. True: the program that sent a frame dropped at egress gets success; otherwise
+ * ENOBUFS.
  */
 const volatile __u8 silent = false;
 
 /*
  * The action of a drop. TC_ACT_STOLEN would report success to the sender in clsact, but in TCX it
- * means that the next program is asked. A redirection is final in both, and success to the sender:
- * the kernel finds no interface of index 0 and frees the frame.
+ * makes the kernel run the next program. A redirection is final in both and reports success: the
+ * kernel finds no interface with index 0 and frees the frame.
  */
 static __always_inline int refusal(__u32 direction)
 {

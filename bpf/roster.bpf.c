@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause
 /*
- * Which programs of this kernel are gates of ours, whoever has loaded them: those that read a
- * map of the name of the control word. Who asks the kernel for a program by its id needs
- * CAP_SYS_ADMIN; an iterator needs CAP_BPF and CAP_PERFMON alone. Offsets are those of the running
- * kernel's BTF.
+ * Lists the programs of this kernel that are gates of ours, whoever has loaded them: those that use
+ * a map with the name of the control word. To get a program from the kernel by its id,
+ * CAP_SYS_ADMIN is needed; for an iterator, CAP_BPF and CAP_PERFMON suffice. Offsets are those of
+ * the running kernel's BTF.
  */
 #include <linux/bpf.h>
 #include <bpf/bpf_helpers.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
 /*
- * Reports of unknown frames by the ring that all gates share. The clock is read, to the tick, only
- * for one that was not among those that this CPU has seen last: a single flooding sender is
- * reported once by each CPU, and costs no time after that.
+ * Reports unknown frames by the ring buffer that all gates share. The clock (with the resolution of
+ * a tick) is read only for frames that are not among the latest of this CPU: a single flooding
+ * sender is reported once by each CPU, and then costs no time.
  */
 #ifndef MLCCA_SAMPLE_BPF_H
 #define MLCCA_SAMPLE_BPF_H

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
-/* What the gate programs of all kinds of links have in common. */
+/* The parts that the gate programs of all kinds of links share. */
 #ifndef MLCCA_SHARED_BPF_H
 #define MLCCA_SHARED_BPF_H
 
-/* PREEMPT_RT: one program can interrupt another on its CPU. Set before loading. */
+/* Set before loading. PREEMPT_RT: a program can interrupt another one on its CPU. */
 const volatile __u8 atomic_counts = false;
 
-/* Other CPUs see the stores of one in its order, as on x86. Set before loading. */
+/* Set before loading. Other CPUs see the stores of one CPU in its order, as on x86. */
 const volatile __u8 ordered_stores = false;
 
 #include "bpf/closed.bpf.h"
 
 /*
- * Another generation than verdicts were read by. The address of the load depends on what was read
- * for the decision, so that no machine does the one before the other.
+ * Whether the generation has changed since the verdicts were read. The address of the load depends
+ * on what was read for the decision, so that no machine reorders the two.
  */
 static __always_inline bool moved_on(__u32 generation, __u32 read)
 {
@@ -23,7 +23,7 @@ static __always_inline bool moved_on(__u32 generation, __u32 read)
 	return READ_ONCE((&control.generation)[nothing & 1]) != generation;
 }
 
-/* After all stores before it, and before those that follow. */
+/* Stores after all earlier stores and before all later ones. */
 static __always_inline void store_in_order(__u64 *at, __u64 value)
 {
 	if (!ordered_stores) {

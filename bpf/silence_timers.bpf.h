@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
 /*
- * Silence: kernel timers that notice when a watched slot of one interface has had no event for too
- * long. A timer is due when the oldest of the latest events of its slots would be too old, checks
- * whether later ones have come, and if so is due again by those: it ticks with the channels, and
- * never drifts. The kernel may refuse memory for a timer at any time (6.18 often does), so there
- * are a few for all slots, made when the gate is. A value with a timer can't be memory-mapped: they
- * have a map of their own.
+ * Silence timers: kernel timers that notice when a watched slot of one interface had no event for
+ * too long. A timer expires when the oldest of the latest events of its slots would be too old. It
+ * then checks whether later events have arrived, and is set again according to those: so it follows
+ * the channels and does not drift. The kernel may refuse memory for a timer at any time (6.18 often
+ * does), so a few timers serve all slots, and they are made together with the gate. A value with a
+ * timer cannot be memory-mapped, so they have a map of their own.
  *
- * Who includes this says of the watches of its gate how many there can be (WATCHES), and
- * up to where there are any, which one is the n-th, and of its slot subject, number and verdict.
+ * A file that includes this one defines the largest number of watches (WATCHES) and these
+ * functions: the upper bound of the watches in use, the n-th watch, and the subject, number and
+ * verdict of its slot.
  */
 #ifndef MLCCA_SILENCE_TIMERS_BPF_H
 #define MLCCA_SILENCE_TIMERS_BPF_H
@@ -19,8 +20,8 @@ static __u64 subject_of(__u32 at, const struct gate_watch *w);
 static __u32 slot_number(__u32 at, const struct gate_watch *w);
 static bool passes(__u32 at, const struct gate_watch *w);
 
-#define SHORTEST_WAIT 100000ULL	   /* ns: no Period keeps a CPU busy */
-#define AT_LEISURE    100000000ULL /* ns: where no one waits for the result */
+#define SHORTEST_WAIT 100000ULL	   /* ns, so that no Period can keep a CPU busy */
+#define AT_LEISURE    100000000ULL /* ns, for cases in which no one waits for the result */
 
 const volatile __u32 ifindex = 0; /* set before loading */
 
@@ -33,7 +34,7 @@ struct {
 
 struct silence_timer {
 	struct bpf_timer timer;
-	__u64 armed; /* how often a watch of it was */
+	__u64 armed; /* number of times that one of its watches was armed */
 };
 
 struct {
@@ -48,7 +49,7 @@ static bool passes_now(const __u8 *verdict)
 	return READ_ONCE(verdict[READ_ONCE(control.generation) & 1]) == GATE_PASS;
 }
 
-/* False: the ring is full. Then it is reported at the next tick. */
+/* Returns false if the ring buffer is full; then it is reported at the next tick. */
 static bool report(__u32 at, const struct gate_watch *w, __u32 kind, __u64 now, __u64 silent)
 {
 	struct gate_event event = {
@@ -64,8 +65,7 @@ static bool report(__u32 at, const struct gate_watch *w, __u32 kind, __u64 now, 
 	return !bpf_ringbuf_output(&events, &event, sizeof(event), 0);
 }
 
-/* Of a slot that is silent: its recovery is reported when events have come for a while without a
- * break. */
+/* For a silent slot: reports its recovery when events have arrived for a while without a gap. */
 static void await_recovery(__u32 at, struct gate_watch *w, bool quiet, __u64 now)
 {
 	if (quiet)
@@ -78,8 +78,8 @@ static void await_recovery(__u32 at, struct gate_watch *w, bool quiet, __u64 now
 }
 
 /*
- * Gives the time until the next poll of a slot, 0 for none. Not static: the verifier checks it
- * once by itself.
+ * Polls a slot. Returns the time in ns until the next poll; 0: none. It is not static, so that the
+ * verifier checks it once.
  */
 __noinline __u64 poll_watch(__u32 at)
 {
@@ -90,13 +90,16 @@ __noinline __u64 poll_watch(__u32 at)
 		return 0;
 	silence = READ_ONCE(w->silence);
 	period = READ_ONCE(w->period);
-	/* The event before the clock: one in between must not count as a long silence. */
+	/*
+	 * The event is read before the clock, so that an event in between does not count as a long
+	 * silence.
+	 */
 	last = READ_ONCE(w->last);
 	now = bpf_ktime_get_ns();
 	if (!silence || !passes(at, w))
 		return 0;
 	if (closed(READ_ONCE(table.epoch))) {
-		/* Nothing can come: silence begins when the gates open. */
+		/* No event can pass, so silence begins when the gates open. */
 		w->since = 0;
 		w->silent = 0;
 		return silence < AT_LEISURE ? silence : AT_LEISURE;
@@ -131,16 +134,16 @@ static int tick(void *map, __u32 *key, struct silence_timer *own)
 	}
 	if (soonest)
 		bpf_timer_start(&own->timer, soonest < SHORTEST_WAIT ? SHORTEST_WAIT : soonest, 0);
-	/* One was armed meanwhile: its wait has just been overwritten. */
+	/* A watch was armed in between, and its time was just overwritten. */
 	if (READ_ONCE(own->armed) != armed)
 		bpf_timer_start(&own->timer, SHORTEST_WAIT, 0);
 	return 0;
 }
 
 /*
- * Makes the timers. They are there already after a restart of the daemon: then their callback
- * becomes ours. Like the next one it is run by BPF_PROG_TEST_RUN, since only programs have to do
- * with timers, and gives 0 or a negative errno.
+ * Makes the timers. After a restart of the daemon they exist; then only their callback is replaced.
+ * Like watch_arm() it is run by BPF_PROG_TEST_RUN, because only programs can use timers. Returns 0
+ * or a negative errno.
  */
 SEC("tc")
 int watch_make(struct __sk_buff *skb)
@@ -164,7 +167,7 @@ int watch_make(struct __sk_buff *skb)
 	return 0;
 }
 
-/* Watch `skb->mark` is polled from now on. What is missing already is reported once more. */
+/* Polls the watch `skb->mark` from now on. A silence that was reported is reported once more. */
 SEC("tc")
 int watch_arm(struct __sk_buff *skb)
 {

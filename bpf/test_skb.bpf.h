@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
 /*
- * In the place of skb.bpf.h, for objects that are loaded by tests alone. BPF_PROG_TEST_RUN can make
- * neither ETH_P_CAN nor a buffer with a socket: the protocol follows from the length, and the
- * priority says whether a frame is locally sent or CAN XL.
+ * Replaces skb.bpf.h in objects that only tests load. BPF_PROG_TEST_RUN can make neither ETH_P_CAN
+ * nor a buffer with a socket. So the protocol follows from the length, and the priority states
+ * whether a frame is sent locally or is CAN XL.
  */
 #ifndef MLCCA_SKB_BPF_H
 #define MLCCA_SKB_BPF_H

@@ -5,12 +5,12 @@
 #include <linux/types.h>
 
 /*
- * Until when the gates may be open, whatever heart-beats come: what they let pass is promised to
- * this gateway no longer. In a map of its own, which gate_beat alone reads.
+ * Until when the gates may be open, whatever heart-beats arrive: later, what they pass is not
+ * reserved for this gateway any more. It is in a map of its own, which only gate_beat reads.
  */
 struct gate_until {
-	__u64 until; /* CLOCK_MONOTONIC ns; 0: as long as heart-beats come */
-	__u64 tick;  /* ns between two jiffies */
+	__u64 until; /* CLOCK_MONOTONIC ns; 0: as long as heart-beats arrive */
+	__u64 tick;  /* ns of one jiffy */
 };
 
 #endif

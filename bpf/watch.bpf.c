@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause
-/* The timers of a CAN gate: each slot has a watch of its own. */
+/* The silence timers of a CAN gate. Each slot has a watch of its own. */
 #include <stdbool.h>
 #include <linux/bpf.h>
 #include <linux/errno.h>
@@ -12,7 +12,7 @@
 
 #define WATCHES GATE_SLOTS
 
-struct gate_table table; /* of .bss: the one of the gate */
+struct gate_table table; /* of .bss: it is the table of the gate */
 
 #include "bpf/silence_timers.bpf.h"
 
