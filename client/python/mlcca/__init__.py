@@ -9,7 +9,7 @@
             stop.publish(b"go")
             client.wait(0.05)
 
-mlcca.aio has the same for asyncio. Events go by the sockets of libmlcca.
+mlcca.aio has the same for asyncio. The sockets that carry the events are those of libmlcca.
 """
 from mlcca.client import SOCKET, Channel, Client, PublisherChannel, SubscriberChannel
 from mlcca.types import Answer, Cause, ChannelException, Check, Delivery, Event, Published, State

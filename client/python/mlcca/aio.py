@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The same for asyncio: announce() is awaited, and events and exceptions are iterated over."""
+"""The client for asyncio: announce() is awaited, and events and exceptions are iterated over."""
 from __future__ import annotations
 
 import asyncio
@@ -11,7 +11,7 @@ from mlcca.types import Answer, ChannelException, Event, Published, State
 
 
 class Channel:
-    """What a publisher and a subscriber of a program have in common."""
+    """The common base of publishers and subscribers."""
 
     def __init__(self, client: "Client", part: Part) -> None:
         self._client = client
@@ -19,41 +19,42 @@ class Channel:
 
     @property
     def answer(self) -> Answer:
+        """The latest known decision."""
         return self._part.answer
 
     async def exceptions(self) -> AsyncIterator[ChannelException]:
-        """Without end; what came before is kept."""
+        """Yields exceptions without end. At most 256 are kept until they are taken; then Cause.LAGGED is reported."""
         while True:
             while self._part.waits():
                 yield self._part.take_exception()
             await self._client._changed()
 
     def close(self) -> None:
-        """Nothing happens to it any more."""
+        """Ends the channel: it is not announced any more."""
         self._client._forget(self._part)
 
 
 class PublisherChannel(Channel):
-    """It is made by Client.publisher()."""
+    """The publisher of an event channel; made by Client.publisher()."""
 
     async def announce(self) -> Answer:
-        """As mlcca.PublisherChannel.announce()."""
+        """Announces the publisher, like mlcca.PublisherChannel.announce()."""
         return await self._client._take_up(self._part)
 
     def publish(self, event: bytes) -> Published:
-        """As mlcca.PublisherChannel.publish(): it never waits."""
+        """Sends an event without waiting, like mlcca.PublisherChannel.publish()."""
         return self._client._session.sockets.publish(self._part.number, event)
 
 
 class SubscriberChannel(Channel):
-    """It is made by Client.subscriber()."""
+    """The subscriber of an event channel; made by Client.subscriber()."""
 
     async def subscribe(self) -> Answer:
-        """As mlcca.PublisherChannel.announce()."""
+        """Announces the subscriber, like mlcca.PublisherChannel.announce()."""
         return await self._client._take_up(self._part)
 
     async def events(self) -> AsyncIterator[Event]:
-        """Without end. At most 1,024 wait to be taken; those that come then are lost, see `lost`."""
+        """Yields events without end. At most 1,024 are kept until they are taken; further ones are lost, see `lost`."""
         while True:
             while self._part.events:
                 yield self._part.events.popleft()
@@ -61,12 +62,15 @@ class SubscriberChannel(Channel):
 
     @property
     def lost(self) -> int:
-        """As mlcca.SubscriberChannel.lost, and events that were not taken in time."""
+        """How much was lost, including events that were not taken in time; see mlcca.SubscriberChannel.lost."""
         return self._client._session.sockets.lost() + self._part.untaken
 
 
 class Client:
-    """`async with Client() as client`: the connection lives in a task of the running loop."""
+    """A connection to mlccad, used as `async with Client() as client`: a task of the running loop maintains it.
+
+    The arguments have the same meaning as for mlcca.Client.
+    """
 
     def __init__(self, path: str = SOCKET, patience: float = 10, first_retry: float = 0.1, longest_retry: float = 5) -> None:
         self._path, self._patience = path, patience
@@ -75,17 +79,17 @@ class Client:
         self._writer: Optional[asyncio.StreamWriter] = None
         self._task: Optional[asyncio.Task[None]] = None
         self._change = asyncio.Event()
-        self._wanted = asyncio.Event()  # something is announced
-        self._hurry = asyncio.Event()   # somebody waits for a connection
-        self._again: Optional[asyncio.TimerHandle] = None  # asks those that failed
+        self._wanted = asyncio.Event()  # set when something is announced
+        self._hurry = asyncio.Event()   # set when somebody waits for a connection
+        self._again: Optional[asyncio.TimerHandle] = None  # timer to ask again for channels that failed
         self._losses = 0
 
     def publisher(self, channel: str, name: str = "", **stated: int | str) -> PublisherChannel:
-        """As mlcca.Client.publisher()."""
+        """Makes a publisher, like mlcca.Client.publisher()."""
         return PublisherChannel(self, Part(channel, Role.PUBLISHER, name, stated))
 
     def subscriber(self, channel: str, name: str = "", **stated: int | str) -> SubscriberChannel:
-        """As mlcca.Client.publisher()."""
+        """Makes a subscriber, like mlcca.Client.subscriber()."""
         return SubscriberChannel(self, Part(channel, Role.SUBSCRIBER, name, stated))
 
     async def __aenter__(self) -> "Client":
@@ -114,7 +118,7 @@ class Client:
                 while self._losses == losses and (part.asked != 0 or not self._writer):
                     await self._changed()
         except TimeoutError:
-            part.lost = True  # the answer may come later
+            part.lost = True  # so that an answer that comes later is reported
             part.answer = Answer(State.NO_DAEMON, f"no answer from mlccad within {self._patience:g} s")
         return part.answer
 
@@ -129,7 +133,7 @@ class Client:
         await self._change.wait()
 
     def _wake(self) -> None:
-        """Whoever waits for a change looks whether it is theirs."""
+        """Wakes all that wait for a change; each checks whether it concerns them."""
         self._change.set()
         self._change = asyncio.Event()
 
@@ -145,7 +149,7 @@ class Client:
             self._send()
 
     def _ask_failed_in(self, seconds: float) -> None:
-        """Once, however often it is called meanwhile, and no later than planned."""
+        """Asks once, even if it is called several times, and not later than planned before."""
         loop = asyncio.get_running_loop()
         if self._again is not None:
             if self._again.when() <= loop.time() + seconds:

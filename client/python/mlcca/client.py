@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The blocking client: fits a program of one thread, or a loop over file descriptors."""
+"""The blocking client, for a program with one thread or a loop over file descriptors."""
 from __future__ import annotations
 
 import os
@@ -12,13 +12,13 @@ from mlcca.session import Part, ProtocolError, Role, Session
 from mlcca.types import Answer, ChannelException, Event, Published, State
 
 SOCKET = "/run/mlcca/control.sock"
-MOST_READS = 16  # in one turn: a daemon that sends without pause does not keep a program from its work
+MOST_READS = 16  # reads in one turn, so that a daemon that sends without pause does not block the program
 Handler = Callable[[ChannelException], None]
 EventHandler = Callable[[Event], None]
 
 
 class Channel:
-    """What a publisher and a subscriber of a program have in common."""
+    """The common base of publishers and subscribers."""
 
     def __init__(self, client: "Client", part: Part) -> None:
         self._client = client
@@ -27,54 +27,61 @@ class Channel:
 
     @property
     def answer(self) -> Answer:
+        """The latest known decision."""
         return self._part.answer
 
     def close(self) -> None:
-        """Nothing happens to it any more."""
+        """Ends the channel: it is not announced any more, and its handlers are not called any more."""
         self._client._forget(self)
 
 
 class PublisherChannel(Channel):
-    """It is made by Client.publisher()."""
+    """The publisher of an event channel; made by Client.publisher()."""
 
     def announce(self) -> Answer:
-        """Takes the publisher up and waits for the answer, at most as long as the client is patient.
+        """Announces the publisher and waits for the answer, for the client's `patience` at most.
 
-        Whatever it is, the channel is announced again by itself whenever a daemon is there, until close().
+        Whatever the answer is, the channel is announced again whenever a daemon can be reached, until close(). A daemon that
+        does not answer yields State.NO_DAEMON. Raises RuntimeError if the client is closed.
         """
         return self._client._take_up(self)
 
     def publish(self, event: bytes) -> Published:
-        """Sends an event to every network that the channel is granted for, and to subscribers on this gateway.
+        """Sends an event of 0 to 65,535 bytes to every granted network and to subscribers on this gateway.
 
-        Never waits. While the daemon is gone it goes on where it was granted, until the gate closes after the grace period.
+        Never waits. While the daemon cannot be reached, events are sent where they were granted last, until the gate closes
+        after the grace period.
         """
         return self._client._session.sockets.publish(self._part.number, event)
 
 
 class SubscriberChannel(Channel):
-    """It is made by Client.subscriber()."""
+    """The subscriber of an event channel; made by Client.subscriber()."""
 
     def __init__(self, client: "Client", part: Part) -> None:
         super().__init__(client, part)
         self.on_event: Optional[EventHandler] = None  # called by Client.process() and Client.wait()
 
     def subscribe(self) -> Answer:
-        """As PublisherChannel.announce()."""
+        """Announces the subscriber; otherwise like PublisherChannel.announce()."""
         return self._client._take_up(self)
 
     @property
     def lost(self) -> int:
-        """Frames and events that came to this client and were incomplete, malformed, or lost in a socket; of programs on the
-        gateway those that are longer than the channel's MaxPayload or more than is admitted."""
+        """How much was lost on the way to this client: frames and events that were incomplete, malformed or lost in a socket;
+        events of programs on the gateway that were longer than the channel's MaxPayload, exceeded what is admitted, or were
+        missed; and events of this channel that the program did not take."""
         return self._client._session.sockets.lost() + self._part.untaken
 
 
 class Client:
-    """A connection to mlccad, which is made when it is needed and made again when it is lost.
+    """A connection to mlccad. It is established when a channel is announced, and again whenever it is lost.
 
-    Give it to select(), or its fileno() to a loop of your own, and call process() when it can be read; call process() once
-    a second in any case, so that a daemon that comes back is found. Or call wait().
+    Pass it to select(), or its fileno() to a loop of your own, and call process() when it is readable and at least once a
+    second, so that a daemon that returns is found. Or call wait(). A client is not thread-safe.
+
+    `path`: the daemon's control socket. The other arguments are in seconds. `patience`: how long announce() and subscribe()
+    wait for an answer. `first_retry`: the delay before connecting again, which is doubled up to `longest_retry`.
     """
 
     def __init__(self, path: str = SOCKET, patience: float = 10, first_retry: float = 0.1, longest_retry: float = 5) -> None:
@@ -84,18 +91,23 @@ class Client:
         self._session = Session()
         self._epoll = select.epoll()
         self._epoll.register(self._session.sockets, select.EPOLLIN)
-        self._wakes = os.eventfd(0, os.EFD_CLOEXEC | os.EFD_NONBLOCK)  # something waits for handlers
+        self._wakes = os.eventfd(0, os.EFD_CLOEXEC | os.EFD_NONBLOCK)  # readable while something waits for handlers
         self._epoll.register(self._wakes, select.EPOLLIN)
         self._socket: Optional[socket.socket] = None
         self._channels: list[Channel] = []
 
     def publisher(self, channel: str, name: str = "", **stated: int | str) -> PublisherChannel:
-        """`channel`: its name, or its subject as "0xa4efeccc3210b497"; `name`: of the publisher, where several are for this
-        user; the others: what the program was made with, such as Period="50ms". Raises ValueError."""
+        """Makes a publisher. It must be announced before it can publish.
+
+        `channel`: its name in the description, or its subject as "0xa4efeccc3210b497". `name`: the publisher's name in the
+        description; needed if this user has several publishers of the channel. `stated`: attributes that the program was
+        built for, e.g. Period="50ms"; the daemon rejects the announcement if the description falls short of them. Raises
+        ValueError for an unknown attribute or a wrong value.
+        """
         return PublisherChannel(self, Part(channel, Role.PUBLISHER, name, stated))
 
     def subscriber(self, channel: str, name: str = "", **stated: int | str) -> SubscriberChannel:
-        """As publisher()."""
+        """Makes a subscriber. The arguments have the same meaning as for publisher(), with the subscriber's name."""
         return SubscriberChannel(self, Part(channel, Role.SUBSCRIBER, name, stated))
 
     @property
@@ -103,12 +115,12 @@ class Client:
         return self._socket is not None
 
     def fileno(self) -> int:
-        """Can be read when there is something for process() to do. It stays the same until close()."""
+        """A file descriptor that is readable when process() has work to do. It is the same until close()."""
         return self._epoll.fileno()
 
     def process(self) -> None:
-        """Does what there is to do and calls handlers. Never waits. What a handler raises comes out of here; what else there
-        is for handlers is kept for the next call."""
+        """Handles all pending work and calls the handlers of exceptions and events; never waits. If a handler raises, process()
+        raises the same, and what was not handled is kept for the next call."""
         self._turn()
         try:
             for channel in list(self._channels):
@@ -124,7 +136,7 @@ class Client:
             self._wake_or_not()
 
     def wait(self, seconds: Optional[float] = None) -> None:
-        """process(), after waiting until there is something to do, for at most so long; None: without end."""
+        """Waits until there is work to do, for `seconds` at most (None: without limit), and then does the same as process()."""
         end = None if seconds is None else time.monotonic() + seconds
         while not self._has_waiting():
             left = None if end is None else end - time.monotonic()
@@ -170,16 +182,16 @@ class Client:
             self._wait_for_daemon(left)
             self._turn()
         if part.asked != 0:
-            part.lost = True  # the answer may come later
+            part.lost = True  # so that an answer that comes later is reported
             part.answer = Answer(State.NO_DAEMON, f"no answer from mlccad within {self._patience:g} s")
-        self._wake_or_not()  # what has come meanwhile is taken from the sockets
+        self._wake_or_not()  # events that arrived in between were taken from the sockets
         return part.answer
 
     def _has_waiting(self) -> bool:
         return any(channel._part.waits() or channel._part.events for channel in self._channels)
 
     def _wake_or_not(self) -> None:
-        """fileno() can be read as long as something waits for a handler."""
+        """Keeps fileno() readable as long as something waits for a handler."""
         if self._epoll.closed:
             return
         try:
@@ -218,7 +230,7 @@ class Client:
         self._session.connected()
 
     def _retry_later(self, planned: bool) -> None:
-        """Only a failure of a planned try makes the next one come later."""
+        """Sets the time of the next try. Only the failure of a planned try doubles the delay."""
         self._retry_at = time.monotonic() + self._retry
         if planned:
             self._retry = min(self._retry * 2, self._longest_retry)
@@ -256,7 +268,7 @@ class Client:
                 del self._session.out[:self._socket.send(self._session.out, socket.MSG_NOSIGNAL)]
             except BlockingIOError:
                 return
-            except OSError:  # what the daemon has said before it closed is read; then the connection ends
+            except OSError:  # what the daemon has sent before it closed is read; then the connection ends
                 self._session.out.clear()
                 self._socket.shutdown(socket.SHUT_RDWR)
 
@@ -276,18 +288,18 @@ class Client:
             if any(part.failed for part in self._session.parts):
                 now = time.monotonic()
                 due = now + (self._retry if self._session.retry_soon else self._longest_retry)
-                # What else comes meanwhile puts nothing off.
+                # A later reply must not delay it.
                 self._retry_at = min(self._retry_at, due) if self._retry_at > now else due
 
     def _until_retry(self, seconds: Optional[float]) -> Optional[float]:
-        """How long to wait, where something is to be tried again before."""
+        """How long to wait: `seconds`, or less if something must be tried again before."""
         if not self._channels or (self._socket and not any(part.failed for part in self._session.parts)):
             return seconds
         pause = max(self._retry_at - time.monotonic(), 0)
         return pause if seconds is None else min(pause, seconds)
 
     def _pause(self, seconds: Optional[float]) -> None:
-        """For events and the daemon."""
+        """Waits for events and for the daemon."""
         if self._epoll.closed:
             raise RuntimeError("the client is closed")
         if not self._channels and seconds is None:
@@ -295,7 +307,7 @@ class Client:
         self._epoll.poll(self._until_retry(seconds))
 
     def _wait_for_daemon(self, seconds: float) -> None:
-        """Not for events, which wait meanwhile."""
+        """Waits for the daemon alone; events stay in their sockets."""
         if not self._socket:
             time.sleep(self._until_retry(seconds) or 0)
             return

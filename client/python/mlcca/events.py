@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Events by the sockets of libmlcca (mlcca/client/events.h), which are the same for every language."""
+"""Sends and receives events by the sockets of libmlcca (mlcca/client/events.h), which all languages share."""
 from __future__ import annotations
 
 import ctypes
@@ -10,7 +10,7 @@ from mlcca.v1 import control_pb2
 
 LIBRARY = "libmlcca.so.@ABI@"
 WHY_SIZE = 256
-HAPPENED_SIZE = 4096  # of one, mostly
+HAPPENED_SIZE = 4096  # bytes; more than most reports have
 
 _OnEvent = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint64, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_char_p,
                             ctypes.c_uint64)
@@ -39,7 +39,7 @@ def _load() -> ctypes.CDLL:
 
 
 def encode(message: control_pb2.Request | control_pb2.Reply) -> bytes:
-    """Behind its length as a varint."""
+    """The encoded message, preceded by its length as a varint."""
     body = message.SerializeToString()
     head = bytearray()
     size = len(body)
@@ -52,13 +52,13 @@ def encode(message: control_pb2.Request | control_pb2.Reply) -> bytes:
 
 @dataclass(frozen=True)
 class Arrival:
-    """An event and the end of a channel that it is for."""
+    """An event and the number of the channel's end that it is for."""
     end: int
     event: Event
 
 
 class Events:
-    """The sockets of one client. Nothing here waits."""
+    """The sockets of one client. No method waits. Ends of channels have numbers that the caller chooses."""
 
     _library = _load()
 
@@ -75,15 +75,15 @@ class Events:
         self._events = None
 
     def fileno(self) -> int:
-        """It stays the same."""
+        """A file descriptor that is readable when take() has work to do. It is the same until close()."""
         return int(self._library.mlcca_events_fd(self._events))
 
     def address(self, end: int) -> str:
-        """Where programs on the gateway send events to this end; it may be another one after use()."""
+        """The address to which programs on the gateway send events for this end; use() may change it."""
         return bytes(self._library.mlcca_events_address(self._events, end)).decode()
 
     def use(self, end: int, publishes: bool, reply: control_pb2.Reply) -> str:
-        """What of the endpoints in the reply cannot be used, and why; empty: nothing."""
+        """Makes the end send or receive as granted. Returns what cannot be used, and why; empty if everything can."""
         wanted = control_pb2.Reply(id=1)
         wanted.channels.endpoints.extend(reply.channels.endpoints)
         for of in reply.channels.channels:
@@ -104,13 +104,13 @@ class Events:
         return _PUBLISHED[self._library.mlcca_events_publish(self._events, end, event, len(event))]
 
     def take(self) -> list[Arrival]:
-        """What has come, in its order."""
+        """The events that have arrived, in order."""
         self._library.mlcca_events_process(self._events, self._on_event, None)
         arrived, self._arrived = self._arrived, []
         return arrived
 
     def happened(self) -> list[tuple[int, control_pb2.Event]]:
-        """To events of programs on the gateway, which no gate supervises: the end and what it is."""
+        """What happened to events of programs on the gateway, which pass no gate: the end and an event as of the daemon."""
         out, end, room = [], ctypes.c_uint64(), HAPPENED_SIZE
         while True:
             reply = ctypes.create_string_buffer(room)

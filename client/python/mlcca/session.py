@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The protocol without a socket: bytes of mlccad in, bytes for it out. Both clients are made of it."""
+"""The control protocol without a socket: takes bytes from mlccad and makes bytes for it. Both clients use it."""
 from __future__ import annotations
 
 import enum
@@ -14,13 +14,13 @@ from mlcca.events import Events, encode
 from mlcca.types import Answer, Cause, ChannelException, Check, Delivery, Event, State
 from mlcca.v1 import control_pb2
 
-MOST_REPLY = 16 << 20  # bytes, as control.proto has it
+MOST_REPLY = 16 << 20  # bytes, as control.proto states
 MOST_REQUEST = 64 << 10
-MOST_WAITING = 256      # exceptions that wait for a program that does not take them
-MOST_EVENTS = 1024      # of a channel that wait for a program that does not take them
-MOST_ROWS = 1 << 18     # deliveries of one answer
+MOST_WAITING = 256      # exceptions that are kept for a program that does not take them
+MOST_EVENTS = 1024      # events of a channel that are kept for a program that does not take them
+MOST_ROWS = 1 << 18     # deliveries accepted in one answer
 
-# In whole numbers of the unit that the daemon counts in.
+# Units of the attributes; values are integers.
 UNITS = {"Latency": "ns", "Jitter": "ns", "Deadline": "ns", "Period": "ns", "Bandwidth": "bytes/s", "PacketLoss": "1e-9",
          "Omission": "events", "MaxPayload": "bytes"}
 NANOSECONDS = {"ns": 1, "us": 1_000, "ms": 1_000_000, "s": 1_000_000_000}
@@ -28,18 +28,18 @@ NANOSECONDS = {"ns": 1, "us": 1_000, "ms": 1_000_000, "s": 1_000_000_000}
 HAPPENED = {"excess": Cause.POLICED, "dropping": Cause.DROPPED, "missing": Cause.MISSING, "restored": Cause.RESTORED,
             "missed": Cause.MISSED,
             "late": Cause.LATE, "lapsed": Cause.GATES_CLOSED, "stopped": Cause.GATES_CLOSED, "mode": Cause.MODE}
-# What is decided may be otherwise: it is asked for.
+# Events after which the decision may be another one, so that the daemon is asked.
 VERDICT = {"granted", "refused", "withdrawn", "released", "switched", "rerouted", "reinstated", "reload", "lagged", "local",
            "binding"}
-# Of a subscription that the gateway has passed on.
+# Events about a subscription that the gateway has passed on.
 FURTHER_ON = {"refused": Cause.REFUSED, "granted": Cause.GRANTED}
-# They are lost first where a program takes none.
+# Exceptions that are dropped first if a program takes none.
 ONLY_INFORM = {Cause.POLICED, Cause.DROPPED, Cause.MISSING, Cause.RESTORED, Cause.MISSED, Cause.LATE, Cause.MODE,
                Cause.OTHER}
 
 
 class ProtocolError(Exception):
-    """What came is no reply of mlccad: the connection is of no use any more."""
+    """The received bytes are no reply of mlccad, so the connection cannot be used any more."""
 
 
 class Role(enum.Enum):
@@ -48,7 +48,7 @@ class Role(enum.Enum):
 
 
 def value_of(name: str, value: int | str) -> int:
-    """50_000_000 or "50ms" of a Period, 2 of an Omission. Raises ValueError with what would be right."""
+    """The integer value of an attribute, e.g. of "50ms" for Period. Raises ValueError that says what is right."""
     if name not in UNITS:
         raise ValueError(f"there is no attribute '{name}' (there are: {', '.join(UNITS)})")
     if isinstance(value, str):
@@ -81,7 +81,7 @@ def summary_of(deliveries: tuple[Delivery, ...]) -> Answer:
 
 
 def answer_of(reply: control_pb2.Reply) -> Optional[Answer]:
-    """None: the daemon could not answer, and may later."""
+    """The answer that a reply to an announcement states; None if the daemon could not answer now, but may later."""
     if reply.HasField("channels"):
         return summary_of(tuple(map(delivery_of, reply.channels.channels)))
     if reply.HasField("error") and reply.error.kind != control_pb2.ERROR_WORLD:
@@ -90,22 +90,22 @@ def answer_of(reply: control_pb2.Reply) -> Optional[Answer]:
 
 
 class Part:
-    """What a channel of a program is to its connection."""
+    """The state of a channel that its connection works with."""
 
     def __init__(self, channel: str, role: Role, name: str, stated: Mapping[str, int | str]) -> None:
         self.request = control_pb2.AnnounceRequest(channel=channel, role=role.value, name=name)
         for attribute, value in stated.items():
             self.request.attributes.add(name=attribute, value=value_of(attribute, value), unit=UNITS[attribute])
         self.answer = Answer()
-        self.subject = int(channel, 16) if re.fullmatch("0x[0-9a-fA-F]{1,16}", channel) else 0  # 0: not known yet
-        self.asked = 0         # the request that waits for an answer, 0: none
-        self.outdated = False  # something has changed since it was asked
-        self.failed = False    # the daemon could not answer: it is asked again later
-        self.problem = ""      # why its events cannot be carried; empty: they can
-        self.lost = False      # the daemon went after it was announced
-        self.number = 0        # by which the sockets know it
+        self.subject = int(channel, 16) if re.fullmatch("0x[0-9a-fA-F]{1,16}", channel) else 0  # 0: unknown yet
+        self.asked = 0         # id of the pending request; 0: none
+        self.outdated = False  # something has changed since that request was sent
+        self.failed = False    # the daemon could not answer, or its answer could not be applied: ask again later
+        self.problem = ""      # why events cannot be carried; empty if they can
+        self.lost = False      # the connection was lost, or the answer is overdue: its return is reported
+        self.number = 0        # its end at the sockets
         self.events: Deque[Event] = deque()
-        self.untaken = 0       # events that were lost because so many waited
+        self.untaken = 0       # events that were lost because MOST_EVENTS waited
         self._waiting: Deque[ChannelException] = deque()
         self._lagged = False
 
@@ -120,7 +120,7 @@ class Part:
             self.untaken += 1
 
     def waits(self) -> int:
-        """Exceptions that take_exception() has."""
+        """The number of exceptions that take_exception() will return."""
         return len(self._waiting) + self._lagged
 
     def take_exception(self) -> ChannelException:
@@ -142,13 +142,13 @@ class Part:
             frames=event.frames, late_events=event.late, longest_ns=event.longest_ns, answer=self.answer))
 
     def concerns(self, event: control_pb2.Event) -> bool:
-        """The event is of a delivery of this end; before there is one nothing but the channel is known."""
+        """Whether the event concerns a delivery of this channel. Before there is one, only the channel is known."""
         if not event.publisher or not self.answer.deliveries:
             return True
         return any(d.publisher == event.publisher and event.network in ("", d.to, d.source) for d in self.answer.deliveries)
 
     def take(self, answer: Answer) -> None:
-        """Another answer, and an exception for each delivery that is decided otherwise than before."""
+        """Takes the daemon's answer, and adds an exception for each delivery that is decided otherwise than before."""
         before, self.answer = self.answer, answer
         if answer.state is State.REJECTED:
             if before.state not in (State.REJECTED, State.UNANNOUNCED):
@@ -172,7 +172,7 @@ class Part:
                 self.note(Cause.WITHDRAWN, f"there is no delivery of {d.publisher} to {d.to} any more")
 
     def forget_trouble(self, event: control_pb2.Event) -> bool:
-        """Events come again: the answer does not say any more that something is wrong. False: it did not."""
+        """Removes the trouble of deliveries of which events arrive again. Returns False if none had any."""
         def concerned(d: Delivery) -> bool:
             return bool(d.trouble) and event.publisher in ("", d.publisher) and event.network in ("", d.to, d.source)
         if not any(map(concerned, self.answer.deliveries)):
@@ -182,7 +182,7 @@ class Part:
         return True
 
     def withdraw(self, event: control_pb2.Event) -> None:
-        """A delivery of it is withdrawn: the answer says so before the daemon is asked."""
+        """Marks the deliveries that the event withdraws as refused, before the daemon is asked."""
         def concerned(d: Delivery) -> bool:
             return d.granted and event.publisher in ("", d.publisher) and event.network in ("", d.to)
         if not any(map(concerned, self.answer.deliveries)):
@@ -193,7 +193,7 @@ class Part:
 
 
 class Session:
-    """One connection after another. `out` has what is to be sent."""
+    """The state of the protocol, over one connection after another. `out` has the bytes to send."""
 
     def __init__(self) -> None:
         self.parts: list[Part] = []
@@ -205,7 +205,7 @@ class Session:
         self._whole: dict[int, control_pb2.Reply] = {}
 
     def add(self, part: Part) -> None:
-        """From now on it is announced whenever there is a daemon."""
+        """Has the channel announced whenever a connection is made."""
         if part in self.parts:
             return
         self._last_number += 1
@@ -218,7 +218,7 @@ class Session:
             self.sockets.leave(part.number)
 
     def take_events(self) -> None:
-        """What has come waits at its channels."""
+        """Moves the events that have arrived from the sockets to their channels."""
         arrived, happened = self.sockets.take(), self.sockets.happened()
         of_number = {part.number: part for part in self.parts} if arrived or happened else {}
         for arrival in arrived:
@@ -248,7 +248,7 @@ class Session:
             part.request.local = self.sockets.address(part.number)
         request = control_pb2.Request(id=self._last_id + 1, announce=part.request, slices=True)
         part.outdated, part.failed = False, False
-        if request.ByteSize() > MOST_REQUEST:  # the daemon would close the connection, of all channels
+        if request.ByteSize() > MOST_REQUEST:  # the daemon would close the connection, and with it all channels
             part.asked = 0
             part.take(Answer(State.REJECTED, f"the names and attributes are longer than a request may be, {MOST_REQUEST:,} bytes"))
             return
@@ -257,7 +257,7 @@ class Session:
         self.out += encode(request)
 
     def ask_again(self, part: Part) -> None:
-        """At once, or when the answer under way is there."""
+        """Announces the channel once more: at once, or after the answer to a pending request."""
         if part.asked == 0:
             self.ask(part)
         else:
@@ -265,17 +265,17 @@ class Session:
 
     @property
     def retry_soon(self) -> bool:
-        """The daemon could not answer; what is held by another program takes longer."""
+        """Whether a channel failed because the daemon could not answer. What another program holds is tried again later."""
         return any(part.failed and not part.problem for part in self.parts)
 
     def ask_failed(self) -> None:
-        """Those that the daemon could not answer before."""
+        """Announces the channels that failed once more."""
         for part in self.parts:
             if part.failed:
                 self.ask(part)
 
     def receive(self, data: bytes) -> None:
-        """Raises ProtocolError."""
+        """Takes bytes from the daemon. Raises ProtocolError if they are no replies."""
         self._in += data
         while (reply := self._next_reply()) is not None:
             self._on_reply(reply)
@@ -332,7 +332,7 @@ class Session:
         part.asked = 0
         answer = answer_of(reply)
         if answer is None:
-            # Too much to do, no memory: it may be otherwise soon. What is known stays.
+            # A temporary error, e.g. overload or lack of memory. The last known answer stays.
             part.failed = True
             if part.answer.state in (State.UNANNOUNCED, State.NO_DAEMON):
                 part.answer = Answer(State.NO_DAEMON, reply.error.message or "mlccad answered with something else")
@@ -340,8 +340,8 @@ class Session:
             return
         if reply.channels.channels:
             part.subject = reply.channels.channels[0].subject
-        # They are those of this answer; without an answer that counts they stay, and the gates judge.
-        # Another program may hold the port for a while: it is tried again.
+        # The endpoints are those of this answer. After a temporary error the former ones stay, and the gates decide.
+        # If an endpoint cannot be used, e.g. because another program holds a port, it is tried again later.
         wrong = self.sockets.use(part.number, part.publishes, reply)
         if reply.HasField("channels") and not part.publishes and part.request.local != self.sockets.address(part.number):
             part.outdated = True
@@ -349,7 +349,7 @@ class Session:
         if wrong != part.problem:
             part.problem = wrong
             part.note(Cause.OTHER, f"its events cannot be carried: {wrong}" if wrong else "its events can be carried again")
-        # Something has happened since the daemon was asked: only the next answer is sure to know it.
+        # Something has happened since this request was sent, so only the next answer is certain to include it.
         if part.outdated:
             self.ask(part)
             return
@@ -361,19 +361,19 @@ class Session:
     def _on_happened(self, part: Part, event: control_pb2.Event) -> None:
         outdated = event.kind == "restored" and part.forget_trouble(event)
         part.note(HAPPENED.get(event.kind, Cause.OTHER), event.message, event)
-        if outdated:  # something else may be wrong
+        if outdated:  # the delivery may have other troubles
             self.ask_again(part)
 
     def _on_event(self, event: control_pb2.Event) -> None:
         for part in self.parts:
-            # Without a delivery only the name is known.
+            # Without a delivery only the channel's name is known.
             of_channel = event.subject != 0 and (event.subject == part.subject or event.channel == part.request.channel)
             if not of_channel and event.subject != 0:
                 continue
-            # What came before the first answer happened before it was announced.
+            # An event before the first answer happened before the channel was announced.
             if event.kind not in VERDICT and part.answer.state is State.UNANNOUNCED:
                 continue
-            # Of a subscription that the gateway has passed on: what it decides itself has not changed.
+            # About a subscription that the gateway has passed on: its own decision has not changed.
             if event.kind in FURTHER_ON and not event.publisher and event.network:
                 if not part.publishes:
                     part.note(FURTHER_ON[event.kind], event.message, event)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""What a program is given: answers with their reasons, and exceptions."""
+"""The types that a program receives: answers with their reasons, events and exceptions."""
 from __future__ import annotations
 
 import enum
@@ -8,84 +8,84 @@ from typing import Optional
 
 
 class State(enum.Enum):
-    """What is known of a channel."""
+    """The latest decision on a channel that this program knows."""
     UNANNOUNCED = "unannounced"
-    GRANTED = "granted"          # every delivery
-    PARTLY = "granted in part"   # some deliveries are granted, some refused
-    REFUSED = "refused"          # every delivery, or there is none
-    REJECTED = "rejected"        # the daemon does not take the announcement: see the reason
-    NO_DAEMON = "no daemon"      # nothing is known while no daemon answers
+    GRANTED = "granted"          # every delivery is granted
+    PARTLY = "granted in part"   # some deliveries are granted and some are refused
+    REFUSED = "refused"          # every delivery is refused, or no other end is known
+    REJECTED = "rejected"        # the daemon does not accept the announcement; the reason says why
+    NO_DAEMON = "no daemon"      # no daemon answers, so that nothing is known
 
 
 class Cause(enum.Enum):
-    """Why there is an exception."""
+    """Why an exception is reported."""
     GRANTED = "granted"            # a delivery that was refused is granted
-    REFUSED = "refused"            # a delivery is refused
-    WITHDRAWN = "withdrawn"        # a delivery was granted and is not any more
-    NETWORK_DOWN = "network down"  # the same, since a network on its way is not available: see `network`
-    REJECTED = "rejected"          # after a reload the announcement does not go with the description any more
-    DEGRADED = "degraded"          # another attribute set is in use, which asks for less
-    UPGRADED = "upgraded"          # another attribute set is in use, which gives more
-    POLICED = "policed"            # the publisher sent more than was admitted
+    REFUSED = "refused"            # a delivery is refused that was not known before
+    WITHDRAWN = "withdrawn"        # a delivery that was granted is refused, or does not exist any more
+    NETWORK_DOWN = "network down"  # as WITHDRAWN, because `network` on its route is not available
+    REJECTED = "rejected"          # after a reload the announcement does not fit the description any more
+    DEGRADED = "degraded"          # a less preferred attribute set is in use
+    UPGRADED = "upgraded"          # a more preferred attribute set is in use
+    POLICED = "policed"            # the publisher sent more than was admitted, and the excess was dropped
     DROPPED = "dropped"            # the gate dropped frames of the channel
-    MISSING = "missing"            # nothing has come for longer than a subscriber's Omission allows
-    RESTORED = "restored"          # events come again
-    MISSED = "missed"              # events of programs on this gateway were lost, since they were not read in time
-    LATE = "late"                  # events took longer in mlcca-relay than the gateway states
-    GATES_CLOSED = "gates closed"  # the kernel closed all gates for a while, or the daemon ends
-    MODE = "mode"                  # enforce or audit
-    LAGGED = "lagged"              # exceptions were lost: this program took them too slowly
-    DAEMON_GONE = "daemon gone"    # granted deliveries hold for the grace period
-    DAEMON_BACK = "daemon back"    # it is announced again: see the answer
-    OTHER = "other"                # of a newer daemon: see the text
+    MISSING = "missing"            # no event has arrived for longer than a subscriber's Omission allows
+    RESTORED = "restored"          # events arrive again after MISSING
+    MISSED = "missed"              # events of programs on this gateway were lost, because they were not read in time
+    LATE = "late"                  # events spent more time in mlcca-relay than the description states for the gateway
+    GATES_CLOSED = "gates closed"  # the kernel had closed all gates for a time, or the daemon stops
+    MODE = "mode"                  # the gateway has changed between the modes enforce and audit
+    LAGGED = "lagged"              # exceptions were lost, because this program took them too slowly
+    DAEMON_GONE = "daemon gone"    # the connection is lost; granted deliveries go on for the grace period
+    DAEMON_BACK = "daemon back"    # the daemon has answered the announcement again; see `answer`
+    OTHER = "other"                # a kind that this library does not know, or a problem with the sockets; see `text`
 
 
 class Published(enum.Enum):
-    """What became of an event that was published."""
-    SENT = "sent"                # to every place that it is granted for
-    PARTLY = "sent in part"      # to some of them; the others have a full queue, or their gate drops it
-    LOST = "lost"                # to none of them
-    NOT_GRANTED = "not granted"  # nothing is granted, or nothing is known yet, so that it was not sent
-    TOO_LONG = "too long"        # longer than a network carries
+    """The result of publishing an event."""
+    SENT = "sent"                # sent to every place that the channel is granted for
+    PARTLY = "sent in part"      # sent to some of these places; at the others the queue was full or the gate dropped it
+    LOST = "lost"                # sent to none of them
+    NOT_GRANTED = "not granted"  # not sent, because nothing is granted or no decision is known yet
+    TOO_LONG = "too long"        # not sent, because it is longer than a network carries or than 65,535 bytes
 
 
 @dataclass(frozen=True)
 class Event:
-    """An event that has come."""
+    """An event that was received."""
     data: bytes       # 0 to 65,535 bytes
-    network: str      # that it came from; empty: from a program on the gateway
-    received_ns: int  # when the kernel received it, or, of a program on the gateway, when it was read; since 1970
+    network: str      # the network that it came from; empty if a program on the gateway sent it
+    received_ns: int  # when the kernel received it (or it was read, if the kernel did not report that), ns since 1970
 
 
 @dataclass(frozen=True)
 class Check:
-    """One attribute, held against one place on the way of an event."""
+    """One attribute compared at one place on the route of an event."""
     where: str               # network or gateway, "end to end", "publisher NAME", …
-    attribute: str           # "Omission"
-    unit: str                # of both values: "ns", "bytes/s", "1e-9", "events", "bytes"
-    required: int            # what publisher and subscribers ask for together
-    provided: Optional[int]  # None: it is not known
+    attribute: str           # name of the attribute, e.g. "Omission"
+    unit: str                # of `required` and `provided`: "ns", "bytes/s", "1e-9", "events" or "bytes"
+    required: int            # the strictest requirement of the publisher and the subscribers
+    provided: Optional[int]  # None: unknown, hence not fulfilled
     fits: bool
-    margin: str              # readable: "1 to spare", "3 too many"
+    margin: str              # readable text: "1 to spare", "3 events too many"
 
 
 @dataclass(frozen=True)
 class Delivery:
-    """What was decided for the events of one publisher towards one network or gateway."""
+    """The decision on the events of one publisher towards one network or gateway."""
     granted: bool
     publisher: str
     source: str       # network or gateway that the events come from
     to: str
-    reason: str       # one line: the smallest margin, or why it is refused
-    attribute_set: int  # the one in use, 0: the preferred one
-    trouble: str      # what is wrong although it is granted; empty: nothing
+    reason: str       # one line: if granted the smallest margin, otherwise why it is refused
+    attribute_set: int  # the attribute set in use; 0 is the preferred one
+    trouble: str      # what is wrong although the delivery is granted; empty if nothing is
     route: tuple[str, ...]
     checks: tuple[Check, ...]
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What is decided for one end of a channel."""
+    """The decision on one publisher or subscriber of a channel."""
     state: State = State.UNANNOUNCED
     reason: str = ""
     deliveries: tuple[Delivery, ...] = ()
@@ -93,14 +93,14 @@ class Answer:
 
 @dataclass(frozen=True)
 class ChannelException:
-    """Something has happened to a channel. It is handed over, never raised."""
+    """Something that has happened to a channel. It is passed to handlers or iterators, never raised."""
     cause: Cause
     text: str                # one line, as in the log of the gateway
-    publisher: str = ""      # that it is of, by its name; empty: of several, or of none
-    network: str = ""        # network down: which one
-    silent_ns: int = 0       # missing, restored: how long nothing came
-    missing_events: int = 0  # missing, restored: how many did not come in that time; missed: since the last one
-    frames: int = 0          # policed, dropped: so many since the last such exception
-    late_events: int = 0     # late: so many since the last such exception
-    longest_ns: int = 0      # late: the time that one of these took in mlcca-relay
-    answer: Answer = field(default_factory=Answer)  # what is decided now
+    publisher: str = ""      # publisher concerned, by its name; empty if there are several or none
+    network: str = ""        # NETWORK_DOWN: the network concerned
+    silent_ns: int = 0       # MISSING, RESTORED: how long no event arrived
+    missing_events: int = 0  # MISSING, RESTORED: events that should have arrived in that time; MISSED: lost since the last one
+    frames: int = 0          # POLICED, DROPPED: frames since the last such exception
+    late_events: int = 0     # LATE: late events since the last such exception
+    longest_ns: int = 0      # LATE: the longest time that one of them spent in mlcca-relay
+    answer: Answer = field(default_factory=Answer)  # the decision when the exception was raised
