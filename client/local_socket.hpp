@@ -94,6 +94,7 @@ class LocalReceiver {
 class LocalSender {
  public:
   using Octets = std::span<const std::uint8_t>;
+  /// The result of sending an event or a notice.
   enum class Sent : std::uint8_t {
     sent,
     full,  ///< the queue has no room: the event is lost

@@ -24,6 +24,7 @@ enum class Side : std::uint8_t { requirement, provision };
 inline constexpr std::size_t kBaseUnits = 8;
 using Unit = std::array<std::int8_t, kBaseUnits>;
 
+/// The unit and the power of ten of a quantity.
 struct Dimension {
   Unit unit{};
   int magnitude = 0;  ///< power of ten, -30 to 30

@@ -17,6 +17,7 @@ namespace mlcca::description {
 /// Largest bundle in bytes. A longer description is not passed on.
 inline constexpr std::size_t kMaxBundle = std::size_t{8} << 20U;
 
+/// A file that is put into a bundle.
 struct BundledFile {
   std::string name;  ///< only for problem reports
   std::string content;

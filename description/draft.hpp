@@ -24,16 +24,19 @@ struct StatedDraft {
   core::Origin origin;
 };
 
+/// A definition of a user-defined attribute.
 struct UserAttributeDraft {
   core::UserAttribute attribute;
   Dimension dimension;
 };
 
+/// An event channel with the attribute sets that it states.
 struct ChannelDraft {
   core::EventChannel channel;  ///< without attributes
   std::vector<StatedDraft> sets;
 };
 
+/// How frames of a channel are identified on a network.
 struct BindingDraft {
   std::string channel;
   std::string element;    ///< name of the element that states the identifier: ETag, Identifier, …;
@@ -49,22 +52,26 @@ struct NodePairDraft {
   core::Origin origin;
 };
 
+/// A described link of a mesh.
 struct MeshLinkDraft {
   NodePairDraft ends;
   core::mesh::DescribedLink link;  ///< without ends
   bool both_ways = true;
 };
 
+/// A described contention domain of a mesh, with the links that share its time.
 struct MeshDomainDraft {
   core::mesh::DescribedDomain domain;  ///< without links
   std::vector<NodePairDraft> members;
 };
 
+/// A node of a mesh; `gateway` is the name of the gateway that it is, empty if it is none.
 struct MeshNodeDraft {
   core::mesh::Node node;  ///< without gateway
   std::string gateway;
 };
 
+/// What a network states about its mesh.
 struct MeshDraft {
   core::mesh::Mesh mesh;  ///< without nodes, links, domains
   StatedDraft per_hop;
@@ -85,6 +92,7 @@ struct ControlDraft {
   }
 };
 
+/// A network with its medium, provision and bindings.
 struct NetworkDraft {
   core::Network network;  ///< without mesh, provision and bindings
   ControlDraft control;
@@ -94,6 +102,7 @@ struct NetworkDraft {
   std::vector<BindingDraft> bindings;
 };
 
+/// A port by which a gateway is connected to a network.
 struct PortDraft {
   std::string network;
   core::Port port;     ///< without network and sender
@@ -103,6 +112,7 @@ struct PortDraft {
   ControlDraft control;
 };
 
+/// A gateway with its provision and ports.
 struct GatewayDraft {
   core::Gateway gateway;  ///< without provision and ports
   StatedDraft provision;
@@ -133,22 +143,26 @@ struct EndDraft {
   core::Origin origin;
 };
 
+/// A component, which groups publishers and subscribers at one place.
 struct ComponentDraft {
   core::Component component;  ///< without place
   SeatDraft seat;
 };
 
+/// A statement outside of a component about where that is.
 struct PlacementDraft {
   std::string component;
   SeatDraft seat;
   core::Origin origin;
 };
 
+/// One place of a declared route: a network or gateway.
 struct HopDraft {
   std::string place;
   core::Origin origin;
 };
 
+/// A declared route.
 struct RouteDraft {
   std::vector<HopDraft> places;  ///< including both ends
   core::Origin origin;

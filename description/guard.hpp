@@ -16,6 +16,7 @@ namespace mlcca::description {
 /// and so does the guard's count.
 class Guard {
  public:
+  /// Something that is wrong with the bytes, and the line in which it is.
   struct Wrong {
     int line = 0;
     std::string text;

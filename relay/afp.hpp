@@ -94,6 +94,7 @@ class Reassembly {
   /// A sender of a subject, by a number that the caller chooses.
   using Source = std::uint64_t;
 
+  /// Bounds of memory and time.
   struct Limits {
     std::size_t begun = 64;  ///< incomplete events
     /// Octets of all incomplete events, including kPerFragment for each fragment.
@@ -124,11 +125,13 @@ class Reassembly {
   [[nodiscard]] std::size_t remembered() const { return done_.size(); }
 
  private:
+  /// Identifies an event of a source; the number is 0 if the form is not numbered.
   struct Key {
     Source source = 0;
     std::uint32_t number = 0;
     auto operator<=>(const Key&) const = default;
   };
+  /// A parsed fragment; `data` refers to the frame.
   struct Fragment {
     std::size_t left = 0;  ///< number of fragments behind it
     bool first = false;

@@ -40,6 +40,7 @@ class Carrier {
   using Watch = std::function<void(std::uint32_t ifindex, int fd)>;
   using Log = std::function<void(const std::string&)>;
 
+  /// What the carrier needs from its environment; tests replace it.
   struct Outside {
     OpenLayer open;
     Watch watch;
@@ -73,6 +74,7 @@ class Carrier {
                    const std::function<void(const control::Transfer&, const Delay&)>& handler);
 
  private:
+  /// A transfer that is carried, and its counters.
   struct Slot {
     control::Transfer transfer;
     Carried carried;

@@ -55,6 +55,7 @@ class Reassembly {
   /// A publisher, i.e. subject and node, by a number that the caller chooses.
   using Source = std::uint32_t;
 
+  /// Bounds of memory and time.
   struct Limits {
     std::size_t sources = 1024;
     std::size_t octets = std::size_t{1} << 20;  ///< of all incomplete transfers together
@@ -77,6 +78,7 @@ class Reassembly {
   [[nodiscard]] std::size_t octets() const { return octets_; }
 
  private:
+  /// The transfers of one publisher.
   struct Session {
     Event begun;  ///< content of the incomplete transfer so far
     bool is_begun = false;

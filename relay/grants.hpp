@@ -19,6 +19,8 @@ namespace mlcca::relay {
 class Grants {
  public:
   using Transfers = std::vector<control::Transfer>;
+  /// `all` gets the complete list, `of_subject` the transfers of one subject, and `log` lines for
+  /// the journal.
   struct Handlers {
     std::function<void(const Transfers&)> all;
     std::function<void(std::uint64_t subject, const Transfers&)> of_subject;

@@ -79,6 +79,7 @@ class Reassembly {
   [[nodiscard]] std::size_t sessions() const { return sessions_.size(); }
 
  private:
+  /// An incomplete message of one source address.
   struct Session {
     std::uint32_t id = 0;
     std::size_t size = 0;
@@ -121,6 +122,7 @@ class Sending {
   }
 
  private:
+  /// The messages of one source address that wait.
   struct Source {
     std::deque<Message> waiting;
     std::size_t next = 0;  ///< index of the next frame of the first message

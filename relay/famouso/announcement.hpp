@@ -23,6 +23,7 @@
 
 namespace mlcca::relay {
 
+/// The content of an announcement.
 struct Announcement {
   std::string gateway;
   std::uint64_t lasts_ns = 0;

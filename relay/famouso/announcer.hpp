@@ -25,6 +25,7 @@ class Announcer {
   /// because a reload may change that.
   static constexpr std::uint64_t kAskAgain = 10'000'000'000;
 
+  /// What the announcer needs from its environment; tests replace it.
   struct Outside {
     /// Sends an event of the subject SUBSCRIB on the network.
     std::function<void(const std::string& network, Octets event)> send;

@@ -24,6 +24,7 @@ class LocalSession {
   using Octets = std::span<const std::uint8_t>;
   using Event = std::vector<std::uint8_t>;
 
+  /// The role of the client, by its first message.
   enum class Role : std::uint8_t {
     unknown,  ///< the first 9 octets have not arrived
     subscriber,

@@ -20,6 +20,7 @@ namespace mlcca::relay {
 /// for each network on which the gateway takes or makes subscriptions.
 class SubscriberProgram {
  public:
+  /// What the program needs from its event loop; tests replace it.
   struct Outside {
     /// Called with true when a descriptor is opened, and with false before it is closed.
     std::function<void(int fd, bool there)> watch;
@@ -38,6 +39,7 @@ class SubscriberProgram {
   [[nodiscard]] std::uint64_t due_at() const { return announcer_.due_at(); }
 
  private:
+  /// A network whose subscriptions this program receives and sends.
   struct Network {
     control::Endpoint endpoint;
     std::unique_ptr<Layer> layer;

@@ -33,6 +33,7 @@ inline constexpr std::size_t kLongestSubscription = 256;  ///< octets
 
 /// A message of the subject SUBSCRIB.
 struct Subscription {
+  /// The kind of message, with its number in octet 9.
   enum class Kind : std::uint8_t {
     plain = 0,  ///< from a node of FAMOUSO: the subject alone
     subscribe = 1,

@@ -36,6 +36,7 @@ class Subscriptions {
   /// Gateways whose answers to one own subscription are kept.
   static constexpr std::size_t kMostAnswers = 16;
 
+  /// What the class needs from its environment; tests replace it.
   struct Outside {
     /// Sends an event of SUBSCRIB on the network.
     std::function<void(const std::string& network, Octets event)> send;
@@ -69,6 +70,7 @@ class Subscriptions {
   [[nodiscard]] std::size_t own() const { return own_.size(); }
 
  private:
+  /// Identifies the subscription of a peer: the sender on a network, and the subject.
   struct PeerKey {
     std::string network;
     std::uint64_t subject = 0;
@@ -76,6 +78,7 @@ class Subscriptions {
     auto operator<=>(const PeerKey&) const = default;
   };
   enum class Verdict : std::uint8_t { unknown, granted, refused };
+  /// The subscription of a peer.
   struct Peer {
     Subscription wanted;
     std::optional<std::uint64_t> ends_at{};  ///< nullopt: without limit
@@ -92,6 +95,7 @@ class Subscriptions {
     std::optional<std::string> answered{};  ///< the last answer; empty: granted, otherwise the
                                             ///< reason of the refusal
   };
+  /// Identifies an own subscription: the subject, and the network on which it is sent.
   struct OwnKey {
     std::uint64_t subject = 0;
     std::string network;
@@ -102,6 +106,7 @@ class Subscriptions {
     std::optional<std::string> refused{};
     std::uint64_t at = 0;
   };
+  /// An own subscription.
   struct Own {
     Subscription message;
     bool begins_here = false;  ///< it is also for subscribers on this gateway, not only for peers
@@ -126,6 +131,7 @@ class Subscriptions {
     bool begins_here = false;
   };
   using AllWanted = std::map<OwnKey, Wanted>;
+  /// A pending request to the daemon about the subscription of a peer.
   struct Asked {
     PeerKey peer;
     AttributeSet required;

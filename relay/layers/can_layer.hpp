@@ -48,6 +48,7 @@ class FrameSocket {
   [[nodiscard]] virtual int fd() const = 0;
   /// Receives only frames that match one of the filters.
   [[nodiscard]] virtual Result<void> filter(const std::vector<can_filter>& filters) = 0;
+  /// The result of receive(); `gone`: the interface is gone.
   enum class Got : std::uint8_t { frame, nothing, gone };
   virtual Got receive(Frame& to) = 0;
   virtual Sent send(const canfd_frame& frame, bool fd) = 0;
@@ -58,6 +59,7 @@ class FrameSocket {
 /// are received as well.
 [[nodiscard]] Result<std::unique_ptr<FrameSocket>> open_frame_socket(std::uint32_t ifindex);
 
+/// The layer of a CAN interface.
 class CanLayer : public Layer {
  public:
   static Result<std::unique_ptr<Layer>> open(const control::Endpoint& endpoint);
@@ -80,7 +82,9 @@ class CanLayer : public Layer {
   [[nodiscard]] Losses losses() const override;
 
  private:
+  /// How events are put into frames; `transport` is J1939 with its transport protocol.
   enum class Form : std::uint8_t { plain, famouso, cyphal, transport };
+  /// A follower, the form of its events, and the frame formats that it takes.
   struct Following {
     Follower follower = 0;
     Form form = Form::plain;

@@ -16,7 +16,8 @@ namespace mlcca::relay {
 
 inline constexpr std::size_t kSubjectOctets = 8;
 
-/// `Address`: the type of a sender's address; a default-constructed one means any sender.
+/// The followers of each subject on one network. `Address`: the type of a sender's address; a
+/// default-constructed one means any sender.
 template <class Address>
 class Followers {
  public:
@@ -58,6 +59,7 @@ class Followers {
     if constexpr (std::is_convertible_v<const Address&, std::string_view>) return from;
     return {};
   }
+  /// A follower of a subject, and the sender whose events it takes.
   struct One {
     Layer::Follower follower = 0;
     Address address;

@@ -42,6 +42,7 @@ class Layer {
  public:
   /// A receiver of a channel, by a number that the caller chooses.
   using Follower = std::uint32_t;
+  /// An event that was received.
   struct Arrival {
     Follower follower = 0;
     Octets event;               ///< valid until the handler returns

@@ -22,6 +22,7 @@ namespace mlcca::relay {
 /// byte order.
 class UdpSocket {
  public:
+  /// A received datagram.
   struct Datagram {
     Octets octets;  ///< valid until the next call
     std::uint32_t from = 0;
@@ -47,6 +48,7 @@ class UdpSocket {
   /// Reads the reported errors of earlier sends, which keep the socket readable until they are
   /// read.
   virtual void read_errors() = 0;
+  /// Sends one datagram that consists of the header and the data.
   virtual Sent send(std::uint32_t to, Octets header, Octets data) = 0;
   /// The interface's present address; 0: none.
   [[nodiscard]] virtual std::uint32_t own_address() const = 0;
@@ -55,6 +57,7 @@ class UdpSocket {
 
 [[nodiscard]] Result<std::unique_ptr<UdpSocket>> open_udp_socket(const control::Endpoint& endpoint);
 
+/// The layer of a UDP network.
 class UdpLayer : public Layer {
  public:
   static Result<std::unique_ptr<Layer>> open(const control::Endpoint& endpoint);

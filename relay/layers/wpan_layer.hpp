@@ -30,6 +30,7 @@ inline constexpr std::size_t kWpanPayload = 127 - 9 - 2;
 /// The interface between a layer and its radio, which tests replace.
 class WpanSocket {
  public:
+  /// A received data frame.
   struct Frame {
     std::array<std::uint8_t, kWpanPayload> payload{};
     std::size_t size = 0;  ///< above kWpanPayload: not a valid frame
@@ -45,6 +46,7 @@ class WpanSocket {
   virtual ~WpanSocket() = default;
 
   [[nodiscard]] virtual int fd() const = 0;
+  /// The result of receive(); `gone`: the interface is gone.
   enum class Got : std::uint8_t { frame, nothing, gone };
   virtual Got receive(Frame& to) = 0;
   virtual Sent send(Octets payload) = 0;
@@ -55,6 +57,7 @@ class WpanSocket {
 /// in the initial network namespace, where alone the kernel has such sockets.
 [[nodiscard]] Result<std::unique_ptr<WpanSocket>> open_wpan_socket(const std::string& interface);
 
+/// The layer of an IEEE 802.15.4 interface.
 class WpanLayer : public Layer {
  public:
   static Result<std::unique_ptr<Layer>> open(const control::Endpoint& endpoint);

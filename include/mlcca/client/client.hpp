@@ -55,6 +55,7 @@ struct Delivery {
   std::vector<Check> checks;
 };
 
+/// The state of a channel in an Answer.
 enum class State : std::uint8_t {
   unannounced,
   granted,    ///< every delivery is granted
@@ -103,6 +104,8 @@ enum class Cause : std::uint8_t {
 MLCCA_API const char* name_of(Cause cause);
 MLCCA_API const char* name_of(State state);
 
+/// Something that has happened to a channel, for its exception handler. Members that do not belong
+/// to the cause are empty or 0.
 struct Exception {
   Cause cause = Cause::other;
   std::string text;       ///< one line, as in the log of the gateway
@@ -166,6 +169,7 @@ class MLCCA_API Client {
   Client& operator=(const Client&) = delete;
   Client(Client&&) = delete;
   Client& operator=(Client&&) = delete;
+  /// Closes the connection; the channels of this Client become inactive.
   ~Client();
 
   /// A file descriptor that is readable when process() has work to do. It is the same for the
@@ -177,6 +181,7 @@ class MLCCA_API Client {
   /// Waits until there is work to do, for `time` at most, and then does the same as process(). A
   /// negative time waits without limit.
   void wait(std::chrono::milliseconds time);
+  /// Whether there is a connection to the daemon at present.
   [[nodiscard]] bool is_connected() const;
 
  private:
@@ -207,6 +212,7 @@ class MLCCA_API Channel {
 
  protected:
   enum class Role : std::uint8_t { publisher, subscriber };
+  /// The arguments are those of PublisherChannel.
   Channel(Client& client, Role role, std::string channel, const AttributeSet& stated,
           std::string name);
   ~Channel();
