@@ -34,7 +34,7 @@ struct Channel::Part {
   bool failed = false;    ///< the daemon could not answer, or its answer could not be applied: ask
                           ///< again later
   bool lost = false;  ///< the connection was lost, or the answer is overdue: its return is reported
-  bool lagged = false;           ///< exceptions were lost since `waiting` was full
+  bool lagged = false;           ///< exceptions were lost because `waiting` was full
   std::string problem;           ///< why events cannot be carried; empty if they can
   std::list<Exception> waiting;  ///< exceptions for the handler; a list, because it takes no memory
                                  ///< while it is empty
