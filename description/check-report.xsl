@@ -1,9 +1,9 @@
 <?xml version="1.0" encoding="UTF-8"?>
 <!-- SPDX-License-Identifier: BSD-2-Clause -->
-<!-- For check.xsl: a finding as an element that holds its line, and the names in it. -->
+<!-- For check.xsl: writes a finding as an element with its line, and the names in it. -->
 <xsl:stylesheet version="1.0" xmlns:xsl="http://www.w3.org/1999/XSL/Transform"
                 xmlns:t="urn:mlcca:table" exclude-result-prefixes="t">
-  <!-- A line, with its parts in attributes. publisher, subscriber and hop are elements, or nothing. -->
+  <!-- A line, with its parts in attributes. publisher, subscriber and hop are elements, or empty. -->
   <xsl:template name="finding">
     <xsl:param name="id"/>
     <xsl:param name="channel" select="/.."/>
@@ -58,7 +58,7 @@
     </Left>
   </xsl:template>
 
-  <!-- The current node is what states a Bandwidth. -->
+  <!-- The current node is the network or gateway that states a Bandwidth. -->
   <xsl:template name="sum-left">
     <xsl:variable name="name" select="normalize-space(@name)"/>
     <Left id="MLCCA034" hop="{$name}" attribute="Bandwidth">
@@ -66,14 +66,14 @@
     </Left>
   </xsl:template>
 
-  <!-- Of every description, so that no silence is taken for an answer. -->
+  <!-- The note for every description, so that a missing finding is not taken for a result. -->
   <xsl:template name="rest-left">
     <Left id="MLCCA034">
       <xsl:text>note MLCCA034: identifiers, lengths of frames, traffic that must be stated, and what reaches others on a network are not decided here: left to mlccactl check&#10;</xsl:text>
     </Left>
   </xsl:template>
 
-  <!-- A requirement that only mlccactl check can hold against what it computes. -->
+  <!-- The note on a requirement that only mlccactl check can compare with what it computes. -->
   <xsl:template name="undecided">
     <xsl:param name="publisher"/>
     <xsl:param name="subscriber"/>
@@ -105,7 +105,7 @@
     </xsl:if>
   </xsl:template>
 
-  <!-- By default channel@place or channel@component, with #2, #3 for further ones there. -->
+  <!-- The name of an end: by default channel@place or channel@component, with #2, #3 for further ones there. -->
   <xsl:template match="Publisher | Subscriber" mode="name">
     <xsl:variable name="subject"><xsl:apply-templates select="@channel[starts-with(normalize-space(), '0x')]" mode="subject"/></xsl:variable>
     <xsl:variable name="channel" select="key('channel', normalize-space(@channel)) | key('channel', $subject)"/>

@@ -1,11 +1,11 @@
 <?xml version="1.0" encoding="UTF-8"?>
 <!-- SPDX-License-Identifier: BSD-2-Clause -->
-<!-- For check.xsl: notes on what a description may say and hardly means, as in core/sense.cc. -->
+<!-- For check.xsl: notes on what a description may state but hardly means, as in core/sense.cc. -->
 <xsl:stylesheet version="1.0" xmlns:xsl="http://www.w3.org/1999/XSL/Transform"
                 xmlns:t="urn:mlcca:table" exclude-result-prefixes="t">
   <xsl:variable name="long-period" select="3600000000000"/> <!-- ns, an hour -->
 
-  <!-- Of the preferred attribute set: one note at most of each kind for a channel. -->
+  <!-- Examines the preferred attribute set. A channel gets at most one note of each kind. -->
   <xsl:template match="EventChannel" mode="sense"/>
   <xsl:template match="EventChannel[@safe-side]" mode="sense">
     <xsl:variable name="subject"><xsl:apply-templates select="SubjectUID" mode="subject"/></xsl:variable>
@@ -21,7 +21,7 @@
       </xsl:for-each>
     </xsl:variable>
     <xsl:variable name="set" select="Attributes[generate-id() = $id]"/>
-    <!-- Ids of publisher and subscriber, each after a blank. -->
+    <!-- The ids of the publishers and subscribers concerned, each after a blank. -->
     <xsl:variable name="silent">
       <xsl:if test="normalize-space(@safe-side) = 'drop'">
         <xsl:for-each select="$publishers">
@@ -69,7 +69,7 @@
     </xsl:if>
   </xsl:template>
 
-  <!-- The current node is a publisher or subscriber: its id, between blanks. -->
+  <!-- The id of the current publisher or subscriber between blanks, if its Period is long. -->
   <xsl:template name="if-long">
     <xsl:param name="set"/>
     <xsl:variable name="period">

@@ -1,23 +1,23 @@
 <?xml version="1.0" encoding="UTF-8"?>
 <!-- SPDX-License-Identifier: BSD-2-Clause -->
 <!--
-  For check.xsl: what ends, networks and gateways state, as whole numbers of 20 digits in strings.
-  XSLT has only floating point, which is exact up to 15 digits.
+  For check.xsl: the values that ends, networks and gateways state, as integers of 20 digits in strings,
+  because XSLT has only floating point, which is exact up to 15 digits.
 -->
 <xsl:stylesheet version="1.0" xmlns:xsl="http://www.w3.org/1999/XSL/Transform"
                 xmlns:t="urn:mlcca:table" exclude-result-prefixes="t">
-  <!-- As many as the largest Magnitudes append to a value. -->
+  <!-- As many zeros as the largest Magnitudes append to a value. -->
   <xsl:variable name="zeros" select="'00000000000000000000000000000000000000000000000000000000000000000000000000000000'"/>
   <xsl:variable name="none" select="substring($zeros, 1, 20)"/>
   <xsl:variable name="unbounded" select="'18446744073709551615'"/>
 
-  <!-- By what the name in the table is called in the form of the element: "period" as "Period". -->
+  <!-- Provided values by the name of the attribute in the table: an XML attribute "period" is "Period". -->
   <xsl:key name="provided" match="Provision/Attribute" use="concat(generate-id(../..), ' ', normalize-space(Name))"/>
   <xsl:key name="provided" match="Provision/@*[name() != 'dynamic']"
            use="concat(generate-id(../..), ' ', translate(substring(name(), 1, 1), 'abcdefghijklmnopqrstuvwxyz', 'ABCDEFGHIJKLMNOPQRSTUVWXYZ'),
                        substring(name(), 2))"/>
 
-  <!-- The same of what each link of a mesh gives. -->
+  <!-- The same for the values that each link of a mesh provides. -->
   <xsl:key name="given-by-links" match="PerHop/Attribute" use="concat(generate-id(../../..), ' ', normalize-space(Name))"/>
   <xsl:key name="given-by-links" match="PerHop/@*[name() != 'dynamic']"
            use="concat(generate-id(../../..), ' ', translate(substring(name(), 1, 1), 'abcdefghijklmnopqrstuvwxyz', 'ABCDEFGHIJKLMNOPQRSTUVWXYZ'),
@@ -26,9 +26,9 @@
   <!-- ============================ what is stated ============================ -->
 
   <!--
-    The value that an end requires (or offers) in a channel's set, or nothing: its own for that set,
-    its own for every set, the channel's. A publisher does not inherit the channel's Jitter, which is
-    what subscribers stand. A Period without a Deadline asks for Deadline = Period.
+    The value that an end requires (or offers) in a channel's set, or empty: its own for that set, else
+    its own for every set, else the channel's. A publisher does not inherit the channel's Jitter, which is
+    what subscribers accept. A Period without a Deadline requires Deadline = Period.
   -->
   <xsl:template name="required-by">
     <xsl:param name="end"/>
@@ -64,7 +64,7 @@
   </xsl:template>
 
   <!--
-    The value that a network or gateway provides, or nothing. A Deadline is held against the Latency;
+    The value that a network or gateway provides, or empty. A Deadline is compared with the Latency;
     a Period without a Latency promises Latency = Period.
   -->
   <xsl:template name="provided-by">
@@ -91,7 +91,8 @@
 
   <!--
     Not empty if the value that a hop provides is computed: on a CAN bus with a bit rate its times,
-    periods and sizes, on a mesh everything that the table has, each where it is not stated for good.
+    periods and sizes, on a mesh every attribute of the table, unless a value is stated that is no best
+    case.
   -->
   <xsl:template name="is-computed">
     <xsl:param name="hop"/>
@@ -125,7 +126,7 @@
                                  translate(substring($text, 3), 'ABCDEF', 'abcdef'))"/>
   </xsl:template>
 
-  <!-- The Magnitude of a Dimension, 0 where there is none. -->
+  <!-- The Magnitude of a Dimension; 0 if there is none. -->
   <xsl:template name="magnitude">
     <xsl:param name="of"/>
     <xsl:choose>
@@ -135,8 +136,8 @@
   </xsl:template>
 
   <!--
-    The value of an Attribute, or of an XML attribute with its unit, in the unit of its row: the point
-    is moved, what is behind it is cut.
+    The integer value of an Attribute, or of an XML attribute with its unit, in the unit of its row: the
+    point is moved, and the digits after it are cut.
   -->
   <xsl:template name="whole">
     <xsl:param name="attribute"/>
@@ -183,7 +184,7 @@
     <xsl:if test="$value != $bound and $over = ($better = 'smaller')">yes</xsl:if>
   </xsl:template>
 
-  <!-- bytes in every period (ns) as bytes/s, rounded down; nothing where one of them is not stated. -->
+  <!-- bytes in every period (ns) as bytes/s, rounded down; empty if one of them is not stated. -->
   <xsl:template name="rate">
     <xsl:param name="bytes"/>
     <xsl:param name="period"/>
@@ -210,8 +211,8 @@
   </xsl:template>
 
   <!--
-    Long division: one digit of the quotient for each of the dividend, after a 0 that comes first.
-    What remains stands in two halves of ten digits, like the divisor.
+    Long division: one digit of the quotient for each of the dividend, after a leading 0. The remainder
+    is in two halves of ten digits, like the divisor.
   -->
   <xsl:template name="divide">
     <xsl:param name="digits"/>
@@ -249,7 +250,7 @@
     </xsl:choose>
   </xsl:template>
 
-  <!-- Without zeros in front. -->
+  <!-- The number without leading zeros. -->
   <xsl:template name="plain">
     <xsl:param name="value"/>
     <xsl:variable name="first" select="substring(translate($value, '0', ''), 1, 1)"/>

@@ -41,14 +41,15 @@
 <xsl:stylesheet version="1.0" xmlns:xsl="http://www.w3.org/1999/XSL/Transform"
                 xmlns:xi="http://www.w3.org/2001/XInclude" xmlns:t="urn:mlcca:table"
                 exclude-result-prefixes="t xi">
-  <!-- Not text, which could not write format xml. No line holds what XML would escape. -->
+  <!-- The method is not text, which cannot write format xml. No line has characters that XML escapes. -->
   <xsl:output method="xml" omit-xml-declaration="yes" encoding="UTF-8"/>
   <xsl:param name="format" select="'text'"/>
 
   <!--
-    As in include/mlcca/attribute.hpp. scale: units in one of the SI unit, as a power of ten.
-    traffic: what a subscriber may ask of the publisher itself, and which values are better there (its
-    MaxPayload is the most that it accepts). of-networks: what a gateway limits only where it says so.
+    The attributes of include/mlcca/attribute.hpp. scale: integer units in one SI unit, as a power of
+    ten. traffic: the attribute may be required of the publisher's traffic, and which values are better
+    there (a subscriber's MaxPayload is the most that it accepts). of-networks: a gateway limits it only
+    if it states it.
   -->
   <t:attribute name="Latency" scale="9" unit="ns" better="smaller"/>
   <t:attribute name="Jitter" scale="9" unit="ns" better="smaller" traffic="smaller"/>
@@ -59,7 +60,7 @@
   <t:attribute name="Omission" scale="0" unit="events" better="smaller"/>
   <t:attribute name="MaxPayload" scale="0" unit="bytes" better="larger" traffic="smaller" of-networks="yes"/>
 
-  <!-- Of XML attributes, as in system.xsd: powers of ten of the SI unit. -->
+  <!-- The units of XML attributes, as in system.xsd: powers of ten of the SI unit. -->
   <t:unit name="s" power="0"/>
   <t:unit name="ms" power="-3"/>
   <t:unit name="us" power="-6"/>
@@ -75,7 +76,7 @@
   <xsl:variable name="units" select="document('')/xsl:stylesheet/t:unit"/>
   <xsl:variable name="user-attributes" select="/System/UserAttribute"/>
 
-  <!-- By name, and by subject as 0x and 16 lower-case digits, which is also the default name. -->
+  <!-- Channels by name, and by subject as 0x and 16 lower-case digits, which is also the default name. -->
   <xsl:key name="channel" match="EventChannel[@name]" use="normalize-space(@name)"/>
   <xsl:key name="channel" match="EventChannel"
            use="concat('0x', substring('0000000000000000', string-length(normalize-space(SubjectUID)) - 1),
@@ -112,7 +113,7 @@
           <xsl:with-param name="text" select="concat(@href, ' was not included: xsltproc needs -xinclude')"/>
         </xsl:call-template>
       </xsl:for-each>
-      <!-- One by one: libxslt needs quadratic time for a union of many nodes. -->
+      <!-- They are handled one by one, because libxslt needs quadratic time for a union of many nodes. -->
       <xsl:apply-templates select="//Attribute" mode="names"/>
       <xsl:apply-templates select="//Publisher" mode="names"/>
       <xsl:apply-templates select="//Subscriber" mode="names"/>
@@ -209,7 +210,7 @@
     </xsl:choose>
   </xsl:template>
 
-  <!-- What is not checked here, said so that nobody takes it for fit. -->
+  <!-- Notes on what is not checked here, so that no one takes it for fit. -->
   <xsl:template match="EventChannel" mode="left">
     <xsl:variable name="subject"><xsl:apply-templates select="SubjectUID" mode="subject"/></xsl:variable>
     <xsl:variable name="name" select="normalize-space(@name)"/>
@@ -227,7 +228,7 @@
             <xsl:with-param name="text" select="concat('no Route is declared between ', $from, ' and ', $to, ': left to mlccactl check')"/>
           </xsl:call-template>
         </xsl:if>
-        <!-- A gateway at an end is no hop. -->
+        <!-- A gateway at an end of the route is no hop. -->
         <xsl:variable name="route" select="key('route', concat($from, ' ', $to))"/>
         <xsl:if test="$from != $to and $route and
                       count($route/Hop | key('place', $from)/self::Network | key('place', $to)/self::Network) &gt; 1">
@@ -248,8 +249,8 @@
     </xsl:call-template>
   </xsl:template>
 
-  <!-- The findings of the preferred set, unless there are none in another one. With "open": of the
-       first set without a finding, what is not decided here. -->
+  <!-- The findings of the preferred set; nothing if another set has none. With "open": what is not
+       decided here in the first set without a finding. -->
   <xsl:template name="check-in-best-set">
     <xsl:param name="open"/>
     <xsl:param name="publishers"/>
@@ -312,7 +313,7 @@
         </xsl:call-template>
       </xsl:if>
     </xsl:variable>
-    <!-- No set has none. The first one is that of mlccactl check unless a lower one serves more. -->
+    <!-- Every set has findings. mlccactl check uses the first one unless a lower one serves more ends. -->
     <xsl:variable name="served">
       <xsl:if test="string($found) and (($open and $is-last and $rank &gt; 1) or ($rank = 1 and string($lower)))">
         <xsl:call-template name="served-in-lower-set">
@@ -328,8 +329,8 @@
     </xsl:choose>
   </xsl:template>
 
-  <!-- A note for each publisher and subscriber of whom nothing is found in a set but the preferred one:
-       all subscribers at one place are served, or none. -->
+  <!-- A note for each publisher and subscriber without findings in a set other than the preferred one:
+       either all subscribers at one place are served, or none. -->
   <xsl:template name="served-in-lower-set">
     <xsl:param name="publishers"/>
     <xsl:param name="subscribers"/>
@@ -400,7 +401,7 @@
     </xsl:if>
   </xsl:template>
 
-  <!-- A Bandwidth is held against each channel alone. -->
+  <!-- A Bandwidth is compared with each channel alone. -->
   <xsl:template match="Network | Gateway" mode="sum">
     <xsl:if test="Provision[@bandwidth or Attribute[normalize-space(Name) = 'Bandwidth']]">
       <xsl:call-template name="sum-left"/>
@@ -419,7 +420,7 @@
     <xsl:variable name="from"><xsl:apply-templates select="$publisher" mode="place"/></xsl:variable>
     <xsl:variable name="to"><xsl:apply-templates select="$subscriber" mode="place"/></xsl:variable>
     <xsl:variable name="route" select="key('route', concat($from, ' ', $to))"/>
-    <!-- A gateway at an end is no hop: there the program runs. -->
+    <!-- A gateway at an end of the route is no hop: the program runs there. -->
     <xsl:variable name="legs" select="key('place', $from)[$from = $to]/self::Network/@name |
                                       $route/@from | $route/@to | $route/Hop/@place"/>
     <xsl:variable name="names">
@@ -433,7 +434,7 @@
         <xsl:if test="name() = 'period'">Deadline Bandwidth </xsl:if>
       </xsl:for-each>
     </xsl:variable>
-    <!-- The rows of the table are in another document: there no key finds anything of this one. -->
+    <!-- The rows of the table are in another document, in which a key finds nothing of this one. -->
     <xsl:for-each select="($table | $user-attributes)[contains($names, concat(' ', normalize-space(@name), ' '))]">
       <xsl:call-template name="check-attribute">
         <xsl:with-param name="open" select="$open"/>
@@ -479,7 +480,7 @@
         <xsl:with-param name="asked" select="string($asked)"/>
       </xsl:call-template>
     </xsl:if>
-    <!-- The publisher's Jitter is that of the source; the size to be carried is the publisher's. -->
+    <!-- The publisher's Jitter is the source jitter; the size to be carried is the publisher's. -->
     <xsl:variable name="union">
       <xsl:choose>
         <xsl:when test="@name = 'Jitter'"><xsl:value-of select="$asked"/></xsl:when>
@@ -527,8 +528,8 @@
     </xsl:if>
   </xsl:template>
 
-  <!-- The time that events take of a mesh is computed, whether they state a Bandwidth or not; the current
-       node is the row of Bandwidth. -->
+  <!-- A note: the medium time that events take on a mesh is computed, whether they state a Bandwidth or
+       not. The current node is the row of Bandwidth. -->
   <xsl:template name="leave-medium-time">
     <xsl:param name="set"/>
     <xsl:param name="publisher"/>
@@ -555,7 +556,7 @@
     </xsl:for-each>
   </xsl:template>
 
-  <!-- By the size and the Period of the events, or nothing. -->
+  <!-- The rate that follows from the size and the Period of the events; empty if one is not stated. -->
   <xsl:template name="rate-of">
     <xsl:param name="set"/>
     <xsl:param name="publisher"/>
@@ -577,7 +578,7 @@
     </xsl:call-template>
   </xsl:template>
 
-  <!-- What the publisher really offers; the current node is the attribute's row. -->
+  <!-- Compares the traffic that the publisher really offers. The current node is the attribute's row. -->
   <xsl:template name="check-traffic">
     <xsl:param name="channel"/>
     <xsl:param name="set"/>
@@ -630,16 +631,16 @@
         <xsl:with-param name="row" select="$row"/>
       </xsl:call-template>
     </xsl:variable>
-    <!-- What is stated of a bus with a bit rate can be refuted by the response times on it, and frames that
-         are or may be FD or XL need the bit rate of their data. -->
+    <!-- A provision that is stated for a bus with a bit rate can be refuted by the response times there.
+         Frames that are or may be FD or XL need the data bit rate. -->
     <xsl:variable name="on-time" select="$row/@name = 'Deadline' or $row/@name = 'Latency'"/>
     <xsl:variable name="timed" select="$hop/self::Network[Profile and (Bus/@bitrate or $binding[normalize-space(@format) != ''
                                                             and normalize-space(@format) != 'classic'])]"/>
-    <!-- What is stated of a mesh can be refuted by what its links give. -->
+    <!-- A provision that is stated for a mesh can be refuted by what its links provide. -->
     <xsl:variable name="by-links" select="key('given-by-links', concat(generate-id($hop), ' ', substring('Latency', 1, 7 * $on-time),
                                                 substring($row/@name, 1, string-length($row/@name) * not($on-time)))) |
                                           key('given-by-links', concat(generate-id($hop[$on-time]), ' Period'))"/>
-    <!-- So can what is stated of a J1939 bus by the pauses between the frames of a message. -->
+    <!-- One that is stated for a J1939 bus can be refuted by the pauses between the frames of a message. -->
     <xsl:variable name="paused">
       <xsl:if test="($on-time or $row/@name = 'Jitter') and normalize-space($hop/Profile[1]) = 'j1939'">
         <xsl:call-template name="is-fragmented">
@@ -691,8 +692,8 @@
     </xsl:if>
   </xsl:template>
 
-  <!-- Not empty if an event of the publisher is longer than a frame that FAMOUSO or Cyphal (which
-       needs a byte of it) puts it into, or J1939 what everybody gets in classic frames. -->
+  <!-- Not empty if an event of the publisher needs several frames: it is longer than a frame of FAMOUSO or
+       Cyphal (which needs one byte of it), or than a classic frame of a J1939 broadcast. -->
   <xsl:template name="is-fragmented">
     <xsl:param name="set"/>
     <xsl:param name="publisher"/>
@@ -717,7 +718,7 @@
     </xsl:if>
   </xsl:template>
 
-  <!-- A finding, unless what is provided fulfils what is required. -->
+  <!-- A finding, unless the provided value fulfils the required one. -->
   <xsl:template name="compare">
     <xsl:param name="id"/>
     <xsl:param name="row"/>

@@ -1,7 +1,7 @@
 <?xml version="1.0" encoding="UTF-8"?>
 <!-- SPDX-License-Identifier: BSD-2-Clause -->
 <!--
-  The second half of the manual page mlcca-system(5), from the schema: what each element holds, its
+  The second half of the manual page mlcca-system(5), from the schema: the content of each element, its
   attributes and their values. docs/man/mlcca-system.5.in is the first half.
 
       xsltproc man.xsl system.xsd | cat ../docs/man/mlcca-system.5.in - > mlcca-system.5
@@ -17,7 +17,7 @@
   <xsl:template match="/xs:schema">
     <xsl:text>.SH ELEMENTS&#10;</xsl:text>
     <xsl:apply-templates select="xs:complexType" mode="part"/>
-    <!-- Patterns are long words: no adjustment. -->
+    <!-- Patterns are long words, so lines are not adjusted (.na). -->
     <xsl:text>.SH VALUES&#10;.na&#10;White space around a value does not count.&#10;</xsl:text>
     <xsl:for-each select="xs:simpleType">
       <xsl:sort select="@name"/>
@@ -27,7 +27,7 @@
     </xsl:for-each>
     <xsl:text>.TP&#10;.B boolean&#10;true or 1, false or 0&#10;.ad&#10;</xsl:text>
     <xsl:text>.SH INCLUDED FILES AND LIMITS&#10;</xsl:text>
-    <!-- The first half says what the first paragraph does. -->
+    <!-- The first paragraph is left out, because the first half of the page says the same. -->
     <xsl:call-template name="lines">
       <xsl:with-param name="text" select="substring-after(xs:annotation/xs:documentation, '&#10;&#10;')"/>
     </xsl:call-template>
@@ -103,7 +103,7 @@
 
   <!-- ============================ roff ============================ -->
 
-  <!-- ".B name" and what is known of it in brackets, for which the text behind it is indented. -->
+  <!-- ".B name" with its properties in brackets; the text after it is indented. -->
   <xsl:template name="entry">
     <xsl:param name="name"/>
     <xsl:param name="about"/>
@@ -117,7 +117,7 @@
     <xsl:call-template name="lines"><xsl:with-param name="text" select="string(xs:documentation)"/></xsl:call-template>
   </xsl:template>
 
-  <!-- Paragraphs are parted by empty lines. -->
+  <!-- Paragraphs are separated by empty lines. -->
   <xsl:template name="lines">
     <xsl:param name="text"/>
     <xsl:if test="normalize-space($text)">

@@ -6,8 +6,7 @@
 
       xsltproc reference.xsl system.xsd > reference.html
 
-  What the schema does not say stands in the table below: examples, which are parts of real
-  descriptions.
+  The table below adds what the schema does not have: examples, which are parts of real descriptions.
 -->
 <xsl:stylesheet version="1.0" xmlns:xsl="http://www.w3.org/1999/XSL/Transform"
                 xmlns:xs="http://www.w3.org/2001/XMLSchema" xmlns:r="urn:mlcca:reference"
@@ -86,7 +85,7 @@
               <code><xsl:value-of select="@name"/></code>
               <xsl:variable name="name" select="@name"/>
               <xsl:variable name="in-groups" select="key('attribute', @name)/ancestor::xs:attributeGroup"/>
-              <!-- A group of attributes may hold another one. -->
+              <!-- A group of attributes may contain another one. -->
               <xsl:variable name="groups" select="$in-groups | //xs:attributeGroup[@name][xs:attributeGroup/@ref = $in-groups/@name]"/>
               <xsl:for-each select="//xs:complexType[.//xs:attribute/@name = $name or .//xs:attributeGroup/@ref = $groups/@name]">
                 <xsl:choose>
@@ -117,7 +116,7 @@
     </html>
   </xsl:template>
 
-  <!-- Where an element stands: with content of its own, or as a value within others. -->
+  <!-- Where the reference describes an element: by itself, or as a value within others. -->
   <xsl:template match="xs:element" mode="index">
     <code><xsl:value-of select="@name"/></code>
     <xsl:variable name="name" select="@name"/>
@@ -134,7 +133,7 @@
 
   <!-- ============================ text ============================ -->
 
-  <!-- Paragraphs are parted by empty lines. -->
+  <!-- Paragraphs are separated by empty lines. -->
   <xsl:template match="xs:annotation">
     <xsl:call-template name="paragraphs"><xsl:with-param name="text" select="string(xs:documentation)"/></xsl:call-template>
   </xsl:template>
@@ -180,7 +179,7 @@
       </xsl:if>
       <xsl:for-each select="$examples[@type = $name]">
         <xsl:variable name="element" select="@element"/>
-        <!-- A part begins as far to the right as in its file. -->
+        <!-- A part keeps the indentation of its file. -->
         <xsl:variable name="part" select="document(concat('../examples/', @file, '.xml'))//*[local-name() = $element][last()]"/>
         <pre>
           <xsl:value-of select="translate($part/preceding-sibling::node()[1]/self::text(), '&#10;', '')"/>
@@ -202,7 +201,7 @@
       <xsl:with-param name="holder" select="$holder"/>
     </xsl:apply-templates>
   </xsl:template>
-  <!-- Within another one they are a line of their own. -->
+  <!-- Within another group they are on a line of their own. -->
   <xsl:template match="xs:sequence/xs:sequence | xs:sequence/xs:choice" mode="content">
     <xsl:param name="holder"/>
     <li>
@@ -262,7 +261,7 @@
     </tr>
   </xsl:template>
 
-  <!-- The name of a type, which stands further down under that name. -->
+  <!-- The name of a type, as a link to its description further down. -->
   <xsl:template match="@*" mode="link">
     <xsl:variable name="name" select="substring(., 1 + 3 * starts-with(., 'xs:'))"/>
     <a href="#{$name}"><xsl:value-of select="$name"/></a>
