@@ -15,15 +15,17 @@ namespace mlcca {
 namespace {
 
 constexpr std::uint64_t kTryAgain = 10'000'000'000;  // ns
-constexpr std::size_t kEndedTogether = 64;           // leases, written to disk together
+constexpr std::size_t kEndedTogether =
+    64;  // the most leases that are ended, and written to disk, together
 
-/// Of a peer on a network.
+/// Whether a peer on a network made this admission by a subscription.
 bool is_subscription(const control::Admit& admit) {
   return admit.key.starts_with(subscription_keys(admit.to));
 }
 
-/// Why what came over a network does not count in this description; nothing: it does, or the
-/// admission is another one. Who states no attributes has no lease.
+/// Why a subscription that came over a network does not count in this description; nullopt if it
+/// counts, or if the admission is no such subscription. A subscription without attributes has no
+/// lease.
 std::optional<std::string> refuses_subscription(const core::State& state,
                                                 const control::Admit& admit) {
   if (!is_subscription(admit)) return std::nullopt;
@@ -36,7 +38,7 @@ std::optional<std::string> refuses_subscription(const core::State& state,
   return admit.to + " accepts no such subscription";
 }
 
-/// Null: there is none.
+/// nullptr if the journal has no such admission.
 const control::Admit* recorded(const Recorder& recorder, core::AdmissionId id) {
   const control::Request* request = recorder.contents().admissions.find(id);
   return request != nullptr ? std::get_if<control::Admit>(&request->body) : nullptr;
@@ -152,7 +154,7 @@ bool Admissions::came_over_a_network(core::AdmissionId id) const {
 void Admissions::add(core::AdmissionId id, const control::Admit& request, std::uint64_t session) {
   keys_.put(request.key, id);
   own(id, request, session);
-  if (lease_of(request) != 0) log_.add_rows(1);  // when it ends
+  if (lease_of(request) != 0) log_.add_rows(1);  // the row that is written when the lease ends
 }
 
 bool Admissions::own(core::AdmissionId id, const control::Admit& request, std::uint64_t session) {
@@ -196,7 +198,8 @@ Result<void> Admissions::release(const std::vector<core::AdmissionId>& gone,
     const core::AdmissionId id = one.admissions.front();
     log_.notice(Kind::released, fmt::format("admission {}{}: {}", id, of, why), std::move(one));
   }
-  // A gate that refuses denies as a whole, and the log says so: they are released all the same.
+  // A gate that the kernel refuses to change denies everything, and the log says so. The admissions
+  // are released nevertheless.
   static_cast<void>(turn_.settle(forget(gone)));
   gone_(gone);
   tags_.leave_unused();
@@ -220,7 +223,7 @@ bool Admissions::end_some() {
   const auto done = release(expired, "its lease ended and was not renewed");
   if (done) return true;
   log_.error(Kind::trouble, done.error().text);
-  // What could not be written down stays reserved, and is tried again.
+  // What could not be written to disk stays reserved, and is tried again.
   for (const core::AdmissionId id : expired) leases_.postpone(id, kTryAgain, clock_.monotonic_ns());
   return true;
 }

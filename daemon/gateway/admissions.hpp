@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The admissions that applications have made at run time: under which key, on what lease, held by
-// which connection; and how they end.
+// Keeps what the daemon knows about admissions made at run time beside the decisions: their keys,
+// their leases, the connections that hold them, and how they end.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -26,83 +26,94 @@
 
 namespace mlcca {
 
-/// "admission 7 of camera is left out: there is no network lan"
+/// The line of the log for an admission that is left out, for example "admission 7 of camera is
+/// left out: there is no network lan".
 [[nodiscard]] std::string words_of(const control::LeftOutAdmission& left_out);
 
+/// The bookkeeping of run-time admissions: key, lease and holders of each. An admission is either
+/// held by at least one connection (then no lease runs) or has a lease. Some are "left out": they
+/// are recorded in the journal, but the description in force has no place for them.
 class Admissions {
  public:
-  /// Admissions that have no place in the description, and why.
+  /// Admissions for which the description has no place, with the reason.
   using LeftOut = std::map<core::AdmissionId, control::LeftOutAdmission>;
 
-  /// All of them must outlive this.
+  /// All references must outlive this object.
   Admissions(Scene& scene, Recorder& recorder, EventLog& log, Turn& turn, TagBindings& tags,
              const Clock& clock)
       : scene_(scene), recorder_(recorder), log_(log), turn_(turn), tags_(tags), clock_(clock) {}
 
-  /// After a start: keys and leases of what is recorded. No client is connected, so each lease
-  /// starts again.
+  /// Called once after the start: takes keys and leases from the journal. No client is connected
+  /// yet, so every lease starts again with its full length.
   void remember();
-  /// Takes what is recorded into a description that is not in force yet. Gives what has no place in
-  /// it.
+  /// Adds the recorded admissions to `state`, the state of a description that is not in force yet.
+  /// Returns those for which that description has no place.
   [[nodiscard]] LeftOut restore_into(core::State& state) const;
 
-  /// Those that have no place in the description that is in force.
+  /// Admissions for which the description in force has no place.
   [[nodiscard]] const LeftOut& left_out() const { return left_out_; }
   void set_left_out(LeftOut left_out) { left_out_ = std::move(left_out); }
-  /// Warns of each of them that was not reported so at the latest time.
+  /// Logs a warning for each left-out admission whose reason was not reported before.
   void report_left_out();
-  /// Those of a channel that a client calls so. The description need not have it any more.
+  /// The left-out admissions of a channel that a client names by `channel` (name or subject). The
+  /// description in force need not have this channel.
   [[nodiscard]] std::vector<core::AdmissionId> left_out_of(const std::string& channel) const;
 
-  /// As a report has them: all, or those of a channel as above.
+  /// The left-out admissions in the form of a report: all of them, or those of one channel.
   [[nodiscard]] std::vector<control::LeftOutAdmission> left_out_report() const;
   [[nodiscard]] std::vector<control::LeftOutAdmission> left_out_report(
       const std::string& channel) const;
 
-  /// By its key, or else by its number; also one that is left out. The error says what is missing.
+  /// Finds an admission, also one that is left out: by `key`, or by `id` if the key is empty. The
+  /// error says which key or number is unknown.
   [[nodiscard]] Result<core::AdmissionId> named(core::AdmissionId id, const std::string& key) const;
   [[nodiscard]] std::optional<core::AdmissionId> with_key(const std::string& key) const {
     return keys_.find(key);
   }
-  /// Admissions whose keys begin so.
+  /// The number of admissions whose keys begin with `prefix`.
   [[nodiscard]] std::size_t count_of_keys(const std::string& prefix) const {
     return keys_.count_with_prefix(prefix);
   }
 
-  /// It is the subscription of a peer on a network.
+  /// Whether a peer on a network made this admission by a subscription.
   [[nodiscard]] bool came_over_a_network(core::AdmissionId id) const;
 
-  /// One that was just granted to a connection.
+  /// Remembers key, lease and holder of an admission that was just granted to a connection.
   void add(core::AdmissionId id, const control::Admit& request, std::uint64_t session);
-  /// A connection has asked for one: if it holds it, its lease does not run, and its events go to
-  /// that connection; otherwise the lease starts again. True: it is held.
+  /// A connection has asked for this admission. If the request says that the connection holds it,
+  /// its lease stops and its events go to that connection, and the result is true. Otherwise its
+  /// lease starts again.
   bool own(core::AdmissionId id, const control::Admit& request, std::uint64_t session);
-  /// A connection has ended: the leases of what it held begin to run.
+  /// A connection has ended: the leases of the admissions that only it held begin to run.
   void session_closed(std::uint64_t session);
 
   [[nodiscard]] bool is_held(core::AdmissionId id) const { return held_.contains(id); }
-  /// ns until its lease ends; nothing: it has none that runs.
+  /// Nanoseconds until the lease ends; nullopt if no lease runs.
   [[nodiscard]] std::optional<std::uint64_t> remaining(core::AdmissionId id) const {
     return leases_.remaining(id, clock_.monotonic_ns());
   }
   void renew(core::AdmissionId id) { leases_.renew(id, clock_.monotonic_ns()); }
 
-  /// Called with admissions that are over, once their gates are closed.
+  /// Sets the function that is called with admissions that have ended, after their gates are
+  /// closed.
   void on_gone(std::function<void(const std::vector<core::AdmissionId>&)> gone) {
     gone_ = std::move(gone);
   }
-  /// Takes admissions back, also those that are left out: on disk first, then in the kernel. After
-  /// an error nothing has changed.
+  /// Ends admissions, also left-out ones: first on disk, then in the kernel. `why` goes to the log.
+  /// After an error nothing has changed.
   Result<void> release(const std::vector<core::AdmissionId>& gone, const std::string& why);
-  /// The disk has refused what was admitted: no client has been granted it.
+  /// Ends admissions that could not be written to disk. No client has been answered that they were
+  /// granted.
   void take_back(const std::vector<core::AdmissionId>& lost);
-  /// Once a second: some of those whose lease has ended; true while there are more.
+  /// To be called once a second: ends at most 64 admissions whose lease has ended. True if there
+  /// may be more.
   bool end_some();
 
  private:
-  /// Which channel it is of; also one that is left out.
+  /// The channel of an admission, also of one that is left out, for the log.
   [[nodiscard]] About about(core::AdmissionId id) const;
-  /// Takes them out of everything but the disk. Gives what the gates had of their channels.
+  /// Removes admissions from everything except the disk. Returns the rules that the gates had for
+  /// their channels.
   core::FormerRules forget(const std::vector<core::AdmissionId>& gone);
 
   Scene& scene_;
@@ -116,7 +127,7 @@ class Admissions {
   LeftOut left_out_;
   LeftOut reported_;  ///< as of the latest report_left_out()
   std::function<void(const std::vector<core::AdmissionId>&)> gone_ = [](const auto&) {};
-  std::map<core::AdmissionId, std::set<std::uint64_t>> held_;  ///< by which connections
+  std::map<core::AdmissionId, std::set<std::uint64_t>> held_;  ///< the connections that hold it
 };
 
 }  // namespace mlcca

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Admissions of other gateways that go over this one: it agrees to them or not, and carries them
-// while they last. They are not this gateway's to release, and not in its journal.
+// Handles admissions that other gateways of the cluster have made and whose route crosses this
+// gateway. This gateway votes on them, and carries them until they end. They are not in its
+// journal, and it cannot release them.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -22,13 +23,14 @@ class Adopting {
  public:
   using Number = SharedNetworks::Number;
 
-  /// What is done with the admissions themselves. With everything settled.
+  /// The operations on the admissions themselves, which the caller provides. They are called when
+  /// all decisions are settled.
   struct Hands {
-    /// Why it would not fit; empty: it would.
+    /// Why a request does not fit; empty if it fits.
     std::function<std::string(const control::Request&)> misfit;
     std::function<Result<void>(const control::Request&)> admit;
     std::function<void(const std::vector<core::AdmissionId>&)> remove;
-    /// Into a description that is not decided yet.
+    /// Adds the request to the state of a description that is not decided yet.
     std::function<void(const control::Request&)> restore;
     std::function<core::AdmissionId()> new_id;
     std::function<Number()> new_number;
@@ -39,25 +41,28 @@ class Adopting {
   void on(const core::cluster::Adopt& event);
   void on(const core::cluster::Opened& event);
   void on(const core::cluster::Ended& event);
+  /// The connection to the store is lost: everything that was adopted is closed and no longer
+  /// counted.
   void lost();
-  /// The same where their state is gone already.
+  /// Forgets everything without closing it, where the state that held it is gone already.
   void forget() { adopted_.clear(); }
-  /// True: something was done.
+  /// Votes on and opens what is due. True if anything was done.
   bool step(core::cluster::Member& member, Value now);
-  /// Those that are carried, into another state of the same description.
+  /// Adds the open admissions to another state of the same description.
   void restore() const;
   [[nodiscard]] bool has(core::AdmissionId id) const;
 
  private:
-  using Key = std::pair<std::size_t, std::uint64_t>;  ///< gateway and number of its own
+  using Key =
+      std::pair<std::size_t, std::uint64_t>;  ///< gateway, and the number that this gateway gave it
   enum class Due : std::uint8_t { nothing, vote, open };
   struct Adopted {
     core::cluster::Origin origin;
     core::cluster::Footprint footprint;
     std::optional<cluster::Asked> asked;
     Number number = 0;
-    std::vector<control::Request> ours;     ///< with numbers of this gateway
-    std::vector<core::AdmissionId> theirs;  ///< of the same, with numbers of the other one
+    std::vector<control::Request> ours;  ///< the requests, with admission numbers of this gateway
+    std::vector<core::AdmissionId> theirs;  ///< numbers of the same requests at the other gateway
     Due due = Due::vote;
     bool open = false;
   };

@@ -35,7 +35,7 @@ namespace {
 
 constexpr std::size_t kRowsOfSlice = 64;
 constexpr int kMostFiles = 65'536;
-/// Before each slice in the memory that the child leaves.
+/// Precedes each slice in the memory file that the child leaves.
 struct Head {
   std::uint32_t bytes = 0;
   std::uint32_t more = 0;
@@ -49,7 +49,8 @@ serve::Slice failure(std::string text) {
 
 // --- in the child --------------------------------------------------------------------------------
 
-/// Those that the kernel lists; or all that there may be, where it cannot be asked.
+/// The open descriptors of this process, as the kernel lists them; all possible ones if it cannot
+/// be asked.
 std::vector<int> open_descriptors() {
   std::vector<int> found;
   const std::unique_ptr<DIR, FreeWith<::closedir>> listed(::opendir("/proc/self/fd"));
@@ -70,9 +71,9 @@ std::vector<int> open_descriptors() {
   return found;
 }
 
-/// Clients, the kernel and the next daemon must not take the child for this one: it has none of the
-/// sockets, nor the files and folders that are locked by whoever has them open. A descriptor that
-/// cannot be inspected counts as one of them.
+/// Closes what the child must not share with the daemon, so that clients, the kernel and the next
+/// daemon do not take the child for it: sockets, and files and folders, which may be locked. A
+/// descriptor that cannot be inspected is closed as well.
 void close_what_is_shared(int keep) {
   for (const int fd : open_descriptors()) {
     struct stat is{};
@@ -117,17 +118,18 @@ void write_report(int memory, control::Reply whole, bool may_slice) {
   }
 }
 
-/// Less urgent than the daemon, ends with it, and is the first to go where memory is short.
+/// The child: it is less urgent than the daemon, ends when the daemon ends, and is the first to be
+/// killed when memory is short.
 [[noreturn]] void be_child(int memory, pid_t parent, const Aside::Make& make, bool may_slice) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(1);
-  std::set_new_handler(+[] { ::_exit(1); });  // the daemon's own says that the daemon ends
+  std::set_new_handler(+[] { ::_exit(1); });  // the daemon's handler would say that the daemon ends
   ::setpriority(PRIO_PROCESS, 0, 10);
   const rlimit seconds{Aside::kLongest / 1'000'000'000, Aside::kLongest / 1'000'000'000};
   ::setrlimit(RLIMIT_CPU, &seconds);
   const Fd victim(::open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC));
   if (victim && ::write(victim.get(), "1000", 4) < 0) {
-    // It is only a wish.
+    // It is only a preference.
   }
   close_what_is_shared(memory);
   write_report(memory, {0, make()}, may_slice);
@@ -138,8 +140,8 @@ void write_report(int memory, control::Reply whole, bool may_slice) {
 
 // --- one report ----------------------------------------------------------------------------------
 
-/// Waits for a free place, runs, and is kept until it has been read. While it is read no child is
-/// there: however slow its client is, the place is free.
+/// One report: it waits for a free place, runs in a child, and is kept until it has been read.
+/// While it is read it has no child, so a slow client does not occupy a place.
 class Aside::Report {
  public:
   Report(Aside& aside, serve::Peer peer, Make make, bool may_slice)
@@ -157,13 +159,13 @@ class Aside::Report {
   [[nodiscard]] serve::Turns::User user() const { return {peer_.uid, peer_.may_change}; }
   [[nodiscard]] bool waits() const { return child_ == 0 && !made_ && !forsaken_; }
   [[nodiscard]] bool runs() const { return child_ > 0; }
-  /// Bytes that are made and not read; when it was made.
+  /// Bytes that are made and not read yet; and when it was made, ns.
   [[nodiscard]] std::size_t kept() const { return made_ ? size_ - read_ : 0; }
   [[nodiscard]] std::uint64_t made_at() const { return made_at_; }
-  /// Its client has hung up: the loop has yet to notice it.
+  /// Its client has hung up, which the loop has not noticed yet.
   [[nodiscard]] bool forsaken() const { return forsaken_; }
   void forsake() { forsaken_ = true; }
-  /// Why it is to end, if it is.
+  /// Why the report is to be given up; nullptr if it is not.
   [[nodiscard]] const char* overdue(std::uint64_t now) const {
     if (runs() && now - begun_ > kLongest) return "it takes more than 60 s";
     if (made_ && now > taken_at_ && now - taken_at_ > kUnread) return "it is not read";
@@ -178,7 +180,7 @@ class Aside::Report {
       fail(std::string("memory: ") + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
       return;
     }
-    // Nothing is written to the pipe: it ends with the child.
+    // Nothing is written to the pipe. Its end shows that the child has ended.
     end_ = Fd(ends[0]);
     const Fd held_by_child(ends[1]);
     const pid_t parent = ::getpid();
@@ -199,7 +201,7 @@ class Aside::Report {
     source_.reset(raw);
   }
 
-  /// What there is instead of a reply.
+  /// Gives up the report; the client gets an error with `why`.
   void fail(const std::string& why) {
     failed_ = "the report cannot be made: " + why;
     end();
@@ -216,7 +218,7 @@ class Aside::Report {
     serve::Slice slice{{}, head.more != 0, std::string(head.bytes, '\0')};
     if (!take(slice.encoded.data(), slice.encoded.size()))
       return give_up("the process that makes it has ended");
-    // What has been read takes no memory any more.
+    // Returns the memory of what has been read.
     static_cast<void>(::fallocate(memory_.get(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 0,
                                   static_cast<off_t>(read_)));
     taken_at_ = monotonic_ns();
@@ -230,7 +232,7 @@ class Aside::Report {
     return 0;
   }
 
-  /// The child has made it, or has died: its place is free for another one.
+  /// The child has ended, successfully or not: its place is free.
   void finish() {
     struct stat is{};
     source_.reset();
@@ -243,7 +245,7 @@ class Aside::Report {
     aside_.ready_(peer_.session);
   }
 
-  /// The next bytes; false when they are not there.
+  /// Reads the next bytes. False if they are not there.
   bool take(void* to, std::size_t bytes) {
     auto* next = static_cast<char*>(to);
     while (bytes != 0) {
@@ -262,7 +264,7 @@ class Aside::Report {
     return failure("the report cannot be made: " + why);
   }
 
-  /// Makes room for another one.
+  /// Ends the report and its child.
   void end() {
     std::erase(aside_.reports_, this);
     source_.reset();
@@ -282,11 +284,11 @@ class Aside::Report {
   std::uint64_t begun_ = 0;
   bool made_ = false;
   std::uint64_t made_at_ = 0;
-  std::uint64_t taken_at_ = 0;  ///< when a slice was last taken, or it was made
+  std::uint64_t taken_at_ = 0;  ///< when a slice was last read, or the report was made
   std::size_t size_ = 0;
   std::size_t read_ = 0;
   Fd memory_;  ///< what the child writes to
-  Fd end_;     ///< can be read once the child has ended
+  Fd end_;     ///< readable once the child has ended
   Source source_;
   std::string failed_;
 };
@@ -332,7 +334,7 @@ int Aside::on_end(sd_event_source*, int, std::uint32_t, void* self) noexcept {
   return 0;
 }
 
-/// Whose children there are; one user has one at most.
+/// The users whose children exist. A user has at most one.
 std::vector<serve::Turns::User> Aside::busy() const {
   std::vector<serve::Turns::User> users;
   for (const Ended& one : ended_) users.push_back(one.user);
@@ -341,7 +343,7 @@ std::vector<serve::Turns::User> Aside::busy() const {
   return users;
 }
 
-/// Reports that wait for nothing but the budget.
+/// The reports that wait only for the fork budget.
 std::vector<Aside::Report*> Aside::waiting() const {
   const std::vector<serve::Turns::User> users = busy();
   std::vector<Report*> reports;
@@ -356,8 +358,8 @@ std::vector<Aside::Report*> Aside::waiting() const {
   return reports;
 }
 
-/// Of those who may begin the one whose user has waited longest for anything; a member comes before
-/// all others.
+/// The report that may begin next: of the members first, and of one group that of the user whose
+/// latest report began the longest time ago.
 Aside::Report* Aside::next(std::uint64_t now) {
   Report* next = nullptr;
   std::uint64_t oldest = ~0ULL;
@@ -386,7 +388,7 @@ void Aside::start_next() {
   report->start();
 }
 
-/// Says when the loop comes back to those who wait.
+/// Schedules when the loop comes back to the waiting reports.
 void Aside::plan() {
   if (!work_) return;
   const std::uint64_t now = monotonic_ns();
@@ -400,11 +402,11 @@ void Aside::plan() {
   sd_event_source_set_enabled(timer_.get(), later ? SD_EVENT_ONESHOT : SD_EVENT_OFF);
 }
 
-/// It counts as running until it has ended.
+/// Kills the child. It counts as running until it has been waited for.
 void Aside::ended(pid_t child, serve::Turns::User user) {
   ::kill(child, SIGKILL);
   Ended& one = ended_.emplace_back(child, user);
-  // glibc names it since 2.36 only. Without it poll() comes to wait for the child.
+  // glibc has a wrapper only since 2.36. If the call fails, poll() waits for the child.
   // NOLINTNEXTLINE(*-vararg)
   one.process = Fd(static_cast<int>(::syscall(SYS_pidfd_open, child, 0)));
   sd_event_source* raw = nullptr;
@@ -414,14 +416,14 @@ void Aside::ended(pid_t child, serve::Turns::User user) {
   plan();
 }
 
-/// One that has not ended yet gives its memory back first.
+/// waitpid() returns 0 for a child that has not ended yet. Its memory is not free yet.
 void Aside::reap() {
   std::erase_if(ended_,
                 [](const Ended& one) { return ::waitpid(one.child, nullptr, WNOHANG) != 0; });
 }
 
-/// For what has just been made the oldest of its user's reports go, and then of all who are alike,
-/// as far as they are too much together.
+/// Makes room for a report that has just been made: the oldest reports of its user fail, then those
+/// of its group of users, as far as they exceed the limits together.
 void Aside::make_room_beside(const Report& fresh) {
   const auto shrink = [this](std::size_t most, auto concerns) {
     for (;;) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Reports that take long are made aside, by a child process: it has all that this process knew when
-// it was forked, and leaves the reply, in slices, in memory that this process reads once it has
-// ended (ADR 28).
+// Makes reports that take long in child processes (ADR 28). A child has everything that this
+// process knew when it was forked. It leaves the reply, in slices, in a memory file that this
+// process reads after the child has ended.
 #pragma once
 #include <sys/types.h>
 #include <systemd/sd-event.h>
@@ -28,24 +28,25 @@ class Aside {
   using Ready = std::function<void(std::uint64_t session)>;
   using Gone = std::function<bool(std::uint64_t session)>;
 
-  /// Children at once, of all users; a user has one, members of the control group and root together
-  /// so many, and all other users so many, so that neither group keeps the other waiting. Further
-  /// reports wait until one has ended and given back what it had.
+  /// The most children that run at once: of all users, and of each of the two groups of users
+  /// (members of the control group with root, and all others), so that neither group keeps the
+  /// other waiting. A user has at most one. Further reports wait until a child has ended and was
+  /// reaped.
   static constexpr std::size_t kAtOnce = 3;
   static constexpr std::size_t kOfStanding = 2;
-  /// After that a child is killed, and a report that was made is given up, ns; one of which nothing
-  /// is read, sooner.
+  /// ns. A child that runs longer than kLongest is killed. A report that is not read completely
+  /// within kLongest, or of which no slice is read for kUnread, is given up.
   static constexpr std::uint64_t kLongest = 60'000'000'000;
   static constexpr std::uint64_t kUnread = 5'000'000'000;
-  /// Bytes of a report; of those of one user that are made and not read yet; of those of all who
-  /// are members, or are not. When that is too much the oldest go.
+  /// Limits in bytes: kMostBytes for one report, kKeptOfUser for the unread reports of one user,
+  /// kKept for those of one group of users. Where they are exceeded, the oldest reports fail.
   static constexpr std::size_t kMostBytes = std::size_t{64} << 20;
-  /// Of one slice: the loop passes it on without reading it. Most have some KiB.
+  /// The largest slice. The loop passes it on without reading it; most slices have some KiB.
   static constexpr std::size_t kMostOfSlice = std::size_t{1} << 20;
   static constexpr std::size_t kKeptOfUser = std::size_t{64} << 20;
   static constexpr std::size_t kKept = std::size_t{128} << 20;
-  /// Before each fork the loop does so many times what waits: who has connected is accepted, and
-  /// what he asked for is answered.
+  /// Before each fork the loop runs this many times, so that clients that have connected are
+  /// accepted and their requests are answered first.
   static constexpr unsigned kPasses = 2;
 
   explicit Aside(sd_event* loop, ForkBudget::Rates rates = ForkBudget::kUsual);
@@ -55,25 +56,26 @@ class Aside {
   Aside& operator=(Aside&&) = delete;
   ~Aside();
 
-  /// Called when the next slice for a session is ready.
+  /// Sets the function that is called when the next slice for a session is ready.
   void on_ready(Ready ready) { ready_ = std::move(ready); }
-  /// Asked before a report begins: whether the client of this session has hung up.
+  /// Sets the function that says, before a report begins, whether the client of this session has
+  /// hung up.
   void on_begin(Gone gone) { gone_ = std::move(gone); }
   void set_rates(ForkBudget::Rates rates) { budget_ = ForkBudget(rates); }
-  /// `make` runs in the child, which begins in a later turn of the loop. Dropping what is returned
-  /// ends it.
-  /// The slices are encoded; without `may_slice` it is one, of at most
-  /// control::Reply::kMaxBytesUnsliced bytes.
+  /// Orders a report. `make` runs in a child, which begins in a later turn of the loop. Dropping
+  /// the result ends the child. The result gives one encoded slice at a time. Without `may_slice`
+  /// there is one slice of at most control::Reply::kMaxBytesUnsliced bytes.
   serve::NextSlice ask(const serve::Peer& peer, Make make, bool may_slice = true);
-  /// Ends what takes too long. Once a second.
+  /// To be called once a second: ends what takes too long.
   void poll();
 
  private:
   class Report;
   friend class Report;
   using Source = std::unique_ptr<sd_event_source, FreeWith<sd_event_source_unref>>;
-  /// A child that was asked to end, until it has. Not moved: the source goes before its descriptor,
-  /// of which other children have copies, so that epoll would not forget it by itself.
+  /// A child that was killed and has not been waited for yet. Not movable, so that its event source
+  /// is always removed before its descriptor is closed: other children have copies of the
+  /// descriptor, so epoll would not forget it by itself.
   struct Ended {
     pid_t child = 0;
     serve::Turns::User user{};
@@ -96,12 +98,13 @@ class Aside {
   ForkBudget budget_;
   Ready ready_;
   Gone gone_;
-  std::vector<Report*> reports_;                 ///< waiting or running, in the order of asking
-  std::map<uid_t, std::uint64_t> last_started_;  ///< of who asked lately: when
-  std::list<Ended> ended_;                       ///< to be waited for
-  Fd always_;     ///< can always be read: in line with the sockets when a report may begin
-  Source work_;   ///< of always_
-  Source timer_;  ///< on while reports wait for the budget
+  std::vector<Report*> reports_;  ///< waiting, running or not read yet, in the order of asking
+  std::map<uid_t, std::uint64_t>
+      last_started_;        ///< when the latest report of each user was started
+  std::list<Ended> ended_;  ///< children to be waited for
+  Fd always_;               ///< always readable: queues behind the sockets while a report may begin
+  Source work_;             ///< the event source of always_
+  Source timer_;            ///< enabled while reports wait for the fork budget
   unsigned passes_ = 0;
 };
 

@@ -15,8 +15,8 @@ constexpr const char* kName = "audit";
 
 }  // namespace
 
-/// The history says itself why it cannot be read. Something else, of a later version, is as
-/// nothing.
+/// If the history cannot be read, the history itself reports it. Anything else than a reply to an
+/// audit request, for example of a later version, is ignored.
 void AuditKeeper::restore(store::History& from) {
   kept_at_ = clock_.monotonic_s();
   const auto kept = patience_.wait_for([&from] { return from.note(kName); });
@@ -39,7 +39,7 @@ void AuditKeeper::restore(store::History& from) {
 void AuditKeeper::poll(store::History& to) {
   const std::int64_t interval = std::max(kInterval, kept_bytes_ / kBytesPerSecond);
   const bool is_due = clock_.monotonic_s() - kept_at_ >= interval;
-  // The time is over, or was asked for.
+  // The time until enforcing has ended, or was requested.
   const bool is_changed = modes_.when_clean() != kept_when_clean_ && !is_behind_;
   if (is_due || is_changed) static_cast<void>(keep(to));
 }

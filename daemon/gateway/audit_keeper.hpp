@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the audit log found, and that the gates are to enforce when it is clean, outlive this
-// daemon: beside the history, as a reply to an audit request.
+// Keeps the findings of the audit log, and the wish to enforce when clean, beyond the end of this
+// daemon: in the history, encoded as a reply to an audit request.
 #pragma once
 #include <cstdint>
 
@@ -17,20 +17,20 @@ namespace mlcca {
 
 class AuditKeeper {
  public:
-  /// What is new is written this often, s, and less often where it is more than this many bytes/s:
-  /// what is newer is lost with a crash of the daemon or a loss of power.
+  /// s between two writes of new findings; more if they would exceed kBytesPerSecond on average.
+  /// Newer findings are lost when the daemon crashes or the machine loses power.
   static constexpr std::int64_t kInterval = 10;
   static constexpr std::int64_t kBytesPerSecond = 1024;
 
-  /// All of them must outlive this.
+  /// All references must outlive this object.
   AuditKeeper(AuditLog& audit, Modes& modes, EventLog& log, Patience& patience, const Clock& clock)
       : audit_(audit), modes_(modes), log_(log), patience_(patience), clock_(clock) {}
 
-  /// Once, at the start, when the mode is known.
+  /// Called once at the start, after the mode is known.
   void restore(store::History& from);
-  /// Once a second.
+  /// To be called once a second: writes new findings if a write is due.
   void poll(store::History& to);
-  /// Now, if anything is new. An error was logged.
+  /// Writes new findings now, if there are any. An error has been logged.
   Result<void> keep(store::History& to);
 
  private:
@@ -41,7 +41,7 @@ class AuditKeeper {
   const Clock& clock_;
   Problem problem_;
   std::int64_t kept_at_ = 0;           ///< monotonic s
-  std::int64_t kept_bytes_ = 0;        ///< at that time
+  std::int64_t kept_bytes_ = 0;        ///< bytes of the latest write
   std::uint64_t kept_when_clean_ = 0;  ///< ns
   bool is_behind_ = false;             ///< the latest attempt failed
 };

@@ -21,7 +21,7 @@
 namespace mlcca {
 namespace {
 
-/// A counter that is less than before has begun again.
+/// The growth of a counter. One that is less than before has started again from 0.
 std::uint64_t grown(std::uint64_t now, std::uint64_t before) {
   return now >= before ? now - before : now;
 }
@@ -32,7 +32,7 @@ UnknownFrames grown(const UnknownFrames& now, const UnknownFrames& before) {
 
 const char* refused_text() { return enforce::reason_text(GATE_R_DENIED); }
 
-/// Frames that rules of this gateway are made for.
+/// The frames for which this gateway has rules.
 class Ruled {
  public:
   explicit Ruled(const Scene& scene) {
@@ -54,7 +54,8 @@ class Ruled {
   }
 
  private:
-  using Gate = std::tuple<std::size_t, bool, std::uint32_t>;  // with the mask of a CAN frame
+  using Gate =
+      std::tuple<std::size_t, bool, std::uint32_t>;  // the last number is the mask of a CAN frame
 
   void add(const core::GateState& rules) {
     for (const core::GateRule& rule : rules) {
@@ -71,12 +72,12 @@ class Ruled {
   std::set<std::tuple<std::size_t, bool, core::Subject>> subjects_;
 };
 
-/// Which channels the description has for frames without a rule, whoever sends them.
+/// Finds the channel that the description has for frames without a rule, whoever sends them.
 class DescribedFrames {
  public:
   explicit DescribedFrames(const core::State& state) : state_(state) {}
 
-  /// Its name; empty: there is none.
+  /// The name of the channel; empty if there is none.
   std::string channel_of(const control::Finding& frame) {
     const core::System& system = state_.system();
     std::optional<std::size_t> channel;
@@ -90,7 +91,7 @@ class DescribedFrames {
   }
 
  private:
-  /// Channels by identifier, by the mask that frames are compared with.
+  /// Channels by identifier, for each mask that frames are compared with.
   using Identifiers = std::map<std::uint32_t, std::unordered_map<std::uint32_t, std::size_t>>;
 
   const Identifiers& identifiers_of(const std::string& network) {
@@ -117,10 +118,10 @@ class DescribedFrames {
   }
 
   const core::State& state_;
-  std::map<std::string, Identifiers> by_network_;  ///< of those that were asked for
+  std::map<std::string, Identifiers> by_network_;  ///< filled for the networks that were asked for
 };
 
-/// Such frames had the identifier and the source that were granted.
+/// Whether the reason implies that such frames had the granted identifier and source.
 bool is_of_publisher(const std::string& reason) {
   return reason == enforce::reason_text(GATE_R_LENGTH) ||
          reason == enforce::reason_text(GATE_R_FORMAT) ||
@@ -133,7 +134,7 @@ std::string words_of(const core::Publisher& publisher) {
   return publisher.uid ? fmt::format("user {}", *publisher.uid) : std::string();
 }
 
-/// By the names that a finding has.
+/// The verdict that the names of a finding identify; nullptr if there is none.
 const core::Verdict* delivery_of(const core::State& state, const control::Finding& finding) {
   const core::System& system = state.system();
   const auto channel =
@@ -147,7 +148,8 @@ const core::Verdict* delivery_of(const core::State& state, const control::Findin
   return nullptr;
 }
 
-/// Adds who has sent, and why it was refused. False: it is granted now, or there is none any more.
+/// Adds the sender and why it was refused. False if the delivery is granted now or does not exist
+/// any more.
 bool complete_delivery(const core::State& state, control::Finding& f) {
   const core::Verdict* const v = delivery_of(state, f);
   if (v == nullptr) return false;
@@ -240,7 +242,8 @@ void AuditLog::poll_reasons(std::size_t port, Polled& last, Reporting reporting)
   }
 }
 
-/// The gate counts as long as no other kind of frame takes the place: then it begins again.
+/// The gate counts a kind of frame until another kind takes its place; then the count starts again,
+/// with another sequence number.
 void AuditLog::poll_frames(std::size_t port, Polled& last, News news, Reporting reporting) {
   decltype(last.frames) now;
   for (const enforce::UnknownFrame& f : gates_.seen_unknown(port)) {

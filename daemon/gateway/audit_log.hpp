@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the gates refuse, by kind of frame and sender: since when, how often. In audit mode that is
-// what a description still lacks.
+// Collects what the gates refuse, by kind of frame and sender: since when, how often. In audit mode
+// these are the frames that the description does not cover yet.
 #pragma once
 #include <compare>
 #include <cstddef>
@@ -22,10 +22,11 @@ namespace mlcca {
 
 class AuditLog {
  public:
-  /// Of more findings those of the fewest frames give way, the oldest of them first.
+  /// The most findings. Of more, those with the fewest frames are dropped, and of these the oldest
+  /// first.
   static constexpr std::size_t kMost = 1024;
 
-  /// All of them must outlive this.
+  /// All references must outlive this object.
   AuditLog(const Scene& scene, const GateDriver& gates, const Clock& clock)
       : scene_(scene),
         gates_(gates),
@@ -33,45 +34,47 @@ class AuditLog {
         since_unix_s_(clock.unix_ns() / 1'000'000'000),
         clean_since_(clock.monotonic_ns()) {}
 
-  /// Once at the start, before anything is counted: what a former daemon has kept.
+  /// Called once at the start, before anything is counted: takes the findings that a former daemon
+  /// has kept.
   void restore(const control::Audit& kept);
 
-  /// So many frames of a delivery were refused since the last call, `reason` in words.
+  /// Notes `frames` frames of a delivery that were refused since the last call, with the reason in
+  /// words.
   void refused(const core::Verdict& verdict, const core::GateEntry& entry,
                const std::string& reason, Fate fate, std::uint64_t frames);
-  /// Looks for frames that a port has refused since the last poll and that belong to no delivery;
-  /// `unknown`: those without a slot so far.
+  /// Notes the frames that the gate of a port has refused since the last poll and that belong to no
+  /// delivery. `unknown` are its counters of frames without a slot.
   void poll(std::size_t port, const UnknownFrames& unknown);
-  /// What the gate of a port has counted until now is not reported any more.
+  /// Takes the counters of a port as the starting point: what they show now is never reported.
   void take_up(std::size_t port, const UnknownFrames& unknown);
 
-  /// The rules are other ones now: for how long they would have dropped nothing begins again.
+  /// The rules have changed: the time for which they would have dropped nothing begins again.
   void restart_clean() { clean_since_ = clock_.monotonic_ns(); }
-  /// For so long nothing was let through that would have been dropped, ns.
+  /// ns since a frame passed in audit mode that would have been dropped, or since restart_clean().
   [[nodiscard]] std::uint64_t clean_ns() const { return clock_.monotonic_ns() - clean_since_; }
 
-  /// Everything, the latest first: to be kept for the next daemon, see restore().
+  /// All findings, the latest first, for restore() of the next daemon.
   [[nodiscard]] control::Audit contents() const;
-  /// The same, without what the gateway has rules for now; of refused deliveries with why, of
-  /// unknown frames with the channel that the description has for them.
+  /// The findings without those for which the gateway has rules now. Refused deliveries have the
+  /// reason, unknown frames have the channel that the description states for them.
   [[nodiscard]] control::Audit report() const;
-  /// Something was found since the last call.
+  /// Whether something was found since the last call.
   [[nodiscard]] bool take_news() { return std::exchange(has_news_, false); }
 
  private:
-  /// What makes a finding another one.
+  /// The identity of a finding: frames that agree in all of these belong to the same one.
   struct Key {
     std::string interface = {};
     std::string network = {};
     bool egress = false;
     std::string reason = {};
-    // Of a delivery:
+    // For a delivery:
     std::string channel = {};
     std::string publisher = {};
     std::string to = {};
-    // Else the frame:
+    // For any other frame:
     std::uint32_t can_id = 0;
-    std::uint8_t format = 0;  ///< as UnknownFrame has it; 0: no CAN frame
+    std::uint8_t format = 0;  ///< as in UnknownFrame; 0: not a CAN frame
     std::uint64_t subject = 0;
     std::string address = {};
     std::string mac = {};
@@ -83,7 +86,7 @@ class AuditLog {
     std::uint64_t first_unix_s = 0;
     std::uint64_t last_unix_s = 0;
     std::uint64_t busy_gap = 0;  ///< ns, see control::Finding
-    std::uint64_t noted = 0;     ///< monotonic ns; 0: not by this daemon
+    std::uint64_t noted = 0;     ///< monotonic ns; 0: not noted by this daemon
     std::uint32_t length = 0;
   };
   /// New frames of a finding.
@@ -91,9 +94,9 @@ class AuditLog {
     Fate fate = Fate::dropped;
     std::uint64_t frames = 0;
     std::uint32_t length = 0;  ///< of the longest
-    std::uint64_t span = 0;    ///< ns in which they came; 0: not known
+    std::uint64_t span = 0;    ///< ns in which they came; 0: unknown
   };
-  /// What the gate of a port had counted at the last poll.
+  /// The counters of a port's gate at the last poll.
   struct Polled {
     struct Frame {
       std::uint64_t count = 0;

@@ -8,14 +8,15 @@
 namespace mlcca {
 namespace {
 
-/// Bits of a classic frame with an 11-bit identifier and no data, without stuffing, with the
+/// Bits of a classic frame with an 11-bit identifier, without data and stuff bits, with the
 /// intermission: ISO 11898-1.
 constexpr std::uint64_t kFewestBits = 47;
 constexpr std::uint64_t kBitsOfByte = 8;
 constexpr std::uint64_t kWhole = 1'000'000;
 constexpr std::uint64_t kSecond = 1'000'000'000;
 
-/// Of frames with that many bytes of payload altogether within a time: 1e-6 of the bus time.
+/// The load of `frames` frames with `bytes` bytes of payload together in `ns`, in 1e-6 of the bus
+/// time.
 std::uint64_t load_of(std::uint64_t frames, std::uint64_t bytes, std::uint32_t bitrate,
                       std::uint64_t ns) {
   const std::uint64_t bits = frames * kFewestBits + bytes * kBitsOfByte;

@@ -68,8 +68,8 @@ bool BusMonitor::poll_some() {
   return true;
 }
 
-/// Publishers that send on the bus of a port without being granted anything, as far as its gate
-/// distinguishes them.
+/// Measures publishers on the bus of a port that send although nothing of them is granted, as far
+/// as the gate distinguishes them.
 void BusMonitor::poll_refused(const core::Decision& decision, std::size_t port) {
   const std::size_t network = gates_.network_number(port);
   const core::can::Schedule& bus = *scene_.state->ledger().schedule(network);
@@ -92,27 +92,29 @@ void BusMonitor::poll_refused(const core::Decision& decision, std::size_t port) 
   }
 }
 
-/// More on a bus than was analysed: an unadmitted sender sends, or a publisher sends more than it
-/// announced. What the gate drops has been on the bus all the same. True if that is not as it was.
+/// Compares the load of a bus with the analysed one. More means that an unadmitted sender sends, or
+/// a publisher sends more than it announced. Frames that the gate drops have been on the bus as
+/// well. True if anything has changed.
 bool BusMonitor::measure(std::size_t port, std::vector<core::ObservedLoad> senders) {
   const std::size_t network = gates_.network_number(port);
   const core::can::Schedule* bus = scene_.state->ledger().schedule(network);
   const auto counters = gates_.bus_counters(port);
   if (bus == nullptr || !counters) return false;
   Load& load = loads_[network];
-  // Expected are what was declared, the messages of the analysis, and who is known and refused.
+  // Expected load: what was declared, the messages of the analysis, and known publishers that are
+  // refused.
   std::uint64_t expected =
       bus->utilisation_ppm() -
       std::min<std::uint64_t>(bus->assumptions().background, bus->utilisation_ppm()) +
       scene_.state->system().networks[network].bus.background;
-  // Its frames and those of the bus are not counted at the same moment.
+  // The frames of a publisher and those of the bus are not counted at the same moment.
   for (const core::ObservedLoad& sender : senders) expected += sender.load + BusLoad::kStep;
   const std::uint32_t now = meters_[gates_.network_of(port)].measure(
       *counters, bus->assumptions().timing.bitrate, expected, clock_.monotonic_ns());
   if (now == load.unaccounted && senders == load.observed) return false;
   load.unaccounted = now;
   load.observed = std::move(senders);
-  // A load that swings is reported when it comes, when it goes, and when it is quite another.
+  // A varying load is reported when it appears, when it disappears, and when it differs much.
   constexpr std::uint32_t large = 200'000;
   const std::uint32_t difference = load.reported > now ? load.reported - now : now - load.reported;
   if ((load.reported == 0) == (now == 0) && difference < large) return true;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the CAN buses of this gateway really carry, against what was analysed: unaccounted load, and
-// refused publishers that send all the same.
+// Measures the load of the CAN buses of this gateway: unaccounted load, and publishers that send
+// although they are refused.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -20,27 +20,29 @@
 
 namespace mlcca {
 
+/// Polls the counters of the CAN ports in rounds, and passes measured loads to the next decision as
+/// conditions (ConditionSource).
 class BusMonitor final : public ConditionSource {
  public:
-  /// All of them must outlive this.
+  /// All references must outlive this object.
   BusMonitor(const Scene& scene, GateDriver& gates, EventLog& log, Turn& turn, const Clock& clock)
       : scene_(scene), gates_(gates), log_(log), turn_(turn), clock_(clock) {}
 
   void add_to(std::vector<core::Condition>& conditions) const override;
 
-  /// Some channels of one port after the other, then its load; true while the round has more. What
-  /// has changed is settled at its end.
+  /// Does a part of a round: some channels of a port, and at its end the load of the port. True
+  /// while the round has more. At the end of the round changes are settled.
   bool poll_some();
 
-  /// The load of each network that the analysis does not have, by network.
+  /// The load of a network that the analysis does not contain.
   struct Load {
-    std::uint32_t unaccounted = 0;  ///< 1e-6 of its time, of senders that are not described
-    std::uint32_t reported = 0;     ///< of that, when it was last reported
-    std::vector<core::ObservedLoad> observed;  ///< of known publishers that are refused
+    std::uint32_t unaccounted = 0;             ///< 1e-6 of its time, of unadmitted senders
+    std::uint32_t reported = 0;                ///< the unaccounted load that was last reported
+    std::vector<core::ObservedLoad> observed;  ///< of known publishers that are refused, but send
   };
   using Loads = std::map<std::size_t, Load>;
-  /// For another description: an unadmitted sender does not go away with the former one. Gives what
-  /// was known, for restore().
+  /// Prepares for another description and returns what is known, for restore(): unadmitted senders
+  /// do not disappear with the former description.
   Loads carry_over(const core::System& former);
   void restore(Loads loads) { loads_ = std::move(loads); }
 
@@ -59,14 +61,14 @@ class BusMonitor final : public ConditionSource {
   std::map<std::pair<std::size_t, std::size_t>, SenderLoad> senders_;  ///< by port and publisher
   Loads loads_;
 
-  /// How far the round is.
+  /// The progress of the current round.
   struct Round {
     std::uint64_t description = 0;
     std::size_t port = 0;
     std::size_t channel = 0;
-    std::set<std::size_t> polled;             ///< publishers
+    std::set<std::size_t> polled;             ///< already polled on this port
     std::vector<core::ObservedLoad> refused;  ///< on this port
-    bool changed = false;                     ///< on any
+    bool changed = false;                     ///< on any port of this round
     void next_port() {
       ++port;
       channel = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What was granted from one CAN bus to another is carried there by rules of can-gw.
+// Lets can-gw carry channels that are granted from one CAN bus to another.
 #pragma once
 #include <cstddef>
 #include <functional>
@@ -20,32 +20,36 @@
 
 namespace mlcca {
 
+/// Derives the rules of can-gw from the decisions, channel by channel, and passes them to
+/// Forwarder, which brings the kernel in line.
 class CanForwarding {
  public:
-  /// `pulse` is called after each step of what takes long. All of them must outlive this.
+  /// `pulse` is called after each step of long work, for the heart-beat. All references must
+  /// outlive this object.
   CanForwarding(const Scene& scene, const GateDriver& gates, const LinkMonitor& links,
                 EventLog& log, std::unique_ptr<net::CanRules> kernel, std::function<void()> pulse);
 
-  /// What a channel needs as it is decided now; act() brings it about.
+  /// Takes the rules that a channel needs by its current decision. act() makes them effective.
   void want(std::size_t channel);
-  /// The same of all channels, and what the kernel has is read again.
+  /// The same for all channels; also makes act() read the rules of the kernel again.
   void want_all();
-  /// Once a turn, before answers go out: makes the changes.
+  /// To be called once a turn, before answers are sent: makes the changes in the kernel.
   void act() { forwarder_.act(); }
-  /// Once a second: what another program has removed or added, and what failed before.
+  /// To be called once a second: corrects what another program has changed, and retries what
+  /// failed.
   void poll() { forwarder_.poll(); }
-  /// No rule of ours is left.
+  /// Removes all our rules from the kernel.
   void stop() { forwarder_.stop(); }
 
-  /// Why a granted channel is not carried; null: nothing is in its way.
+  /// Why a granted channel is not carried; nullptr if nothing hinders it.
   [[nodiscard]] const std::string* obstacle(std::size_t channel) const;
-  /// What is wrong as a whole; empty: nothing.
+  /// The current problem with can-gw as a whole; empty if there is none.
   [[nodiscard]] const std::string& problem() const { return forwarder_.problem(); }
-  /// Rules that are wanted, and those that the kernel was last seen to have.
+  /// The number of wanted rules plus the number of rules that the kernel was last seen to have.
   [[nodiscard]] std::size_t rules() const { return forwarder_.rules(); }
-  /// For `mlccactl routes`: the rules `there`, and what is wrong with them.
+  /// Adds the rules `there` and what is wrong with them to the reply for `mlccactl routes`.
   void add_to(control::Routes& routes, const Result<std::vector<net::CanRuleThere>>& there) const;
-  /// What the kernel has now, ours and those of others.
+  /// The rules that the kernel has now, ours and those of other programs.
   [[nodiscard]] Result<std::vector<net::CanRuleThere>> read() { return forwarder_.read(); }
 
  private:

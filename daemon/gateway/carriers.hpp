@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Programs that carry events between networks, as far as they are connected: each asks what its
-// user is to carry, and reports what it carried too late.
+// Keeps which programs that carry events between networks (such as mlcca-relay) are connected, and
+// which late events they have reported.
 #pragma once
 #include <sys/types.h>
 
@@ -23,39 +23,41 @@ class Carriers {
   [[nodiscard]] bool has(uid_t user) const {
     return std::ranges::any_of(users_, [user](const auto& one) { return one.second == user; });
   }
-  /// The session is of a program that carries what is of this user.
+  /// Whether this session belongs to a program that carries the channels of this user.
   [[nodiscard]] bool is(std::uint64_t session, uid_t user) const {
     const auto known = users_.find(session);
     return known != users_.end() && known->second == user;
   }
 
-  /// What a program carries to a network.
+  /// A channel that a program carries from a publisher to a network.
   struct Carried {
     core::Subject subject = 0;
     std::string publisher = {};
     std::string to = {};
     auto operator<=>(const Carried&) const = default;
   };
+  /// The latest report of late events of a channel.
   struct Late {
     std::uint64_t at = 0;  ///< CLOCK_MONOTONIC
     std::uint64_t events = 0;
     std::uint64_t longest_ns = 0;
   };
-  /// Between two reports of one, ns.
+  /// ns between two reports of one channel.
   static constexpr std::uint64_t kPause = 10'000'000'000;
-  /// A report counts for so long, ns.
+  /// ns for which a report counts.
   static constexpr std::uint64_t kCounts = 60'000'000'000;
-  /// False: the last one is less than kPause ago, or there is no room for one more.
+  /// False if the latest report of this channel is too recent, or if there is no room for another
+  /// channel; then nothing is noted.
   [[nodiscard]] bool note_late(const Carried& carried, const Late& late) {
     std::erase_if(late_, [&](const auto& one) { return late.at - one.second.at >= kCounts; });
     const auto known = late_.find(carried);
-    // A program's clock is not ours: it may send a little sooner than it should.
+    // The clock of the program differs from ours: it may report a little earlier than it should.
     if (known != late_.end() ? late.at - known->second.at < kPause / 2 : late_.size() >= kMostLate)
       return false;
     late_[carried] = late;
     return true;
   }
-  /// What was reported in the last kCounts.
+  /// What was reported in the last kCounts; nullopt if nothing was.
   [[nodiscard]] std::optional<Late> late(const Carried& carried, std::uint64_t now) const {
     const auto known = late_.find(carried);
     if (known == late_.end() || now - known->second.at >= kCounts) return std::nullopt;

@@ -12,7 +12,7 @@
 namespace mlcca {
 namespace {
 
-constexpr std::size_t kChannelRow = 1024;  // bytes on the wire, mostly
+constexpr std::size_t kChannelRow = 1024;  // typical bytes on the wire
 
 }  // namespace
 
@@ -30,7 +30,7 @@ std::vector<control::Channel> ChannelReports::report(
     channel.counts_shared = std::ranges::any_of(rules, [&](const core::GateRule& rule) {
       return std::ranges::find(entries, rule.entry) != entries.end();
     });
-    // What is refused may have no rules because it has no tag yet, or no way.
+    // A refused delivery may have no rules because it has no tag yet, or no route.
     channel.crosses_no_gate = v->granted && rules.empty();
     if (!v->granted) continue;
     auto supervision = health_.supervision_of(*v, rules, shared);
@@ -79,7 +79,7 @@ control::Channels ChannelReports::of_admission(core::AdmissionId id) const {
                   [this, id](const core::Verdict& v) { return deliveries_.concerns(v, id); });
 }
 
-/// Each delivery has as many lines as all that is compared for it.
+/// A delivery has as many lines as there are comparisons for it.
 serve::Slice ChannelReports::some(Position& at) const {
   constexpr std::size_t lines_of_a_row = 16;
   control::Channels out;

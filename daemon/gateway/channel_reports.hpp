@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Channels and their deliveries as clients see them, and how large such a report is: what is large
-// is not made in one turn of the loop.
+// Reports of channels and their deliveries for clients, and estimates of whether such a report is
+// too large to be made in one turn of the loop.
 #pragma once
 #include <cstddef>
 #include <functional>
@@ -21,7 +21,7 @@ namespace mlcca {
 
 class ChannelReports {
  public:
-  /// All of them must outlive this.
+  /// All references must outlive this object.
   ChannelReports(const Scene& scene, const GateDriver& gates, const DeliveryHealth& health,
                  const DeliveryEvents& deliveries, const CanForwarding& forwarding,
                  const Meshes& meshes)
@@ -32,25 +32,25 @@ class ChannelReports {
         forwarding_(forwarding),
         meshes_(meshes) {}
 
-  /// The verdicts of a channel that a client has asked for.
+  /// The verdicts that concern the question of a client.
   [[nodiscard]] control::Channels known(const Asked& asked) const;
-  /// Those that an admission takes part in.
+  /// The verdicts in which an admission takes part.
   [[nodiscard]] control::Channels of_admission(core::AdmissionId id) const;
-  /// Those of one publisher, or towards one subscriber, of a channel.
+  /// The verdicts of one publisher, or towards one subscriber, of a channel.
   [[nodiscard]] control::Channels of_publisher(std::size_t channel, std::size_t publisher) const;
   [[nodiscard]] control::Channels of_subscriber(std::size_t channel, std::size_t subscriber) const;
-  /// Where a list of all deliveries goes on.
+  /// Where some() continues in the list of all deliveries.
   struct Position {
     std::size_t channel = 0;
     std::size_t verdict = 0;
   };
-  /// From there on, of one channel after the other: as many deliveries as there is time for in one
-  /// turn.
+  /// The next part of the list of all deliveries, from `at` on, which is advanced: as many as one
+  /// turn has time for.
   [[nodiscard]] serve::Slice some(Position& at) const;
 
   // Whether a report is too large for one turn of the loop:
 
-  /// Of all that there is, whichever part of it a report lists.
+  /// A report of everything, also if it lists only a part.
   [[nodiscard]] bool is_large() const;
   [[nodiscard]] bool has_many_ends(std::size_t channel) const;
   [[nodiscard]] bool has_many_lines(std::size_t channel) const;
@@ -59,7 +59,7 @@ class ChannelReports {
  private:
   using Concerned = std::function<bool(const core::Verdict&)>;
   [[nodiscard]] control::Channels of_those(std::size_t channel, const Concerned& concerned) const;
-  /// Some or all verdicts of one channel.
+  /// Reports the given verdicts, all of one channel.
   [[nodiscard]] std::vector<control::Channel> report(
       const std::vector<const core::Verdict*>& verdicts) const;
 

@@ -24,7 +24,7 @@ namespace {
 
 namespace cc = core::cluster;
 
-/// As the store has it, where that says more than what this gateway goes by.
+/// The phase of this gateway, as the store has it where that is more specific.
 std::string phase_of(const Membership& membership) {
   const cc::Member& member = membership.member();
   if (membership.is_drained()) return membership.has_left() ? "drained" : "draining";
@@ -89,13 +89,13 @@ Amount amount_of(const cc::Part& part) {
   return out;
 }
 
-/// By gateway: channels that it carries from one network to another.
+/// For each gateway, the channels that it carries from one network to another.
 std::vector<std::set<std::size_t>> carried(const core::State& state) {
   std::vector<std::set<std::size_t>> out(state.system().gateways.size());
   for (const core::Decision& decision : state.decisions())
     for (const core::Verdict& verdict : decision.verdicts) {
       if (!verdict.granted) continue;
-      // An end at a gateway is no way through it.
+      // A route that ends at a gateway does not cross it.
       for (std::size_t i = 1; i + 1 < verdict.route.size(); ++i)
         if (verdict.route[i].kind == core::Place::Kind::gateway)
           out[verdict.route[i].index].insert(verdict.channel);
@@ -105,7 +105,7 @@ std::vector<std::set<std::size_t>> carried(const core::State& state) {
 
 using Shares = std::map<std::pair<std::size_t, std::size_t>, control::ClusterShare>;
 
-/// What several reservations have of the same traffic is sent once.
+/// Adds up reservations. Traffic that several reservations contain is counted once.
 class Sum {
  public:
   void take(const cc::Part& part) {
@@ -131,7 +131,7 @@ class Sum {
   std::set<cc::Source> messages_;
 };
 
-/// By gateway and network.
+/// The shares of all reservations, by gateway and network.
 Shares shares_of(const cc::View& view, const core::System& system) {
   Shares out;
   std::map<Shares::key_type, Sum> sums;
@@ -148,7 +148,7 @@ Shares shares_of(const cc::View& view, const core::System& system) {
   return out;
 }
 
-/// The first ones; how many are left out.
+/// Keeps the first `most` names. Returns how many were removed.
 std::uint32_t cut(std::vector<std::string>& names, std::size_t most) {
   if (names.size() <= most) return 0;
   const auto more = static_cast<std::uint32_t>(names.size() - most);
@@ -247,7 +247,8 @@ control::Cluster cluster_report(const Membership& membership, const core::State&
 
 namespace {
 
-/// All keys of a gateway that begin as this one does: with its name, and nobody else's.
+/// The beginning of a key up to and including the gateway's name, which all keys of that gateway of
+/// this kind have, and no others.
 std::string folder_of(const std::string& key, cc::Key::Kind kind, std::size_t prefix) {
   std::size_t end = prefix;
   for (int words = kind == cc::Key::Kind::reservation ? 3 : 2; words > 0; --words)
@@ -255,8 +256,8 @@ std::string folder_of(const std::string& key, cc::Key::Kind kind, std::size_t pr
   return key.substr(0, end);
 }
 
-/// What deletes all that a removed gateway has left, its beat and its fence last: they say that it
-/// is dead.
+/// The commands that delete everything that a removed gateway has left; its beat and its fence come
+/// last, because they say that it is dead.
 std::string removal_of(const cc::LeftRecord& left, std::size_t prefix) {
   constexpr std::size_t most = 64;
   std::vector<std::string> commands;
@@ -280,7 +281,8 @@ std::string removal_of(const cc::LeftRecord& left, std::size_t prefix) {
   return fmt::format("{}", fmt::join(commands, " && "));
 }
 
-/// Gateways that the description does not have, of which there is more than what is deleted here.
+/// Adds gateways that are not in the description, but of which the store has more entries than this
+/// gateway deletes by itself.
 void add_removed(const cc::View& view, Value now, control::ClusterMembers& to) {
   constexpr std::size_t most = 256;
   for (const auto& [name, left] : view.records().left) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// How this gateway stands in its cluster, in the words of the control protocol.
+// Reports of this gateway's place in its cluster, as the control protocol has them.
 #pragma once
 #include <cstddef>
 #include <optional>
@@ -14,7 +14,8 @@ namespace mlcca {
                                               const core::State& state);
 [[nodiscard]] control::ClusterMembers cluster_members(const Membership& membership,
                                                       const core::State& state);
-/// Those of one network, of one gateway, or all; by network, then by gateway.
+/// The reservations of one network, of one gateway, or all (nullopt); sorted by network, then by
+/// gateway.
 [[nodiscard]] control::ClusterReservations cluster_reservations(const Membership& membership,
                                                                 const core::State& state,
                                                                 std::optional<std::size_t> network,

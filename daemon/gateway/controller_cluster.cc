@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a gateway of a cluster has beside what every gateway has.
+// The parts of Controller that only a gateway of a cluster needs.
 #include <utility>
 
 #include "daemon/gateway/controller.hpp"
@@ -7,7 +7,8 @@
 
 namespace mlcca {
 
-/// A daemon of a cluster may have left it: this one shares nothing.
+/// An earlier daemon, which took part in a cluster, may have left a limit of time in the kernel.
+/// This daemon shares nothing, so it removes the limit.
 Result<void> Controller::forget_cap() {
   if (membership_ || outside_.control.until() == 0) return {};
   return outside_.control.set_until(0);
@@ -24,7 +25,7 @@ void Controller::on_commit(Turn::Committed committed) {
   });
 }
 
-/// Where there is a store, it says who carries what several could carry.
+/// With a store, the store says which of several gateways carries a channel.
 void Controller::note_presence() {
   if (!membership_) presence_.apply(*scene_.state);
 }

@@ -17,7 +17,7 @@
 namespace mlcca {
 namespace {
 
-/// What became of a delivery that was granted and is not any more.
+/// The kind of event for a delivery that was granted and is not any more.
 Kind withdrawal_of(const core::Verdict& v) {
   if (v.obstacle == core::Obstacle::withdrawn) return Kind::revoked;
   return v.obstacle == core::Obstacle::unavailable ? Kind::network_down : Kind::withdrawn;
@@ -74,7 +74,7 @@ void DeliveryEvents::silence(const core::Verdict& v, const gate_event& event,
             .publisher = publisher.name,
             .admissions = admissions_of(v)};
   note.silent_ns = event.silent;
-  // Half a period is late, unless no more comes.
+  // Half a period late counts as missing only if no event follows.
   note.missing = missing ? event.silent / period : (event.silent + period / 2) / period - 1;
   if (missing)
     note.message = fmt::format(
@@ -144,8 +144,8 @@ void DeliveryEvents::outcome(const Granted& before, const Reported& reported) {
     }
 }
 
-/// Was granted, and one of those whom it concerned is not there any more: described no more, or
-/// admitted where that is not allowed any more. Admissions that are left out are kept.
+/// Reports a delivery that was granted and of which an end no longer exists: it is no longer
+/// described, or its admission is no longer allowed. Left-out admissions are not reported here.
 void DeliveryEvents::gone(const std::string& subject, const core::Delivery& delivery) {
   const auto channel = scene_.state->find_channel(subject);
   const std::string name = channel ? scene_.state->system().channels[*channel].name : subject;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What becomes of deliveries, as events: granted, refused, withdrawn, missing, dropped. Whoever
-// holds the publisher or a subscriber is named in each of them.
+// Turns changes of deliveries into events: granted, refused, withdrawn, missing, dropped. Each
+// event names the admissions of the publisher and the subscribers.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -18,15 +18,17 @@
 
 namespace mlcca {
 
+/// Writes the events of deliveries to the event log, and decides which verdicts are news.
 class DeliveryEvents {
  public:
   /// What was granted when the journal was last written, by subject ("0x…").
   using Granted = std::map<std::string, core::Grants>;
-  /// What has to differ so that a verdict is reported again: of a grant its attribute set, its way
-  /// and what both ends state, not by how much it is met, which others change.
+  /// The part of a verdict that has to differ for it to be reported again. For a grant these are
+  /// the attribute set, the route and the requirements of both ends. The margin is not a part:
+  /// other admissions change it.
   struct Contract {
     std::size_t set = 0;
-    std::string text;  ///< of a grant the way, else the line of the verdict
+    std::string text;  ///< of a grant the route, else the line of the verdict
     AttributeSet offered, required;
     core::UserValues user_offered, user_required;
     bool operator==(const Contract&) const = default;
@@ -34,27 +36,32 @@ class DeliveryEvents {
   /// What was reported of the deliveries of a description, by subject and delivery.
   using Reported = std::map<std::pair<std::string, core::Delivery>, Contract>;
 
-  /// `pulse` is called after each step of what takes long.
+  /// `pulse` is called after each step of long work, for the heart-beat.
   DeliveryEvents(const Scene& scene, EventLog& log, std::function<void()> pulse)
       : scene_(scene), log_(log), pulse_(std::move(pulse)) {}
 
+  /// Reports one verdict with the given line.
   void verdict(Kind kind, const core::Verdict& verdict, const std::string& line);
-  /// Events are missing, or come again: of the publisher, or of all of several that look alike,
-  /// "a and b".
+  /// Reports that events are missing or have come again. `publishers` names the publisher, or all
+  /// publishers that the gate cannot distinguish ("a and b").
   void silence(const core::Verdict& verdict, const gate_event& event,
                const std::string& publishers);
+  /// What counts as reported if every verdict of `state` has been reported.
   [[nodiscard]] Reported reported_of(const core::State& state) const;
-  /// After a start or a reload: everything that was not reported before as it is, and of what was
-  /// granted before what is not any more.
+  /// After a start or a reload: reports every verdict that differs from what was reported before,
+  /// and every grant of `before` that no longer exists.
   void outcome(const Granted& before, const Reported& reported);
+  /// Reports the changes of a decision.
   void changes(const std::vector<core::Change>& changes);
+  /// Reports frames of a refused delivery that were dropped, or passed in audit mode.
   void dropped(const core::Verdict& verdict, Fate fate, std::uint64_t frames);
-  /// The same, of a channel that is granted now, before it was.
+  /// The same for a channel that is granted now, for frames before the grant.
   void dropped_before(std::size_t channel, Fate fate, std::uint64_t frames);
-  /// Of frames of these verdicts, whose publishers cannot be distinguished where there are several.
+  /// Reports excess of these verdicts. Where there are several, their publishers cannot be
+  /// distinguished.
   void excess(const std::vector<const core::Verdict*>& verdicts, Fate fate, std::uint64_t frames);
 
-  /// `id` is the publisher or one of the subscribers.
+  /// Whether admission `id` is the publisher or one of the subscribers of the verdict.
   [[nodiscard]] bool concerns(const core::Verdict& verdict, core::AdmissionId id) const;
 
  private:

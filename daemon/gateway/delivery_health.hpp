@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is wrong with granted deliveries, and which channels have such troubles now.
+// Finds what is wrong with granted deliveries, and remembers which channels have such troubles.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -26,7 +26,7 @@ namespace mlcca {
 
 class DeliveryHealth {
  public:
-  /// All of them must outlive this.
+  /// All references must outlive this object.
   DeliveryHealth(const Scene& scene, const GateDriver& gates, const DropReports& drops,
                  const CanForwarding& forwarding, const Carriers& carriers, const Clock& clock,
                  const ReportedSilences& silences)
@@ -39,45 +39,45 @@ class DeliveryHealth {
         silences_(silences) {}
 
   using Shared = std::vector<core::SharedRule>;
-  /// Rules by which events of several publishers of a channel come or leave, sorted by entry.
+  /// The rules of a channel that several of its publishers share, sorted by entry.
   [[nodiscard]] Shared shared_of(std::size_t channel) const;
 
-  // Of a granted delivery. `rules` are those of the verdict, `shared` those of its channel.
+  // The following concern one granted delivery. `rules` are those of its verdict, `shared` is
+  // shared_of() of its channel.
 
-  /// How its events come, and why nothing reports that they do not.
+  /// How the silence of its publisher is supervised.
   struct Supervision {
-    std::optional<control::Watch> watch;  ///< nothing: they are not watched
-    std::string lacking;                  ///< empty: it is reported, or no subscriber minds
+    std::optional<control::Watch> watch;  ///< nullopt: it is not supervised
+    std::string lacking;  ///< why nothing reports its silence; empty: it is reported, or no
+                          ///< subscriber requires it
   };
   [[nodiscard]] Supervision supervision_of(const core::Verdict& verdict,
                                            const core::GateState& rules,
                                            const Shared& shared) const;
-  /// Why nothing would report the silence of its publisher alone, where others look like it; else
-  /// empty.
+  /// Why the silence of its publisher alone would not be reported because the gate cannot
+  /// distinguish it from others; empty if it would be.
   [[nodiscard]] std::string look_alikes_of(const core::GateState& rules,
                                            const Shared& shared) const;
-  /// What is wrong with it, one line each.
+  /// What is wrong with the delivery, one line each.
   [[nodiscard]] std::vector<std::string> troubles_of(const core::Verdict& verdict,
                                                      const core::GateState& rules,
                                                      const Shared& shared,
                                                      const Supervision& supervision) const;
 
-  /// The counters of a channel have just been polled.
   void judge(const DropReports::Polled& polled);
-  /// A program that carries events of a channel reports that some were late.
+  /// A carrier has reported that events of a channel were late.
   void note_late(std::size_t channel) { troubled_.insert(channel); }
   /// The kernel has reported that events of a channel are missing.
   void note_missing(std::size_t channel) { troubled_.insert(channel); }
-  /// A channel has been decided otherwise: what its gates have passed so far says nothing of what
-  /// is granted from now on.
+  /// The decision on a channel has changed: what its gates have passed before says nothing about
+  /// the present grant.
   void restart(std::size_t channel);
-  /// Numbers of channels mean something else now, and what was granted before may be other.
+  /// Channel numbers have a new meaning after a reload, and what was granted before may differ.
   /// `pulse` is called after each channel.
   void forget(const std::function<void()>& pulse);
-  /// Adds the troubles of all channels to the lines of a report; about as many lines as a report
-  /// lists.
+  /// Adds the troubles of all channels to the lines of a report, about as many as a report lists.
   void add_to(std::vector<std::string>& lines) const;
-  /// add_to() takes too long for one turn of the loop.
+  /// Whether add_to() takes too long for one turn of the loop.
   [[nodiscard]] bool is_large() const;
 
  private:
@@ -85,13 +85,14 @@ class DeliveryHealth {
   [[nodiscard]] std::string late_line(const core::Verdict& verdict, const std::string& to) const;
 
   using Passed = std::map<core::GateEntry, std::uint64_t>;
-  /// By where the events come in and where they leave.
+  /// The latest event that left, by the entries where events come in and where they leave.
   using Leaving = std::map<std::pair<core::GateEntry, core::GateEntry>, LatestLeft>;
   [[nodiscard]] bool lacks_relay(const core::Verdict& v, const core::GateState& rules) const;
   [[nodiscard]] std::uint64_t passed_before(std::size_t channel,
                                             const core::GateEntry& entry) const;
 
-  /// Where the events of a delivery come in; nullptr: not through a gate of ours.
+  /// The rule by which the events of a delivery come in; nullptr if they come through no gate of
+  /// ours.
   [[nodiscard]] static const core::GateRule* way_in(const core::GateState& rules);
   void note_leaving(std::size_t channel, const core::GateState& rules);
   [[nodiscard]] std::optional<LatestLeft> latest_left(std::size_t channel,
@@ -105,9 +106,9 @@ class DeliveryHealth {
   const Carriers& carriers_;
   const Clock& clock_;
   const ReportedSilences& silences_;
-  std::map<std::size_t, Passed> passed_before_;  ///< by channel, see restart()
+  std::map<std::size_t, Passed> passed_before_;  ///< counters at the latest restart(), by channel
   std::map<std::size_t, Leaving> leaving_;       ///< by channel
-  std::set<std::size_t> troubled_;  ///< channels; each is examined again when it is reported
+  std::set<std::size_t> troubled_;  ///< channels; each is examined again when a report is made
 };
 
 }  // namespace mlcca

@@ -53,7 +53,7 @@ DescribedResult taken_up(const Options& options, const std::string& name,
   if (!self) return std::unexpected(StartError{{name + ": " + self.error()}, true});
   Described described{
       .state = std::make_unique<core::State>(std::move(*system)), .self = *self, .digest = digest};
-  ::malloc_trim(0);  // reading leaves several times the memory of what was read
+  ::malloc_trim(0);  // reading leaves several times the memory of the description behind
   return described;
 }  // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks): the state moves with what is returned
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A description as a gateway takes it up.
+// Reading a description, for a start or a reload.
 #pragma once
 #include <cstddef>
 #include <expected>
@@ -14,35 +14,37 @@
 
 namespace mlcca {
 
-/// Why a description is not used, or the daemon cannot start.
+/// Why a description is not used, or why the daemon cannot start.
 struct StartError {
   std::vector<std::string> lines;
-  /// The description was read and is refused: only a person can correct that. False: the machine
-  /// failed (a file that cannot be opened, no memory, a full disk), and the next start may succeed.
+  /// True: the description was read and is refused, which only a person can correct. False: the
+  /// machine failed (a file that cannot be opened, no memory, a full disk), and the next start may
+  /// succeed.
   bool bad_input = false;
 };
 
-/// What a description says, with nothing decided yet.
+/// A description that was read, with nothing decided yet.
 struct Described {
   std::unique_ptr<core::State> state;
-  std::size_t self = 0;                 ///< the gateway of this machine
-  Sha256::Digest digest = {};           ///< of what was read, in a cluster
-  Sha256::Digest file_digest = {};      ///< of the file, where that is another one
-  std::string text = {};                ///< of what was read, in a cluster, if it can be handed on
-  bool unchecked = false;               ///< others may be on any network: see Rollout::reader()
-  std::vector<std::string> notes = {};  ///< what could not be used meanwhile, for the log
+  std::size_t self = 0;             ///< index of the gateway of this machine
+  Sha256::Digest digest = {};       ///< digest of the text that was read; only in a cluster
+  Sha256::Digest file_digest = {};  ///< digest of the file, if another text was read
+  std::string text =
+      {};  ///< the text that was read, if it can be passed to other gateways; only in a cluster
+  bool unchecked = false;  ///< other gateways may be on any network: see Rollout::reader()
+  std::vector<std::string> notes = {};  ///< for the log: what could not be used
 };
 
 using DescribedResult = std::expected<Described, StartError>;
-/// Reads the description that is there now. May run on another thread: shares nothing.
+/// Reads the description that exists now. May run on another thread, so it shares no data.
 using ReadDescription = std::function<DescribedResult()>;
 
-/// From the file that the options name.
+/// Reads the file that the options name.
 [[nodiscard]] DescribedResult read_description(const Options& options);
-/// From a text that another gateway has handed on.
+/// Reads a text that another gateway has passed on.
 [[nodiscard]] DescribedResult read_description_text(const Options& options,
                                                     const std::string& text);
-/// When that takes longer than it may, and what may be the cause.
+/// The error text when reading takes longer than it may, with the likely cause.
 [[nodiscard]] std::string not_read_in_time(const Options& options);
 
 }  // namespace mlcca

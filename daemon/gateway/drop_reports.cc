@@ -11,10 +11,10 @@
 namespace mlcca {
 namespace {
 
-/// Channels that are polled in a round: the daemon has other things to do.
+/// Channels that are polled in one round, so that a round stays short.
 constexpr std::size_t kChannelsOfRound = 8192;
 
-/// Counters are read while the gate counts on.
+/// The gate counts on while its counters are read, so the parts may exceed the sum.
 std::uint64_t misfits(const Frames& frames) {
   return frames.dropped - std::min(frames.dropped, frames.excess_dropped);
 }
@@ -39,8 +39,7 @@ std::uint64_t counted(const Frames& frames, Drop reason) {
 
 }  // namespace
 
-/// The next one each time, and so many in a round; what is refused is reported when all of them
-/// have been polled.
+/// Polls the next channel. Refused deliveries are reported when all channels have been polled.
 bool DropReports::poll_some_channels() {
   const auto& all = scene_.state->decisions();
   if (next_channel_ == 0) causes_.begin_round();
@@ -64,7 +63,7 @@ bool DropReports::poll_some_ports() {
 }
 
 void DropReports::poll_all(Reporting reporting) {
-  // A round that has begun goes on: some of its channels were not sampled yet.
+  // A round that has begun continues: some of its channels were not sampled yet.
   if (next_channel_ == 0) causes_.begin_round();
   for (const core::Decision& decision : scene_.state->decisions()) {
     poll(decision, reporting);
@@ -105,7 +104,8 @@ void DropReports::sample_entry(const core::GateRule& rule,
   sum.would_drop += sample(rule.entry, Drop::would_be_misfit, user, frames).value_or(0);
 }
 
-/// Excess that the port lets pass is reported, and no finding: nothing would have been dropped.
+/// Excess that the port lets pass is reported, but is no finding, because nothing would have been
+/// dropped.
 std::optional<std::uint64_t> DropReports::sample(const core::GateEntry& entry, Drop reason,
                                                  const core::Verdict& user, const Frames& frames) {
   const auto mention =
@@ -146,8 +146,8 @@ void DropReports::verdicts_changed(const core::Change& change) {
     deliveries_.dropped_before(change.channel, Fate::let_through, sum.would_drop);
 }
 
-/// Of each entry once, with the first of the verdicts whose events come or leave by it; granted
-/// ones before others.
+/// Samples each entry once, for the first verdict whose events come or leave by it; granted
+/// verdicts come first.
 void DropReports::poll(const core::Decision& decision, Reporting reporting) {
   Polled polled;
   polled.verdicts.reserve(decision.verdicts.size());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the gates drop: their counters are polled, and what is new is reported to the operator and
-// to the applications that it concerns.
+// Polls the counters of the gates for dropped frames, and reports new ones to the operator and to
+// the applications that they concern.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -23,10 +23,12 @@
 
 namespace mlcca {
 
-/// Why frames of an entry are dropped, as far as that is counted apart. Excess: dropped, or passed
-/// because the port says so; would_exceed: passed in audit mode.
+/// The kinds of dropped frames of an entry that are counted separately. `excess` was dropped, or
+/// passed because the port says so; `would_exceed` and `would_be_misfit` passed in audit mode.
 enum class Drop : std::uint8_t { misfit, would_be_misfit, excess, would_exceed };
 
+/// Polls channels and ports in rounds, a part per turn. Feeds the audit log, the event log and
+/// whoever on_polled() has named.
 class DropReports {
  public:
   /// The verdicts of a channel, granted ones first, and the rules of each.
@@ -36,7 +38,8 @@ class DropReports {
   };
   using OnPolled = std::function<void(const Polled&)>;
 
-  /// `pulse` is called after each step of what takes long. All of them must outlive this.
+  /// `pulse` is called after each step of long work, for the heart-beat. All references must
+  /// outlive this object.
   DropReports(const Scene& scene, const GateDriver& gates, EventLog& log,
               DeliveryEvents& deliveries, AuditLog& audit, const Clock& clock,
               std::function<void()> pulse)
@@ -49,27 +52,28 @@ class DropReports {
         pulse_(std::move(pulse)),
         causes_(gates) {}
 
-  /// Called with each channel whose counters have just been polled.
+  /// Sets the function that is called with each channel whose counters have just been polled.
   void on_polled(OnPolled polled) { on_polled_ = std::move(polled); }
 
-  // In rounds: each polls a bit, and is true while the round has more.
+  // Each call does a part of a round, and returns true while the round has more.
   bool poll_some_channels();
   bool poll_some_ports();
   bool tidy() { return of_entries_.tidy(); }
 
-  /// Other verdicts about a channel are in force. What was dropped of deliveries that are granted
-  /// now, and were refused, says nothing about the grant.
+  /// The verdicts of a channel have changed. Drops of deliveries that were refused and are granted
+  /// now say nothing about the grant.
   void verdicts_changed(const core::Change& change);
-  /// Everything that was not reported yet is, now: what the counters mean is about to change.
+  /// Reports everything that was not reported yet, because the meaning of the counters is about to
+  /// change.
   void report_all();
-  /// What is counted now was reported, or has a name that may mean something else.
+  /// Forgets the state of all counters: it was reported, or its names may have a new meaning.
   void forget();
 
-  /// Frames of an entry that were dropped for a reason lately.
+  /// The frames of an entry that were recently dropped for this reason.
   [[nodiscard]] RecentDrops recent(const core::GateEntry& entry, Drop reason) const {
     return of_entries_.recent({entry, reason}, clock_.monotonic_s());
   }
-  /// Frames of no slot that came to a port lately, whatever became of them.
+  /// The frames without a slot that recently came to a port, dropped or passed.
   [[nodiscard]] RecentDrops recent_unknown(std::size_t port) const {
     const RecentDrops dropped = of_ports_.recent({port, Fate::dropped}, clock_.monotonic_s());
     const RecentDrops passed = of_ports_.recent({port, Fate::let_through}, clock_.monotonic_s());
@@ -86,7 +90,8 @@ class DropReports {
   };
   void sample_entry(const core::GateRule& rule, const std::vector<const core::Verdict*>& users,
                     Reporting reporting, Dropped& sum);
-  /// Frames that are to be reported now, if any; the growth goes to the audit log, by cause.
+  /// Returns the frames that are to be reported now, nullopt if none. The growth goes to the audit
+  /// log, by cause.
   std::optional<std::uint64_t> sample(const core::GateEntry& entry, Drop reason,
                                       const core::Verdict& user, const Frames& frames);
   void poll(const core::Decision& decision, Reporting reporting);

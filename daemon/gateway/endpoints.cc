@@ -16,13 +16,13 @@
 namespace mlcca {
 namespace {
 
-constexpr std::size_t kTransferRow = 256;  // bytes on the wire, mostly
+constexpr std::size_t kTransferRow = 256;  // typical bytes on the wire
 
 void add_once(std::vector<control::Endpoint>& to, std::optional<control::Endpoint> endpoint) {
   if (endpoint && std::ranges::find(to, *endpoint) == to.end()) to.push_back(*std::move(endpoint));
 }
 
-/// Frames of both come in by one entry of a gate and leave by one.
+/// Whether the frames of both come in by the same entry of a gate and leave by the same one.
 bool is_same_way(const control::Transfer& a, control::Endpoint from, control::Endpoint to) {
   from.fragmented = a.from.fragmented;
   to.fragmented = a.to.fragmented;
@@ -45,7 +45,7 @@ std::uint32_t Endpoints::event_bytes(const core::Passage& passage) const {
   if (offered.has(Attribute::max_payload))
     return static_cast<std::uint32_t>(
         std::min<Value>(offered[Attribute::max_payload], core::kDatagramMaxEvent));
-  // Not stated: what one frame holds, where events are not fragmented.
+  // Not stated: what one frame holds, if events are not fragmented.
   std::uint32_t most = core::kDatagramMaxEvent;
   for (const auto& entry : {passage.in, passage.out})
     if (entry && (entry->mask != 0 || !entry->fragmented))
@@ -144,8 +144,8 @@ std::vector<control::Endpoint> Endpoints::of_publisher(std::size_t channel,
   return out;
 }
 
-/// Programs of one user cannot be distinguished by the kernel, as publishers that share an entry of
-/// a gate.
+/// Sums up the programs of each user. The kernel cannot distinguish programs of one user, as a gate
+/// cannot distinguish publishers that share an entry.
 class Endpoints::FromPrograms {
  public:
   void add(const core::Publisher& publisher, std::size_t set, std::uint32_t bytes, Value silence) {
@@ -190,7 +190,7 @@ class Endpoints::FromPrograms {
 std::vector<control::Endpoint> Endpoints::of_subscriber(std::size_t channel,
                                                         std::size_t subscriber) const {
   const core::State& state = *scene_.state;
-  std::map<std::size_t, Value> silences;  // of publishers
+  std::map<std::size_t, Value> silences;  // by publisher
   for (const core::Verdict& v : state.decisions()[channel].verdicts)
     if (std::ranges::find(v.subscribers, subscriber) != v.subscribers.end())
       silences[v.publisher] = core::silence_here(v);
@@ -219,7 +219,7 @@ void Endpoints::add_transfers(std::size_t channel, std::optional<std::uint32_t> 
     auto from = endpoint(channel, *passage.in, bytes);
     auto into = endpoint(channel, *passage.out, bytes);
     if (!from || !into) continue;
-    // Publishers whose frames cannot be distinguished come and leave together.
+    // Publishers whose frames cannot be distinguished come in and leave together.
     const auto same = std::find_if(
         to.transfers.begin() + static_cast<std::ptrdiff_t>(before), to.transfers.end(),
         [&](const control::Transfer& other) { return is_same_way(other, *from, *into); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Where programs on this gateway send granted events, and where they receive them.
+// Reports where programs on this gateway send granted events, and where they receive them.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -17,35 +17,38 @@ namespace mlcca {
 
 class Endpoints {
  public:
-  /// All of them must outlive this.
+  /// All references must outlive this object.
   Endpoints(const Scene& scene, const GateDriver& gates, const LocalEnds& local_ends)
       : scene_(scene), gates_(gates), local_ends_(local_ends) {}
 
-  /// Of a publisher that is a program here; none where nothing of it is granted.
+  /// Where a publisher that is a program here sends. Empty if nothing of it is granted.
   [[nodiscard]] std::vector<control::Endpoint> of_publisher(std::size_t channel,
                                                             std::size_t publisher) const;
-  /// Of a subscriber that is a program here.
+  /// Where a subscriber that is a program here receives.
   [[nodiscard]] std::vector<control::Endpoint> of_subscriber(std::size_t channel,
                                                              std::size_t subscriber) const;
 
-  /// Where subscriptions come from and go to on a network of this gateway that accepts them.
+  /// The addresses for subscriptions on a network of this gateway that accepts them.
   [[nodiscard]] control::SubscriptionNetwork of_subscriptions(std::size_t port) const;
 
-  /// What programs carry from network to network, of one channel. `user`: only that user's.
+  /// Adds what programs carry from network to network of one channel; with `user`, only what that
+  /// user's programs carry.
   void add_transfers(std::size_t channel, std::optional<std::uint32_t> user,
                      control::Transfers& to) const;
-  /// For `mlccactl routes`: of all channels.
+  /// Adds the transfers of all channels to the reply for `mlccactl routes`.
   void add_to(control::Routes& to) const;
-  /// The same of all channels from `at` on, as many as there is time for in one turn.
+  /// The transfers of all channels from `at` on, which is advanced: as many as one turn has time
+  /// for.
   [[nodiscard]] serve::Slice some_transfers(std::size_t& at,
                                             std::optional<std::uint32_t> user) const;
 
  private:
   [[nodiscard]] std::vector<core::Passage> passages(std::size_t channel) const;
   [[nodiscard]] const core::Network& network_at(std::size_t port) const;
-  /// Nothing: the port has no gate now. It is the same of all channels.
+  /// The part of an endpoint that is the same for all channels of the port; nullopt if the port has
+  /// no gate now.
   [[nodiscard]] std::optional<control::Endpoint> at_port(std::size_t port) const;
-  /// Nothing: its port has no gate now.
+  /// nullopt if the port of the entry has no gate now.
   [[nodiscard]] std::optional<control::Endpoint> endpoint(std::size_t channel,
                                                           const core::GateEntry& entry,
                                                           std::uint32_t event_bytes) const;

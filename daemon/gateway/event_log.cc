@@ -7,7 +7,7 @@
 namespace mlcca {
 namespace {
 
-/// What drops and comes and goes each second is for the log, not for the history.
+/// Drops, which may come and go each second, are in the log only.
 bool is_history(Kind kind) { return kind != Kind::dropping; }
 
 }  // namespace

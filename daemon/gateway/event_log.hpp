@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What has happened, for three readers: the log of the operator, the history on disk, and the
-// clients that listen to events.
+// Passes everything that has happened to three readers: the log of the operator, the history on
+// disk, and the clients that follow events.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -31,6 +31,7 @@ struct About {
   std::uint64_t longest_ns = 0;
 };
 
+/// Writes events. Each one goes to the system log, to the history if there is one, and to clients.
 class EventLog {
  public:
   using Publish = std::function<void(const control::Event&)>;
@@ -38,7 +39,7 @@ class EventLog {
   explicit EventLog(SystemLog log) : log_(std::move(log)) {}
 
   void on_event(Publish publish) { publish_ = std::move(publish); }
-  /// Rows go to it from now on. It must outlive this.
+  /// Events are also written to `history` from now on. It must outlive this object.
   void keep_in(store::History& history) { history_ = &history; }
 
   void critical(Kind kind, std::string message, About about = {}) {
@@ -57,11 +58,11 @@ class EventLog {
     write(kind, 6, std::move(message), std::move(about));
   }
   void write(Note note);
-  /// What only clients that follow the subject need: neither for the journal nor for the history.
+  /// Passes an event to clients only, not to the log or the history.
   void notify_clients(control::Event event) const;
 
-  /// While it lives, what is written was done at the request of `actor`; without one, the daemon
-  /// did it by itself.
+  /// While it lives, events are attributed to `actor`, who requested the changes. nullopt: the
+  /// daemon acts by itself.
   class Acting {
    public:
     Acting(EventLog& log, std::optional<control::Actor> actor)
@@ -78,10 +79,10 @@ class EventLog {
   };
   [[nodiscard]] const std::optional<control::Actor>& actor() const { return actor_; }
 
-  /// Rows of the history that were written, or that are due to what was written, since this was
-  /// made: what a user's quota is charged with.
+  /// The rows of the history that were written, or will be due to what was written, since this
+  /// object was made. Quotas of users are charged with them.
   [[nodiscard]] std::uint64_t rows() const { return rows_; }
-  /// Rows that a change will make later.
+  /// Counts rows that a change will write later.
   void add_rows(std::uint64_t rows) { rows_ += rows; }
 
  private:
@@ -90,7 +91,7 @@ class EventLog {
   SystemLog log_;
   store::History* history_ = nullptr;
   Publish publish_;
-  std::optional<control::Actor> actor_;  ///< at whose request something is being changed
+  std::optional<control::Actor> actor_;  ///< who requested the current change
   std::uint64_t rows_ = 0;
 };
 

@@ -26,10 +26,10 @@ void Forwarder::want(std::size_t channel, std::vector<net::CanRule> rules) {
   changed_ = true;
 }
 
-/// Channels whose messages have the same frames share their rule.
+/// Channels whose messages have the same frames share a rule.
 void Forwarder::release(const net::CanRule& rule, std::size_t channel) {
   const auto users = channels_.find(rule);
-  if (users == channels_.end()) return;  // publishers of one channel share it too
+  if (users == channels_.end()) return;  // several publishers of one channel may share a rule
   users->second.erase(channel);
   if (!users->second.empty()) {
     wanted_[rule] = *users->second.begin();
@@ -95,13 +95,13 @@ void Forwarder::align() {
              std::ranges::any_of(*there_, [](const net::CanRuleThere& t) { return t.is_ours(); });
 }
 
-/// First what is not wanted any more goes.
+/// Removes what is not wanted before it adds rules.
 void Forwarder::apply(const RuleChanges& changes) {
   std::string failed;
   bool unsure = false;
   for (const net::CanRuleThere& rule : changes.remove) {
     core::Progress::made();
-    // A rule that went with its interface is gone too: the next poll shows it.
+    // A rule whose interface is gone is gone as well: the next poll shows it.
     if (kernel_->remove(rule))
       std::erase(*there_, rule);
     else
@@ -113,7 +113,7 @@ void Forwarder::apply(const RuleChanges& changes) {
     if (done)
       there_->push_back(rule);
     else
-      unsure = true;  // it may be there all the same, where only the answer was lost
+      unsure = true;  // the rule may exist: perhaps only the answer was lost
     if (!done && failed.empty())
       failed = "granted frames are not carried from bus to bus: " + done.error().text;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Keeps can-gw in line with what was granted. The gates do not depend on it: without a rule a frame
-// stays where it is.
+// Keeps the rules of can-gw as they were granted. The gates do not depend on it: without a rule a
+// frame does not leave its bus.
 #pragma once
 #include <functional>
 #include <map>
@@ -16,6 +16,7 @@
 
 namespace mlcca {
 
+/// Compares the rules that channels need with those that the kernel has, and makes the changes.
 class Forwarder {
  public:
   using Report = std::function<void(const std::string& line, bool problem)>;
@@ -23,27 +24,28 @@ class Forwarder {
   Forwarder(std::unique_ptr<net::CanRules> kernel, Report report)
       : kernel_(std::move(kernel)), report_(std::move(report)) {}
 
-  /// What the channel needs from now on, in the place of what it needed; act() brings it about.
+  /// Replaces the rules that a channel needs. act() makes the change.
   void want(std::size_t channel, std::vector<net::CanRule> rules);
-  /// No channel needs a rule any more, and what the kernel has is read again.
+  /// Forgets the needs of all channels; the rules of the kernel are read again.
   void forget();
 
-  /// Once a turn: the changes, if any.
+  /// To be called once a turn: makes the changes, if any.
   void act();
-  /// Once a second: what another program removed or added, and what failed before.
+  /// To be called once a second: corrects what another program has changed, and retries what
+  /// failed.
   void poll();
-  /// No rule of ours is left.
+  /// Removes all our rules from the kernel.
   void stop();
 
-  /// What is wrong now; empty: nothing.
+  /// The current problem; empty if there is none.
   [[nodiscard]] const std::string& problem() const { return problem_; }
-  /// Wanted rules that rules of another program are in the way of.
+  /// Wanted rules that conflict with rules of another program.
   [[nodiscard]] const std::vector<net::CanRule>& in_way() const { return in_way_; }
-  /// One of those that need it.
+  /// One of the channels that need this rule; nullopt if none does.
   [[nodiscard]] std::optional<std::size_t> channel_of(const net::CanRule& rule) const;
-  /// Rules that are wanted, and those that the kernel was last seen to have.
+  /// The number of wanted rules plus the number of rules that the kernel was last seen to have.
   [[nodiscard]] std::size_t rules() const { return wanted_.size() + (there_ ? there_->size() : 0); }
-  /// What the kernel has now, ours and those of others.
+  /// The rules that the kernel has now, ours and those of other programs.
   [[nodiscard]] Result<std::vector<net::CanRuleThere>> read() { return kernel_->read(); }
 
  private:
@@ -56,13 +58,14 @@ class Forwarder {
   std::unique_ptr<net::CanRules> kernel_;
   Report report_;
   std::map<std::size_t, std::vector<net::CanRule>> needs_;  ///< by channel
-  std::map<net::CanRule, std::set<std::size_t>> channels_;  ///< that need it
+  std::map<net::CanRule, std::set<std::size_t>> channels_;  ///< the channels that need a rule
   Wanted wanted_;
-  std::optional<std::vector<net::CanRuleThere>> there_;  ///< none: to be read
+  std::optional<std::vector<net::CanRuleThere>> there_;  ///< nullopt: to be read
   std::vector<net::CanRule> in_way_;
   std::string problem_;
   bool changed_ = true;
-  bool had_any_ = true;  ///< of ours, when last seen, or wanted: a former daemon may have left some
+  bool had_any_ =
+      true;  ///< whether rules of ours were last seen or wanted; a former daemon may have left some
 };
 
 }  // namespace mlcca

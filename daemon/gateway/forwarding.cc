@@ -20,13 +20,14 @@ const char* format_of(const core::GateEntry& e) {
   return e.fd ? "FD" : "classic";
 }
 
-/// How frames of a rule meet the filter of another one between the same interfaces.
+/// Which frames of a rule match the filter of another rule between the same interfaces.
 enum class Meets : std::uint8_t { never, sometimes, always };
 
 Meets meets(const CanRule& ours, const CanRule& other) {
   if (ours.from != other.from || ours.to != other.to || ours.fd != other.fd) return Meets::never;
   const std::uint32_t mask = other.mask & ~CAN_ERR_FLAG;
-  // An 11-bit identifier in the filter, its form included, means 11 bits.
+  // A filter that compares the form of the identifier and states the 11-bit form compares only 11
+  // bits.
   const bool standard = (mask & CAN_EFF_FLAG) != 0 && (other.id & CAN_EFF_FLAG) == 0;
   const std::uint32_t compared =
       standard ? mask & (CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG) : mask;
@@ -38,7 +39,7 @@ Meets meets(const CanRule& ours, const CanRule& other) {
   return inverted ? Meets::never : Meets::always;
 }
 
-/// By interfaces.
+/// The rules of other programs, by interfaces.
 using Others = std::map<std::pair<int, int>, std::vector<const CanRuleThere*>>;
 
 Others rules_of_others(const std::vector<CanRuleThere>& there) {
@@ -48,10 +49,10 @@ Others rules_of_others(const std::vector<CanRuleThere>& there) {
   return others;
 }
 
-/// What rules of others do with the frames of a rule.
+/// What rules of other programs do with the frames of a rule.
 struct Carried {
-  bool all = false;        ///< one carries them all as they were granted: none of ours is needed
-  bool disturbed = false;  ///< some are carried twice, or changed
+  bool all = false;        ///< one rule carries all of them as they were granted: we need none
+  bool disturbed = false;  ///< some frames are carried twice, or changed
 };
 
 Carried carried(const CanRule& rule, const Others& others) {
@@ -70,8 +71,9 @@ Carried carried(const CanRule& rule, const Others& others) {
   return out;
 }
 
-/// What carries messages of several PGNs of one source has one rule, whatever their priorities, so
-/// that nothing is carried twice. The gate of the other bus distinguishes them.
+/// Adds rules for the frames of J1939's transport protocol. Those that carry messages of several
+/// PGNs of one source have one rule for all priorities, so that nothing is carried twice. The gate
+/// of the other bus distinguishes the PGNs.
 void add_carriers(const core::GateEntry& in, std::vector<CanRule>& rules) {
   constexpr std::uint32_t priority = 0x1c000000;
   const core::Fragmentation& transport =
@@ -101,8 +103,8 @@ std::expected<std::vector<CanRule>, std::string> rules_of(const core::Transit& t
   if (!(in.classic && out.classic) && !(in.fd && out.fd))
     return std::unexpected(
         fmt::format("can-gw makes no {} frames of {} ones", format_of(out), format_of(in)));
-  // What one side leaves open and the other does not: remote frames, which simply stay behind, or
-  // whether events go in fragments, or what else a profile leaves to the sender.
+  // One side may leave open whether frames are remote, which then simply stay behind. It may not
+  // leave open whether events are fragmented, or anything else that a profile leaves to the sender.
   if (((in.mask ^ out.mask) & ~core::kRemoteFlag) != 0)
     return std::unexpected(
         std::string("can-gw carries frames as they are, and only one of the buses has events "
@@ -135,14 +137,14 @@ RuleChanges difference(const Wanted& wanted, const std::vector<CanRuleThere>& th
   std::set<CanRule> missing;
   for (const auto& [rule, channel] : wanted) {
     const Carried by_others = carried(rule, others);
-    // What was granted arrives whatever rules of another program do with other copies of it.
+    // What was granted arrives, whatever rules of other programs do with further copies.
     if (!by_others.all) missing.insert(rule);
     if (by_others.disturbed) changes.in_way.push_back(rule);
   }
   std::set<std::uint32_t> taken;
   for (const CanRuleThere& t : there) {
     if (!t.is_ours()) continue;
-    taken.insert(t.uid);  // of one that goes, too: its removal may fail
+    taken.insert(t.uid);  // also the number of a rule that is removed: the removal may fail
     if (t.changes_more || missing.erase(t.rule) == 0) changes.remove.push_back(t);
   }
   std::uint32_t next = net::kFirstUid;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which rules can-gw must have so that what was granted from one CAN bus to another gets there, and
-// what leads to them. No I/O; docs/adr/0019 says why they are as they are.
+// Computes which rules can-gw must have for what was granted from one CAN bus to another, and the
+// changes that lead to them. No I/O; docs/adr/0019 gives the reasons.
 #pragma once
 #include <cstdint>
 #include <expected>
@@ -13,25 +13,27 @@
 
 namespace mlcca {
 
-/// The rules that carry the frames of a grant from one interface to another, or why can-gw cannot.
+/// The rules that carry the frames of a grant from interface index `from` to `to`. The error says
+/// why can-gw cannot carry them.
 [[nodiscard]] std::expected<std::vector<net::CanRule>, std::string> rules_of(
     const core::Transit& transit, int from, int to);
 
-/// Rules that are wanted, and the channel (a number of the caller's) of each.
+/// The wanted rules, each with a channel (a number of the caller's) that needs it.
 using Wanted = std::map<net::CanRule, std::size_t>;
 
 struct RuleChanges {
-  std::vector<net::CanRuleThere> remove;  ///< only ours
+  std::vector<net::CanRuleThere> remove;  ///< only our own rules
   std::vector<net::CanRuleThere> add;
-  /// A rule of another program carries some of its frames as well, or changes them. Where one
-  /// carries all of them as they were granted none of ours is made.
+  /// Wanted rules for which a rule of another program carries some of the frames as well, or
+  /// changes them. If such a rule carries all of them as they were granted, we make none.
   std::vector<net::CanRule> in_way;
 };
-/// Ours are known by their numbers, whoever made them: a daemon that died, too.
+/// Compares wanted rules with those of the kernel. Our own rules are recognised by their numbers,
+/// also those that a daemon has left that died.
 [[nodiscard]] RuleChanges difference(const Wanted& wanted,
                                      const std::vector<net::CanRuleThere>& there);
 
-/// What a rule does to the identifier or the frame: "id to 101", empty: nothing.
+/// What a rule changes in the frame, for example "id to 101"; empty if nothing.
 [[nodiscard]] std::string change_of(const net::CanRuleThere& there);
 
 }  // namespace mlcca

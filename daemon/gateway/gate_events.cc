@@ -14,7 +14,7 @@
 namespace mlcca {
 namespace {
 
-/// "123", "FD 1ABCDEF0", "0x44697374616e6365 on its way out"
+/// For example "123", "FD 1ABCDEF0", "0x44697374616e6365 on its way out".
 std::string frame_name(const gate_sample& sample) {
   const char* const way = sample.direction == GATE_EGRESS ? " on its way out" : "";
   if (sample.format == 0) {
@@ -34,7 +34,7 @@ std::string frame_name(const gate_sample& sample) {
 
 }  // namespace
 
-/// An event of a slot that was given to another grant meanwhile concerns no delivery any more.
+/// An event of a slot that has been given to another grant meanwhile concerns no delivery any more.
 void GateEvents::on_event(const gate_event& event) {
   if (event.kind == GATE_E_BOUND) {
     parts_.tags.poll();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the gates report by themselves: events that are missing or come again, replies of FAMOUSO's
-// broker, and unadmitted senders.
+// Handles what the gates report by themselves: events that are missing or have come again, replies
+// of the FAMOUSO broker, and unadmitted senders.
 #pragma once
 #include <string>
 #include <utility>
@@ -19,7 +19,7 @@ namespace mlcca {
 
 class GateEvents {
  public:
-  /// All of them must outlive this.
+  /// All references must outlive the object.
   struct Parts {
     const Scene& scene;
     const GateDriver& gates;
@@ -32,10 +32,10 @@ class GateEvents {
   explicit GateEvents(const Parts& parts) : parts_(parts) {}
 
   void on_event(const gate_event& event);
-  /// A sender that was not seen before; the kernel sees to it that there are not too many.
+  /// A sender that was not seen before. The kernel limits the number of these reports.
   void on_sample(const gate_sample& sample);
-  /// If events of a delivery are missing the kernel reports it once more, when whoever joined it
-  /// has its answer.
+  /// If events of a delivery are missing, makes the kernel report it once more, after an
+  /// application that has joined the delivery has its answer.
   void repeat_missing(const core::Verdict& verdict);
 
  private:

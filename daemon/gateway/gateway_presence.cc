@@ -15,10 +15,11 @@
 namespace mlcca {
 namespace {
 
-/// Of its own announcements, after which this gateway forwards nothing that another one could. It
-/// is less than others wait (core::presence_lasts).
+/// After this many of its own announcements were not requested, this gateway forwards nothing that
+/// another one could forward. Others wait longer (core::presence_lasts), so this gateway stops
+/// first.
 constexpr std::uint64_t kOwnLosses = 2;
-/// While the relay is not there it is looked up this often whether anything needs it, ns.
+/// ns between two checks whether a channel needs the relay, while it is not connected.
 constexpr std::uint64_t kRelayChecks = 1'000'000'000;
 
 }  // namespace
@@ -53,7 +54,7 @@ void GatewayPresence::note_networks(std::uint64_t now) {
       since.emplace(std::move(pair), before == since_.end() ? now : before->second);
     }
   since_ = std::move(since);
-  // What is announced from now on has had no time to be asked for.
+  // Announcing begins now: there was no time yet to ask for an announcement.
   if (interval_ == 0) asked_ = relay_seen_ = std::max(asked_, now);
   interval_ = self().presence;
   lacks_relay_ = self().presence != 0 && lacks_relay(now);
@@ -102,7 +103,8 @@ bool GatewayPresence::relays(const core::Route& route) const {
   return false;
 }
 
-/// Whichever way is taken now: otherwise it would depend on itself.
+/// Considers all shortest routes, not only the one that is taken now: otherwise the result would
+/// depend on itself.
 bool GatewayPresence::needs_relay() const {
   const core::State& state = *parts_.scene.state;
   const auto may_relay = [&](const core::Verdict& v) {
@@ -150,9 +152,9 @@ std::optional<std::string> GatewayPresence::own_failure(std::uint64_t now) const
   for (const auto& [name, other] : others_) {
     const auto gateway = known(name);
     if (!gateway || !other.forwards) continue;
-    // It may have said that before it could receive the latest ones.
+    // The other gateway may have said that before it could receive the latest announcements.
     if (!other.lacks_this || *other.lacks_this < kOwnLosses) continue;
-    if (is_silent(*gateway, now)) continue;  // it said that long ago
+    if (is_silent(*gateway, now)) continue;  // that statement is old
     return fmt::format("{} receives nothing of it, and forwards instead", name);
   }
   return std::nullopt;
@@ -166,7 +168,7 @@ GatewayPresence::Failures GatewayPresence::failures(std::uint64_t now) const {
     if (g == parts_.scene.self || core::presence_networks(system(), parts_.scene.self, g).empty())
       continue;
     any = true;
-    // Without the program that announces nothing is received either: what was known counts.
+    // Without the program that announces, nothing is received either: what was known last counts.
     if (is_announced(now))
       out[g] = failure_of(g, now);
     else if (last_.size() == out.size())
@@ -185,7 +187,8 @@ control::Presence GatewayPresence::announce() {
   out.gateway = self().name;
   out.interval_ns = self().presence;
   out.lasts_ns = core::presence_lasts(self().presence, parts_.control.grace());
-  // Closed gates are no reason to decide otherwise: they follow what is decided once they open.
+  // Closed gates do not count as a failure of this gateway, but others must know of them. What is
+  // decided takes effect when the gates open.
   out.forwards = parts_.control.is_open() && !parts_.control.lapsed() && !own_failure(now);
   std::set<std::string> networks;
   for (std::size_t g = 0; g < system().gateways.size(); ++g) {
@@ -263,7 +266,7 @@ bool GatewayPresence::can_carry() {
   return !self().relay || parts_.carriers.has(*self().relay) || !needs_relay_now();
 }
 
-/// It is looked up now and then: a relay that comes and goes at once is missed.
+/// Checked at most once a second, so a relay that is away for a short time is missed.
 bool GatewayPresence::needs_relay_now() {
   const std::uint64_t now = parts_.clock.monotonic_ns();
   if (now - relay_checked_ >= kRelayChecks) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Gateways that announce themselves to each other: which of them have failed, as far as this one
-// can tell. Where several ways lead to a subscriber, those over a failed gateway are not taken
-// (core::World::failed). All that announce themselves decide so, so one of them forwards a channel.
+// Decides which gateways have failed, for gateways that announce themselves to each other. Where
+// several routes lead to a subscriber, those over a failed gateway are not taken
+// (core::World::failed). All of these gateways decide by the same rules, so that one of them
+// forwards a channel.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -21,6 +22,9 @@
 
 namespace mlcca {
 
+/// A gateway counts as failed if its announcements have not come on any available network for
+/// core::presence_lasts(), or if it announces that it cannot forward. This gateway counts itself as
+/// failed if it cannot announce itself or cannot carry.
 class GatewayPresence {
  public:
   struct Parts {
@@ -30,35 +34,38 @@ class GatewayPresence {
     EventLog& log;
     const Clock& clock;
   };
-  /// All of them must outlive this.
+  /// All references must outlive this object.
   explicit GatewayPresence(const Parts& parts) : parts_(parts) {}
 
-  /// The daemon begins: for now everybody is taken to be there.
+  /// Called at the start of the daemon: until something else is known, all gateways count as
+  /// present.
   void start();
-  /// What the gateway announces now. Whoever asks sends it: when nobody has asked for two
-  /// intervals, this gateway forwards nothing that another one could.
+  /// What this gateway announces now. mlcca-famouso asks for it and sends it. If it has not asked
+  /// for two intervals, this gateway forwards nothing that another one could forward.
   [[nodiscard]] control::Presence announce();
-  /// Another gateway has announced itself. Error: nothing is received of it there, or it states a
-  /// time that none can state.
+  /// Takes the announcement of another gateway. The error: that gateway does not announce itself to
+  /// this one on this network, or it states a time that is not possible.
   Result<void> receive(const control::PresenceRequest& message);
-  /// Who has failed, for what is decided next. Changes are reported.
+  /// Writes into `state` who has failed, for the next decision, and reports changes.
   void apply(core::State& state);
-  /// Where a store says who has failed: this gateway could carry now what others could carry too.
+  /// For clusters, where the store says who has failed: whether this gateway could carry now what
+  /// other gateways could carry as well.
   [[nodiscard]] bool can_carry();
-  /// One line for each that has failed.
+  /// One line for each gateway that has failed.
   [[nodiscard]] std::vector<std::string> problems() const;
 
  private:
   struct Other {
-    std::map<std::string, std::uint64_t> until;  ///< by network, CLOCK_MONOTONIC
+    std::map<std::string, std::uint64_t>
+        until;  ///< until when it counts as present, by network, CLOCK_MONOTONIC ns
     bool forwards = true;
-    /// It says that it receives nothing of this gateway: so many announcements were made since
-    /// then.
+    /// Set while it says that it receives nothing of this gateway: the number of announcements that
+    /// this gateway has made since then.
     std::optional<std::uint64_t> lacks_this{};
   };
-  /// Of each gateway, why it has failed; nothing: it has not.
+  /// For each gateway the reason why it has failed; nullopt if it has not.
   using Failures = std::vector<std::optional<std::string>>;
-  /// A gateway and a network of both.
+  /// A gateway and a network on which both it and this gateway have a port.
   using Pair = std::pair<std::string, std::string>;
 
   [[nodiscard]] const core::System& system() const { return parts_.scene.state->system(); }
@@ -66,17 +73,17 @@ class GatewayPresence {
   [[nodiscard]] std::optional<std::size_t> known(const std::string& name) const;
   [[nodiscard]] bool is_available(std::size_t network) const;
   [[nodiscard]] bool is_announced(std::uint64_t now) const;
-  /// Since when something could be received, of each gateway on each network.
+  /// Updates since when announcements of each gateway could be received on each network.
   void note_networks(std::uint64_t now);
-  /// Until when the gateway is there as far as is known from any network; nothing: none of them is
-  /// available here, so nothing is known.
+  /// Until when the gateway counts as present, the latest of all networks; nullopt if none of them
+  /// is available here, so that nothing is known.
   [[nodiscard]] std::optional<std::uint64_t> there_until(std::size_t gateway) const;
   [[nodiscard]] bool is_silent(std::size_t gateway, std::uint64_t now) const;
   [[nodiscard]] std::optional<std::string> failure_of(std::size_t gateway, std::uint64_t now) const;
-  /// Why this gateway cannot carry what another one can.
+  /// Why this gateway cannot carry what another one can; nullopt if it can.
   [[nodiscard]] std::optional<std::string> inability() const;
-  /// It is missing for longer than a restart takes, and something that is granted has a way that it
-  /// would carry here.
+  /// Whether the relay has been missing for longer than a restart takes while a granted channel has
+  /// a route that it would carry here.
   [[nodiscard]] bool lacks_relay(std::uint64_t now);
   [[nodiscard]] bool needs_relay() const;
   [[nodiscard]] bool needs_relay_now();
@@ -85,16 +92,17 @@ class GatewayPresence {
   [[nodiscard]] Failures failures(std::uint64_t now) const;
 
   Parts parts_;
-  std::uint64_t asked_ = 0;  ///< by the program that announces, CLOCK_MONOTONIC
-  Value interval_ = 0;       ///< of this gateway, when it was applied last
+  std::uint64_t asked_ = 0;  ///< when announce() was last called, CLOCK_MONOTONIC ns
+  Value interval_ = 0;       ///< the interval of this gateway at the latest apply()
   std::uint64_t relay_seen_ = 0;
   std::uint64_t relay_checked_ = 0;
   bool relay_needed_ = false;
   bool lacks_relay_ = false;
   std::map<Pair, std::uint64_t> since_;
   std::map<std::string, Other> others_;
-  Failures last_;                              ///< as long as this gateway was announced
-  std::map<std::string, std::string> failed_;  ///< as it was applied last: a line
+  Failures last_;  ///< as of the latest time at which this gateway was announced
+  std::map<std::string, std::string>
+      failed_;  ///< as of the latest apply(): the line of the log, by gateway
 };
 
 }  // namespace mlcca

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Signs of life for the gates, which close without them, and for the service manager.
+// Gives signs of life to the gates, which close without them, and to the service manager.
 #pragma once
 #include <cstdint>
 
@@ -13,12 +13,12 @@ class Heartbeat {
  public:
   Heartbeat(GateControl& control, const Clock& clock) : control_(control), clock_(clock) {}
 
-  /// To be called after each step of what takes long: gives a sign of life when one is due. Gates
-  /// that have closed meanwhile stay closed: see GateControl::lapsed().
+  /// To be called after each step of long work: gives a sign of life if one is due. Gates that have
+  /// closed meanwhile stay closed: see GateControl::lapsed().
   void pulse();
 
-  /// Until end_start() the signs keep in force what a former daemon has left, for `limit` ns. After
-  /// an error nothing is kept after the grace.
+  /// Until end_start() each sign of life also keeps in force what a former daemon has left, for at
+  /// most `limit` ns. After an error it stays in force only for the grace period.
   Result<void> begin_start(std::uint64_t limit);
   void end_start();
 

@@ -9,7 +9,8 @@
 
 namespace mlcca {
 
-/// What the history has, the newest first, a page at a time. What comes in meanwhile is newer.
+/// The contents of the history, the newest rows first, one page at a time. Rows that are written
+/// meanwhile are newer than those that follow, so no page repeats or omits a row.
 class HistoryPages {
  public:
   static constexpr std::size_t kPage = 128;  ///< rows
@@ -24,7 +25,7 @@ class HistoryPages {
   store::History& history_;
   store::HistoryFilter filter_;
   std::size_t left_;
-  /// Rows of the time at which the next page begins that were given already.
+  /// The number of rows already given that have the time at which the next page begins.
   std::size_t again_ = 0;
 };
 

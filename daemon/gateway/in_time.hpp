@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What may hang (a look-up of a user, a file system) is done on a thread and waited for, but not
-// for ever.
+// Runs calls that may hang (looking up a user, a file system) on a thread, and waits for them for a
+// limited time.
 #pragma once
 #include <chrono>
 #include <cstdint>
@@ -17,8 +17,8 @@
 
 namespace mlcca {
 
-/// What `work` gives, which must share nothing with anyone; nothing after `limit_ns`: then the
-/// thread goes on, and the program must end by std::_Exit. `meanwhile` is called every 20 ms.
+/// The result of `work`, which must share no data with others; nullopt after `limit_ns`. Then the
+/// thread continues, and the program must end by std::_Exit. `meanwhile` is called every 20 ms.
 template <class Work>
 auto in_time(Work work, std::uint64_t limit_ns, const std::function<void()>& meanwhile)
     -> std::optional<std::invoke_result_t<Work>> {
@@ -35,7 +35,8 @@ auto in_time(Work work, std::uint64_t limit_ns, const std::function<void()>& mea
   }
   const std::uint64_t end = monotonic_ns() + limit_ns;
   for (;;) {
-    // What is there is taken, however late this process comes to it: it is looked for after this.
+    // The deadline is read before the result, so that a result that is there counts even if this
+    // process was delayed.
     const bool late = monotonic_ns() >= end;
     if (future.wait_for(slice) == std::future_status::ready) return future.get();
     if (late) return std::nullopt;

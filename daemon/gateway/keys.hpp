@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Under which key an application asked for an admission, so that asking again grants it once.
+// The keys under which applications asked for admissions, so that a repeated request does not make
+// a second admission.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -8,14 +9,15 @@
 
 namespace mlcca {
 
-/// What the keys of subscriptions that came over a network begin with.
+/// The prefix of the keys of subscriptions that came over a network.
 [[nodiscard]] inline std::string subscription_keys(const std::string& network) {
   return "subscription " + network + " ";
 }
 
+/// A map between keys and admission numbers, in both directions.
 class Keys {
  public:
-  /// No key: nothing is remembered.
+  /// An empty key is not remembered.
   void put(const std::string& key, std::uint64_t id) {
     if (key.empty()) return;
     ids_.insert_or_assign(key, id);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Leases of admissions: an application that stops renewing loses what it reserved. Bookkeeping
-// only: time comes in as argument, in nanoseconds of any steady clock.
+// The leases of admissions: an application that stops renewing loses its reservation. Bookkeeping
+// only: times are arguments, in ns of any steady clock.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -14,26 +14,26 @@ namespace mlcca {
 
 class Leases {
  public:
-  /// What never ends; next_deadline() when there is no lease that does.
+  /// A lease that never ends; also the result of next_deadline() if there is no other lease.
   static constexpr std::uint64_t kUnbounded = ~std::uint64_t{0};
 
-  /// Admission `id` lives until `now` + `length_ns`, unless renewed. A lease that it had before is
+  /// Admission `id` lives until `now` + `length_ns` unless it is renewed. A former lease is
   /// replaced. A lease whose end would exceed 2^64-1 never ends.
   void set(std::uint64_t id, std::uint64_t length_ns, std::uint64_t now);
-  /// From `now` on as long as it was set for; nothing for an id without a lease.
+  /// Starts the lease again at `now` with its full length. No effect for an id without a lease.
   void renew(std::uint64_t id, std::uint64_t now);
-  /// Ends `by_ns` from `now` on, and is as long as before when it is renewed.
+  /// Lets the lease end `by_ns` after `now`. Its length for later renewals does not change.
   void postpone(std::uint64_t id, std::uint64_t by_ns, std::uint64_t now);
   void forget(std::uint64_t id);
 
-  /// Those whose end has come (end <= now), the one that ended first in front, and not more of them
-  /// than `most`. They stay until they are forgotten or renewed.
+  /// At most `most` leases that have ended (end <= now), the earliest first. They stay until they
+  /// are forgotten or renewed.
   [[nodiscard]] std::vector<std::uint64_t> expired(std::uint64_t now,
                                                    std::size_t most = ~std::size_t{0}) const;
-  /// When the first one ends.
+  /// When the first lease ends; kUnbounded if none does.
   [[nodiscard]] std::uint64_t next_deadline() const;
-  /// Nanoseconds until it ends: 0 when it has ended, kUnbounded when it never does; nothing for an
-  /// id without a lease.
+  /// Nanoseconds until the lease ends: 0 if it has ended, kUnbounded if it never does; nullopt for
+  /// an id without a lease.
   [[nodiscard]] std::optional<std::uint64_t> remaining(std::uint64_t id, std::uint64_t now) const;
 
  private:

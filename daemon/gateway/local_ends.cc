@@ -9,7 +9,7 @@
 namespace mlcca {
 Result<void> LocalEnds::add(const core::EventChannel& channel, uid_t user, std::uint64_t session,
                             const std::string& address) {
-  // It is not repeated: that may be nearly a key.
+  // The address is not repeated in the error: it may be almost a key.
   if (!control::local_address_in(address))
     return fail(
         "local is the name of a socket that was bound without one (unix(7)) and its key: 5 and 16 "

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Where subscribers on the gateway receive what programs on it publish: no network is in between,
+// Where subscribers on this gateway receive what programs on it publish: no network is in between,
 // and the daemon neither sees nor carries the events.
 #pragma once
 #include <sys/types.h>
@@ -17,22 +17,25 @@
 
 namespace mlcca {
 
+/// Keeps the local addresses of subscribers, by channel and session.
 class LocalEnds {
  public:
-  /// Subscribers of one channel. A publisher sends to each.
+  /// The most subscribers of one channel. A publisher sends to each of them.
   static constexpr std::size_t kMostOfChannel = 64;
-  /// Of these, of one user other than root.
+  /// The most of these that one user other than root may have.
   static constexpr std::size_t kMostOfUser = 32;
 
-  /// The log passes on to clients that a channel has other ones. It must outlive this.
+  /// `log` reports changed addresses to clients. It must outlive this object.
   explicit LocalEnds(EventLog& log) : log_(log) {}
 
-  /// Until the session ends. It has one address for each channel. Error: it is none (see
-  /// control::LocalAddress), or the channel or the user has too many.
+  /// Adds the address of a subscriber until the session ends. A session has one address for each
+  /// channel. The error: it is no valid address (see control::LocalAddress), or the channel or the
+  /// user has too many.
   [[nodiscard]] Result<void> add(const core::EventChannel& channel, uid_t user,
                                  std::uint64_t session, const std::string& address);
   void session_closed(std::uint64_t session);
-  /// With their keys: for programs alone that are granted there as publishers.
+  /// The addresses with their keys, which only programs may learn that are granted on this channel
+  /// as publishers.
   [[nodiscard]] std::vector<std::string> addresses(core::Subject subject) const;
 
  private:
@@ -44,7 +47,7 @@ class LocalEnds {
     std::string channel;
     std::map<std::uint64_t, End> by_session;
   };
-  /// Why there is no place for one more; nothing: there is.
+  /// Why there is no room for one more; nullopt if there is.
   static std::optional<std::string> refusal(const std::string& channel, const Ends& ends,
                                             uid_t user);
   void report(core::Subject subject, const std::string& channel);

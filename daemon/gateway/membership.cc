@@ -16,14 +16,16 @@ namespace {
 
 namespace cc = core::cluster;
 
-constexpr int kMostRounds = 32;                     // of one turn
+constexpr int kMostRounds = 32;                     // rounds of one turn
 constexpr Value kWaitStep = 20'000'000;             // ns
 constexpr Value kUntilAgain = 1'000'000'000;        // ns
 constexpr Value kEnforceAgain = 5'000'000'000;      // ns
 constexpr Value kProposeAgain = 30'000'000'000;     // ns
 constexpr Value kLongestSleep = 3'600'000'000'000;  // ns
-constexpr Value kMarginParts = 16;                  // of a lease: to close before it ends
-constexpr unsigned kTxnBits = 40;                   // of a number, below that of the member
+constexpr Value kMarginParts =
+    16;  // the part of a lease before its end at which this gateway closes what is leased
+constexpr unsigned kTxnBits =
+    40;  // bits of a transaction's number; the bits above are the number of the member
 constexpr unsigned kHalf = 32;
 
 std::uint64_t random_number() {
@@ -94,7 +96,7 @@ void Membership::begin() {
   early_.clear();
   wish_again_.clear();
   ++generation_;
-  // What the store may still have of a gateway that takes no part is taken out of it.
+  // A gateway that takes no part removes what the store may still have of it.
   draining_ = left_ = false;
   drained_ = until_restart_ || parts_.recorder.contents().membership.drained;
   leaving_ = leaving_ || drained_;
@@ -103,7 +105,7 @@ void Membership::begin() {
   member_->on_state(store_, now());
 }
 
-/// Nothing that would close anything is done meanwhile, nor said to be done.
+/// Meanwhile nothing is closed, and nothing is reported to the store as closed.
 void Membership::await(std::uint64_t limit) {
   if (leaving_) return;
   const Value end = add_saturating(now(), limit);
@@ -120,8 +122,8 @@ void Membership::await(std::uint64_t limit) {
   }
 }
 
-/// Admissions of other gateways that nobody here knows of any more: in a state that came back
-/// because another one could not be put in force.
+/// Removes admissions of other gateways that are no longer known here. They occur in a state that
+/// was restored because another one could not be put in force.
 void Membership::forget_orphans() {
   const auto& known = parts_.recorder.contents().admissions;
   std::vector<core::AdmissionId> orphans;
@@ -130,7 +132,8 @@ void Membership::forget_orphans() {
   for (const core::AdmissionId id : orphans) state().remove(id);
 }
 
-/// A gateway of another name, or of another cluster, is another one to the store.
+/// To the store, a gateway of another name or cluster is another gateway, so its record does not
+/// count.
 cc::Journalled Membership::journalled_before() const {
   const store::Membership& was = parts_.recorder.contents().membership;
   const std::string& gateway = state().system().gateways[self_].name;
@@ -186,7 +189,7 @@ void Membership::take(ClusterMessage message) {
   }
 }
 
-/// What it says of the world; what is to be decided after that is another step.
+/// Takes in what an event says about the world. Decisions that follow from it are a separate step.
 void Membership::take_in(const cc::Event& event) {
   if (const auto* changed = std::get_if<cc::ForeignChanged>(&event)) {
     networks_->touch(changed->network);
@@ -233,7 +236,7 @@ void Membership::take_in_description(const cc::Event& event) {
   }
 }
 
-/// True: it was something to be decided.
+/// Handles events that need decisions; false if the event is none of these.
 bool Membership::decide(const cc::Event& event) {
   if (const auto* reserved = std::get_if<cc::Reserved>(&event))
     reserving_->on(*reserved, *member_);
@@ -264,15 +267,15 @@ void Membership::act() {
   }
   lost_ = !bring_in_line() && lost_;
   propose_first();
-  // What the kernel has not closed is not said to be.
+  // The store is not informed of a closing that the kernel has refused.
   if (!more && parts_.turn.in_line()) member_->applied(member_->view().revision());
   send();
   report();
   plan();
 }
 
-/// Gates and state follow permits and what others hold; until when, the kernel knows before they
-/// open, and no longer when they are closed.
+/// Brings gates and state in line with the permits and with what others hold. The kernel gets the
+/// end of the lease before gates open, and loses it only after they have closed.
 bool Membership::bring_in_line() {
   if (!decided_) return false;
   note_failed();
@@ -284,7 +287,7 @@ bool Membership::bring_in_line() {
   return parts_.turn.in_line();
 }
 
-/// Where the kernel has refused, nothing is given back.
+/// As long as the kernel refuses to close something, nothing is given back.
 void Membership::enforce_again() {
   if (parts_.turn.in_line() || now() < enforce_at_) return;
   enforce_at_ = add_saturating(now(), kEnforceAgain);
@@ -324,7 +327,7 @@ void Membership::lower_until() {
   if (!networks_->permits().is_open() || !networks_->has_leased()) set_until(0);
 }
 
-/// Where the kernel refuses, what is leased stays closed.
+/// If the kernel refuses, everything that depends on the lease stays closed.
 void Membership::set_until(std::uint64_t until) {
   if (until_ == until || now() < until_retry_) return;
   const auto set = parts_.control.set_until(until);
@@ -340,7 +343,7 @@ void Membership::set_until(std::uint64_t until) {
   until_ = until;
   until_retry_ = 0;
   static_cast<void>(until_trouble_.is_new(""));
-  // A later time holds from the next heart-beat on.
+  // Makes a later time effective now; otherwise the next heart-beat would.
   if (decided_ && !parts_.control.lapsed()) static_cast<void>(parts_.control.beat(now()));
 }
 
@@ -370,7 +373,8 @@ void Membership::poll() {
   reserving_->tidy();
 }
 
-/// Whatever is taken from the store is written down first.
+/// Writes to disk what was taken from the store, before anything is sent that depends on it. False
+/// if that failed.
 bool Membership::write_down() {
   const store::Membership record = this->record();
   if (parts_.recorder.contents().membership == record) return true;
@@ -385,7 +389,8 @@ bool Membership::write_down() {
 }
 
 void Membership::send() {
-  // Before it is said that something is closed, it is.
+  // Nothing is sent while a closing after a lost lease is not complete: others could take it as
+  // closed.
   if (lost_ && decided_) return;
   if (!write_down()) return;
   auto txns = member_->take_txns(now());
@@ -405,7 +410,7 @@ void Membership::send() {
   }
 }
 
-/// Where the store has none yet, all gateways are asked about this one.
+/// If the store has no description in force, proposes that of this gateway to all gateways.
 void Membership::propose_first() {
   const auto& records = member_->view().records();
   if (!joined_ || leaving_ || !member_->view().complete() || records.current.mod != 0 ||

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// This gateway as one of several that share networks: what the store says becomes a part of what is
-// decided here, and what is decided here is reserved there. The protocol is core/cluster's.
+// The part that this gateway takes in a cluster, where several gateways share networks through a
+// store. The protocol is in core/cluster; this file connects it with the daemon.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -31,6 +31,10 @@
 
 namespace mlcca {
 
+/// Applies what the store says to the state that is decided here, and reserves in the store what is
+/// decided here. Owns the member of the protocol (core::cluster::Member), the shared networks, and
+/// what is reserved (Reserving) and adopted (Adopting). Journals before it sends, and never says
+/// that something is closed before the kernel has closed it.
 class Membership {
  public:
   using Number = SharedNetworks::Number;
@@ -42,111 +46,115 @@ class Membership {
     Turn& turn;
     ClusterLink& link;
     const Clock& clock;
-    sd_event* loop = nullptr;  ///< of the time at which something is due; null: the caller asks
+    sd_event* loop =
+        nullptr;  ///< for the timer of what is due; null: the caller calls act() itself
     Value lease = 0;
     std::function<void()> pulse;
-    /// A user pays for rows of the history.
+    /// Charges the quota of a user with rows of the history.
     std::function<void(uid_t user, std::uint64_t rows)> charge;
-    /// This gateway can carry now what others could carry as well.
+    /// Whether this gateway can carry now what other gateways could carry as well.
     std::function<bool()> able;
-    /// Before anything is on disk that somebody waits for.
+    /// Called before a commit that somebody waits for.
     std::function<void()> before_commit;
     Rollout& rollout;
-    Adopting::Hands hands;  ///< its last three are filled in here
+    Adopting::Hands hands;  ///< the last three (new_id, new_number, bring_in_line) are set here
   };
   explicit Membership(Parts parts);
 
-  // A start, and another description.
+  // Calls for a start, and for another description.
 
-  /// A description is going to be in force. While the gates are as a former daemon has left them,
-  /// what the store says is waited for.
+  /// begin(): a description is about to be put in force; the member of the protocol starts again.
+  /// await(): waits at most `limit` ns for what the store says, while the gates are as a former
+  /// daemon has left them.
   void begin();
   void await(std::uint64_t limit);
-  /// Before everything is decided in the state that the scene has.
+  /// Called before everything is decided in the present state of the scene.
   void take_up();
-  /// It is decided, and the gates follow it.
+  /// Called when everything is decided and the gates follow it.
   void in_force() {
     decided_ = true;
-    // A daemon before this one may have capped the time of all gates.
+    // A former daemon may have limited the time of all gates.
     lower_until();
   }
 
-  // The turn.
+  // Calls in each turn.
 
-  /// In place of settling the state.
+  /// Applies what the store has said, decides and enforces what follows, and sends transactions.
+  /// Replaces Turn::settle() in a cluster.
   void act();
-  /// The gates have closed by themselves, or may have: what is leased is closed here before they
-  /// open again.
+  /// The gates have closed by themselves, or may have. Closes what holds only with the lease before
+  /// they open again.
   void expire();
-  /// What was answered is on disk, or why it is not.
+  /// What was answered is on disk; an error says why it is not. Calls the functions of
+  /// after_commit().
   void committed(const Result<void>& done);
-  /// Once a second.
+  /// To be called once a second.
   void poll();
 
-  // The end.
+  // Calls at the end.
 
-  /// What is shared closes, and is given back; then may_end() holds, some seconds later at most.
+  /// Closes what is shared and gives it back. may_end() becomes true within 5 s.
   void leave();
   [[nodiscard]] bool may_end() const;
 
-  // An operator takes the gateway out, and in again. On disk first; after an error nothing has
-  // changed.
+  // An operator takes the gateway out of the cluster, and in again. Both write to disk first. After
+  // an error nothing has changed.
 
-  /// As leave(), until join(): also a daemon that starts later takes no part, unless it is
-  /// `until_restart`.
+  /// Does what leave() does, until join(). Unless `until_restart`, a daemon that starts later takes
+  /// no part either.
   [[nodiscard]] Result<void> drain(bool until_restart);
   [[nodiscard]] Result<void> join();
   [[nodiscard]] bool is_drained() const { return drained_; }
   [[nodiscard]] bool is_drained_until_restart() const { return drained_ && until_restart_; }
 
-  // Who wants something.
+  // Requests of clients.
 
-  /// Why nothing can be asked for now; empty: it can.
+  /// Why a user can ask for nothing now; empty if they can.
   [[nodiscard]] std::string bar(uid_t user) const;
-  /// Why what the description promises of shared networks is closed now.
+  /// Why the standing promises on shared networks are closed now.
   [[nodiscard]] std::string why_closed() const;
   void ask(Reserving::Job job);
   [[nodiscard]] bool waits_for(const std::string& key) const;
   [[nodiscard]] std::size_t waiting_keys(const std::string& beginning) const;
-  /// Whoever waits with that key is refused. False: nobody does.
+  /// Refuses the job that waits with this key. False if there is none.
   bool refuse(const std::string& key, const std::string& why);
   void admissions_gone(const std::vector<core::AdmissionId>& gone);
   void session_closed(std::uint64_t session);
-  /// Admitted for another gateway, which alone releases it.
+  /// Whether the admission was made for another gateway, which alone releases it.
   [[nodiscard]] bool is_adopted(core::AdmissionId id) const;
   [[nodiscard]] const core::cluster::Baseline& baseline() const { return networks_->baseline(); }
-  /// What others have to know to decide about it, too: what was admitted here and has brought the
-  /// publishers of it.
+  /// Adds to `to` the admissions here that have brought the publishers that `footprint` counts.
+  /// Other gateways need them to decide on it.
   void add_publishers(const core::cluster::Footprint& footprint, cluster::Asked& to) const;
-  /// Called with true once everything is on disk that was granted before, or with false.
+  /// `call` gets the result of the next commit: success once everything granted before is on disk.
   void after_commit(std::function<void(const Result<void>&)> call) {
     waits_.push_back(std::move(call));
   }
-  /// A reply to a session goes on.
+  /// Sets the function that is called when the reply to a session can continue.
   void on_ready(std::function<void(std::uint64_t session)> ready) { ready_ = std::move(ready); }
   void ready(std::uint64_t session) const {
     if (ready_) ready_(session);
   }
   void charge(uid_t user, std::uint64_t rows) const { parts_.charge(user, rows); }
 
-  /// Of descriptions.
+  /// The rollout of descriptions.
   [[nodiscard]] Rollout& rollout() const { return parts_.rollout; }
-  /// Why no description can be rolled out now; empty: one can.
+  /// Why no description can be rolled out now; empty if one can.
   [[nodiscard]] std::string rollout_bar() const;
-  /// What keeps it from taking part as it should.
+  /// What keeps this gateway from taking its full part, one line each.
   [[nodiscard]] std::vector<std::string> problems() const;
-  /// The same in short; empty: nothing.
+  /// The same in one short text; empty if nothing does.
   [[nodiscard]] std::string standing() const;
   [[nodiscard]] const core::cluster::Member& member() const { return *member_; }
-  /// Null before begin().
+  /// nullptr before begin().
   [[nodiscard]] const core::cluster::Member* begun_member() const { return member_.get(); }
   [[nodiscard]] const core::Permits& permits() const { return networks_->permits(); }
   [[nodiscard]] const core::cluster::Digest& digest() const { return digest_; }
   [[nodiscard]] Value lease() const { return parts_.lease; }
   [[nodiscard]] const core::cluster::StoreState& store() const { return store_; }
-  /// Since when the store answers, or does not.
+  /// Since when the store answers, or does not answer: CLOCK_MONOTONIC ns.
   [[nodiscard]] Value store_since() const { return store_since_; }
-  /// Nothing of it is in the store any more.
+  /// Whether the store has nothing of this gateway any more.
   [[nodiscard]] bool has_left() const { return left_; }
   [[nodiscard]] Value now() const { return parts_.clock.monotonic_ns(); }
 
@@ -155,7 +163,7 @@ class Membership {
   void take_in(const core::cluster::Event& event);
   void take_in_description(const core::cluster::Event& event);
   bool decide(const core::cluster::Event& event);
-  /// False: what is to be closed may be open.
+  /// False if the kernel may have left open what is to be closed.
   bool bring_in_line();
   void enforce_again();
   void drain_when_closed();
@@ -200,26 +208,26 @@ class Membership {
   std::string system_;
   core::cluster::StoreState store_{};
   Value store_since_ = 0;
-  std::uint64_t generation_ = 0;             ///< of members: their transactions are kept apart
-  std::vector<bool> failed_;                 ///< by gateway, as elected
-  std::vector<core::cluster::Event> early_;  ///< that came before anything was decided
+  std::uint64_t generation_ = 0;  ///< counts members, so that their transactions are distinguished
+  std::vector<bool> failed_;  ///< by gateway: whether the cluster has elected that it has failed
+  std::vector<core::cluster::Event> early_;  ///< events that came before anything was decided
   bool decided_ = false;
-  bool joined_ = false;  ///< once, with this description
+  bool joined_ = false;  ///< whether it has joined with this description
   bool leaving_ = false, draining_ = false, left_ = false;
-  bool lost_ = false;  ///< and the gates may not have closed yet
+  bool lost_ = false;  ///< the lease was lost, and the gates may not have closed yet
   Value enforce_at_ = 0;
-  bool drained_ = false;        ///< as an operator wants it
-  bool until_restart_ = false;  ///< and no longer than that
+  bool drained_ = false;        ///< an operator has drained this gateway
+  bool until_restart_ = false;  ///< the drain ends with this daemon
   bool looks_for_wishes_ = true;
   Value leave_until_ = 0;
-  std::optional<std::uint64_t> until_;  ///< as it was set last
-  Value until_retry_ = 0;               ///< the kernel has refused: not before
+  std::optional<std::uint64_t> until_;  ///< as it was last set in the kernel
+  Value until_retry_ = 0;  ///< the kernel has refused: no further attempt before this time
   Problem until_trouble_;
-  std::map<std::string, Value> wish_again_;  ///< by channel
+  std::map<std::string, Value> wish_again_;  ///< when a channel's wish is tried again, by channel
   std::vector<std::function<void(const Result<void>&)>> waits_;
   std::function<void(std::uint64_t)> ready_;
-  std::string said_;      ///< the latest line on how it stands
-  Value propose_at_ = 0;  ///< the first description
+  std::string said_;      ///< the latest reported line about its standing
+  Value propose_at_ = 0;  ///< when the first description of a cluster may be proposed
   net::Timer timer_;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The gateway leaves its cluster: at the end, or for as long as an operator wants it; and how that
-// is said.
+// How a gateway leaves its cluster, at the end of the daemon or while an operator wants it, and the
+// texts about that.
 #include <fmt/format.h>
 
 #include "daemon/gateway/membership.hpp"
@@ -37,7 +37,7 @@ bool Membership::may_end() const {
   return !member_ || left_ || !store_.reachable || now() >= leave_until_;
 }
 
-/// What is due to be written goes first, so that nothing of it is taken back with this.
+/// Commits what waits to be written first, so that a failure of this entry does not revert it.
 Result<void> Membership::write_drained(bool drained) {
   parts_.before_commit();
   parts_.turn.commit();
@@ -58,8 +58,8 @@ Result<void> Membership::drain(bool until_restart) {
   return {};
 }
 
-/// As a start does it: what the store still has of this gateway goes on, the rest is asked for
-/// again.
+/// Does what a start does: what the store still has of this gateway stays reserved, the rest is
+/// requested again.
 Result<void> Membership::join() {
   if (auto written = write_drained(false); !written) return written;
   leaving_ = false;
@@ -84,7 +84,7 @@ std::string Membership::closed_words() const {
                                       : "networks of several gateways are closed";
 }
 
-/// Of the store, which others see as well.
+/// Problems of the store, which other gateways have as well.
 void Membership::add_troubles(std::vector<std::string>& to) const {
   if (store_.no_space)
     to.push_back(fmt::format("cluster {}: the store is full, it takes nothing new", system_));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// How a gateway stands to the others.
+// The texts about a gateway's standing in its cluster.
 #include <fmt/format.h>
 
 #include "daemon/gateway/membership.hpp"
@@ -11,7 +11,6 @@ namespace cc = core::cluster;
 
 }  // namespace
 
-/// Empty: all is well.
 std::string Membership::standing() const {
   if (leaving_) return leaving_words();
   if (parts_.scene.unchecked)

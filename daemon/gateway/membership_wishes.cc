@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the gateway itself wants of shared networks, for channels that are there already.
+// The wishes of this gateway: reservations on shared networks for channels that exist already.
 #include <algorithm>
 #include <utility>
 
@@ -10,14 +10,15 @@
 namespace mlcca {
 namespace {
 
-constexpr Value kWishAgain = 2'000'000'000;          // ns after which it may fit
+constexpr Value kWishAgain = 2'000'000'000;          // when it may fit
 constexpr Value kRefusedWishAgain = 5'000'000'000;   // ns
-constexpr Value kGrantedWishAgain = 60'000'000'000;  // ns: it was given what would fit
+constexpr Value kGrantedWishAgain = 60'000'000'000;  // after a grant with which it should fit
 
 }  // namespace
 
-/// Channels that would be given more if it were reserved: those of which the reservation was lost,
-/// and those that others leave more room for than the description has promised.
+/// Asks for a channel that would be given more with a reservation: one that has lost its
+/// reservation, or for which others leave more room than the description promises. True if one was
+/// asked for.
 bool Membership::wish_some() {
   if (!joined_ || leaving_ || !looks_for_wishes_ || !reserving_->idle() ||
       !member_->why_not(now()).empty() || !networks_->permits().is_open())
@@ -32,7 +33,8 @@ bool Membership::wish_some() {
   return false;
 }
 
-/// What a gateway carried that has failed is reserved now, whenever that was tried last.
+/// A gateway has failed: what it carried is to be reserved now, even if that was tried a short time
+/// ago.
 void Membership::take_over() {
   wish_again_.clear();
   looks_for_wishes_ = true;
@@ -97,7 +99,7 @@ bool Membership::is_known(const cluster::Asked& asked) const {
          std::ranges::all_of(asked.also, known);
 }
 
-/// Something of the channel that nothing else allows.
+/// Whether the channel uses something that only this reservation allows.
 bool Membership::needs(const std::string& channel, Number number) const {
   const auto there = state().find_channel(channel);
   if (!there) return false;

@@ -13,7 +13,7 @@ namespace mlcca {
 namespace {
 
 constexpr std::uint64_t kLinesAtOnce = 10;            // of one source
-constexpr std::uint64_t kLineAgain = 10'000'000'000;  // ns after which there is one more
+constexpr std::uint64_t kLineAgain = 10'000'000'000;  // ns after which one more is allowed
 constexpr std::uint64_t kStep = 20'000'000;           // ns
 
 bool is_same(const core::mesh::Source& x, const core::mesh::Source& y) {
@@ -21,7 +21,7 @@ bool is_same(const core::mesh::Source& x, const core::mesh::Source& y) {
          x.metric == y.metric;
 }
 
-/// Where each of the former sources is among those of the new description; nothing: it is gone.
+/// The index of each former source in the new description; nullopt if it is gone.
 std::vector<std::optional<std::size_t>> places_of(const std::vector<core::mesh::Source>& former,
                                                   const std::vector<core::mesh::Source>& sources) {
   std::vector<std::optional<std::size_t>> places(former.size());
@@ -44,8 +44,8 @@ std::optional<std::uint32_t> node_of(const core::mesh::Mesh& mesh, std::size_t g
 
 }  // namespace
 
-/// What was known before a reload is known until the source that has said it says something else.
-/// What a source said that is gone counts no more, nor what the former description said of links.
+/// What a source has said before a reload is known until it says something else. What a source has
+/// said that is gone, or what the former description said of links, does not count any more.
 void Meshes::hand_over(const Entry& former, Entry& entry) {
   const auto places = places_of(former.mesh.sources, entry.mesh.sources);
   std::vector<core::mesh::Snapshot> known(entry.mesh.sources.size());
@@ -100,7 +100,7 @@ void Meshes::describe(const core::System& system, std::size_t self) {
   arm();
 }
 
-/// They are known at once, before anything is decided with them, and never grow old.
+/// Described links are known at once, before any decision, and never become stale.
 void Meshes::take_described(Entry& entry, std::size_t source) {
   const std::uint64_t now = monotonic_ns();
   entry.table.take(source, core::mesh::described_snapshot(entry.mesh, now), now);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The meshes of the description: their sources, what is believed of their links, and when that has
-// to be evaluated again.
+// Keeps the meshes of the description: their sources, what is known of their links, and when links
+// become stale.
 #pragma once
 #include <systemd/sd-event.h>
 
@@ -19,40 +19,41 @@
 
 namespace mlcca {
 
+/// Owns the sources of all meshes and their tables of links, and reports changes.
 class Meshes {
  public:
-  /// Gets what an operator should know: network, one line, whether it is a problem.
+  /// Receives what an operator should know: the network, one line, and whether it is a problem.
   using Report =
       std::function<void(const std::string& network, const std::string& line, bool problem)>;
-  /// The links of a network are believed to be others than before.
+  /// Called when the known links of a network have changed.
   using Changed = std::function<void(std::size_t network)>;
   using Open = std::function<decltype(net::open_source)>;
 
-  /// `loop` must outlive this.
+  /// `loop` must outlive this object.
   Meshes(sd_event* loop, Changed changed, Report report, Open open = net::open_source)
       : loop_(loop),
         changed_(std::move(changed)),
         report_(std::move(report)),
         open_(std::move(open)) {}
 
-  /// The meshes of a new description. What is known of a mesh that is described as before stays
-  /// known, and what a source has said that is among those of the mesh as before. A source that
-  /// cannot be opened is reported and knows nothing. `self`: the gateway of this machine.
+  /// Takes the meshes of a new description. What is known of a mesh that is described as before
+  /// stays known, also what a source has said that the mesh had before. A source that cannot be
+  /// opened is reported, and its links are unknown. `self` is the index of this gateway.
   void describe(const core::System& system, std::size_t self);
 
-  /// Runs the loop until every source has reported once, at most `limit_ns`: a daemon that starts
-  /// again should not withdraw what it will grant in a second. Nothing but sources may be on the
-  /// loop yet.
+  /// Runs the loop until every source has reported once, for at most `limit_ns`, so that a daemon
+  /// that starts again does not withdraw what it would grant a second later. The loop must have no
+  /// event sources other than those of the meshes yet.
   void await_first_reports(std::uint64_t limit_ns, const std::function<void()>& step);
 
-  /// Null: no mesh.
+  /// nullptr if the network is not a mesh.
   [[nodiscard]] const core::mesh::LinkTable* table(std::size_t network) const;
   [[nodiscard]] const core::mesh::Mesh* mesh(std::size_t network) const;
-  /// What keeps sources from knowing their links now, a line each.
+  /// What keeps sources from knowing their links now, one line each.
   [[nodiscard]] std::vector<std::string> problems() const;
 
  private:
-  /// What untrusted peers make a source say must not fill the log: ten lines at once, then one in
+  /// Limits the lines that untrusted peers can cause in the log: ten lines at once, then one every
   /// 10 s.
   struct Lines {
     bool take(std::uint64_t now);

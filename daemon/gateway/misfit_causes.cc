@@ -15,8 +15,7 @@ std::uint64_t counted(const Refusals& refusals, Fate fate) {
   return fate == Fate::dropped ? refusals.frames.dropped : refusals.frames.would_drop;
 }
 
-/// Since the counters were as `before`, which have the same order; one that is less has begun
-/// again.
+/// The growth of a counter since `before`. One that is less than before has started again from 0.
 std::uint64_t grown(const Refusals& now, const std::vector<Refusals>& before, Fate fate) {
   const auto old = std::ranges::find_if(before, [&now](const Refusals& one) {
     return one.egress == now.egress && std::string_view(one.reason) == now.reason;
@@ -51,7 +50,7 @@ std::vector<MisfitCauses::Cause> MisfitCauses::of(const core::GateEntry& entry, 
                       [](std::uint64_t sum, const Cause& cause) { return sum + cause.frames; });
   if (causes.size() == 1 && all >= frames) return {{causes.front().reason, frames}};
   if (all == frames) return causes;
-  // The latest frame may be one in excess, which has fitted.
+  // The latest frame may be excess, which fits the slot.
   if (latest.empty() || latest == enforce::reason_text(GATE_R_EXCESS))
     return {{"not as granted", frames}};
   return {

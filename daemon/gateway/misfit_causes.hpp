@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Why a slot refused frames. A gate counts frames by slot, and by reason for all of its slots; of a
-// slot it keeps the latest reason alone.
+// Finds the reasons for which a slot refused frames. A gate counts frames per slot, and per reason
+// for all its slots together; of a slot it keeps only the latest reason.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -16,12 +16,12 @@ namespace mlcca {
 
 class MisfitCauses {
  public:
-  /// It must outlive this.
+  /// `gates` must outlive this object.
   explicit MisfitCauses(const GateDriver& gates) : gates_(gates) {}
 
-  /// All slots are sampled from now on, and were sampled since the call before.
+  /// Starts a round, in which all slots are sampled once.
   void begin_round();
-  /// The counters start from 0.
+  /// Forgets all counts, because the counters of the gates start from 0.
   void forget() { before_.clear(), began_.clear(); }
 
   struct Cause {
@@ -29,9 +29,9 @@ class MisfitCauses {
     std::uint64_t frames = 0;
     bool operator==(const Cause&) const = default;
   };
-  /// Of the frames that a slot has refused between its sample in the round before and its sample
-  /// now. Exact where the gate refused frames for one reason meanwhile, or those of one slot; else
-  /// one cause that says the latest.
+  /// The causes of the `frames` that a slot has refused between its samples in the last round and
+  /// in this one. Exact if the gate refused frames only for one reason, or only of one slot;
+  /// otherwise one cause with the latest reason.
   [[nodiscard]] std::vector<Cause> of(const core::GateEntry& entry, Fate fate, std::uint64_t frames,
                                       const std::string& latest) const;
 
@@ -39,8 +39,8 @@ class MisfitCauses {
   using Counts = std::map<std::size_t, std::vector<Refusals>>;  ///< by port
 
   const GateDriver& gates_;
-  Counts before_;  ///< when the round before began
-  Counts began_;   ///< when this round did
+  Counts before_;  ///< at the beginning of the last round
+  Counts began_;   ///< at the beginning of this round
 };
 
 }  // namespace mlcca

@@ -17,7 +17,7 @@
 namespace mlcca {
 namespace {
 
-/// The links of each mesh that is supposed to change.
+/// The changed links of each mesh that the question is about.
 using Graphs = std::map<std::size_t, core::mesh::Graph>;
 
 Result<std::size_t> mesh_named(const core::State& state, const std::string& name) {
@@ -128,7 +128,7 @@ Result<std::unique_ptr<core::State>> suppose(const core::State& now,
   }
   for (std::size_t g = 0; g < now.system().gateways.size(); ++g)
     then->set_failed(g, now.world().failed[g]);
-  // What is reserved stays reserved, and nothing more is.
+  // Existing reservations stay, and no further ones are possible.
   then->set_permits(now.permits());
   then->decide(granted);
   for (auto& [network, graph] : graphs)

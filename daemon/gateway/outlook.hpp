@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What if: the state as it would be with other links, or without a network or a gateway.
+// Answers "what if": the state as it would be with other links, or without a network or a gateway.
 #pragma once
 #include <memory>
 
@@ -9,12 +9,12 @@
 
 namespace mlcca {
 
-/// A state of its own, decided as the gateway would decide if that happened now. The error names
-/// what is not known.
+/// A separate state, decided as the gateway would decide if that happened now. The error names what
+/// is not known.
 [[nodiscard]] Result<std::unique_ptr<core::State>> suppose(const core::State& now,
                                                            const control::WhatIfRequest& request);
 
-/// What differs between the two.
+/// The differences between the two states.
 [[nodiscard]] control::WhatIf outlook(const core::State& now, const core::State& then);
 
 }  // namespace mlcca

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// When a slice of a reply is long enough.
+// Decides when a slice of a reply is long enough.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -9,12 +9,13 @@
 
 namespace mlcca {
 
+/// A budget of rows and time for one slice.
 class Pace {
  public:
-  /// `row_bytes`: of a usual row on the wire.
+  /// `row_bytes` is the size of a usual row in the encoded reply.
   explicit Pace(std::size_t row_bytes) : left_(serve::Server::kSliceBytes / row_bytes) {}
 
-  /// One more row was made; false when the next one belongs to another slice.
+  /// Counts rows that were made; false if the next one belongs to another slice.
   bool made(std::size_t rows = 1) {
     left_ -= rows < left_ ? rows : left_;
     return left_ != 0 && monotonic_ns() < end_;

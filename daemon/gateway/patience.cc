@@ -24,7 +24,7 @@ Patience::~Patience() {
   thread_.join();
 }
 
-/// Signals are for the loop.
+/// Blocks all signals in the thread, because the loop handles them. False if there is no thread.
 bool Patience::start() {
   if (thread_.joinable()) return true;
   sigset_t all{};
@@ -55,7 +55,7 @@ void Patience::serve() {
   }
 }
 
-/// Without any patience (`longest` 0) the caller does the work itself, and there is no thread.
+/// If `longest` is 0, the caller does the work itself, without a thread.
 void Patience::run(const std::function<void()>& work) {
   if (longest_ == 0 || !start()) {
     work();

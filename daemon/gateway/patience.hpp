@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What may hang on a disk is done on a thread, and waited for. Nothing else happens meanwhile but
-// heart-beats: whoever loads the disk does not close the gates by it.
+// Runs calls that may hang on a disk on a thread, and waits for them. Meanwhile only heart-beats
+// are given, so that a program that loads the disk does not close the gates by it.
 #pragma once
 #include <condition_variable>
 #include <cstdint>
@@ -15,11 +15,11 @@ namespace mlcca {
 
 class Patience {
  public:
-  /// So long, in nanoseconds, `meanwhile` is called. What hangs longer hangs the caller: then no
+  /// ns for which `meanwhile` is called. A call that hangs longer hangs the caller: then no
   /// heart-beat is given, and the gates close.
   static constexpr std::uint64_t kLongest = 30'000'000'000;
 
-  /// `meanwhile` is called every 20 ms while something takes longer.
+  /// `meanwhile` is called every 20 ms while a call takes longer than that.
   explicit Patience(std::function<void()> meanwhile, std::uint64_t longest = kLongest)
       : meanwhile_(std::move(meanwhile)), longest_(longest) {}
   Patience(const Patience&) = delete;
@@ -28,8 +28,8 @@ class Patience {
   Patience& operator=(Patience&&) = delete;
   ~Patience();
 
-  /// What `work` gives. It may use whatever the caller may, for the caller waits; `meanwhile` may
-  /// use nothing of that. Where there is no thread to be had the caller does it itself.
+  /// Returns the result of `work`, which may use all data of the caller, because the caller waits.
+  /// `meanwhile` may use none of these. If no thread can be made, the caller runs `work` itself.
   template <class Work>
   auto wait_for(const Work& work) {
     std::optional<std::invoke_result_t<Work>> result;
@@ -46,9 +46,9 @@ class Patience {
   std::uint64_t longest_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  const std::function<void()>* work_ = nullptr;  ///< under way, or to be done
+  const std::function<void()>* work_ = nullptr;  ///< the call that is under way or to be done
   bool ends_ = false;
-  std::thread thread_;  ///< from the first work on
+  std::thread thread_;  ///< started with the first call
 };
 
 }  // namespace mlcca

@@ -28,7 +28,7 @@ bool Reading::begin(std::function<void()> work, std::function<void()> done) {
       const std::uint64_t one = 1;
       static_cast<void>(::write(ended->get(), &one, sizeof one) < 0);
     }).detach();
-  } catch (const std::system_error&) {  // of the library: no thread
+  } catch (const std::system_error&) {  // no thread could be made
     source_.reset();
     return false;
   }

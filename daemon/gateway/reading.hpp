@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A description is read on a thread of its own: it may be long, its files and the users that it
-// names may be slow to come. The loop goes on meanwhile (ADR 28).
+// Reads a description on a separate thread, because it may be long, and because its files and the
+// users that it names may be slow to look up. The loop continues meanwhile (ADR 28).
 #pragma once
 #include <systemd/sd-event.h>
 
@@ -13,7 +13,7 @@
 
 namespace mlcca {
 
-/// On a thread.
+/// Background work on a thread; one at a time.
 class Reading final : public Background {
  public:
   explicit Reading(sd_event* loop) : loop_(loop) {}
@@ -28,7 +28,7 @@ class Reading final : public Background {
   static int on_end(sd_event_source*, int, std::uint32_t, void* self) noexcept;
 
   sd_event* loop_;
-  std::shared_ptr<Fd> ended_;  ///< eventfd that the thread writes last
+  std::shared_ptr<Fd> ended_;  ///< eventfd that the thread writes to at its end
   std::unique_ptr<sd_event_source, FreeWith<sd_event_source_unref>> source_;
   std::function<void()> done_;
   std::uint64_t begun_ = 0;

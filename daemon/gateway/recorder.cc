@@ -86,7 +86,7 @@ void Recorder::note_ports() {
   std::vector<store::Gated> changed;
   const auto report = gates_.report();
   for (std::size_t p = 0; p < report.size(); ++p) {
-    // A gate that another program has detached is attached again: it is the port's as before.
+    // A gate that another program has detached will be attached again: the port still has it.
     if (!gates_.is_gated(p)) continue;
     const control::Interface& port = report[p];
     const store::Gated now{port.identity, port.network, port.name, port.ifindex};
@@ -113,7 +113,7 @@ void Recorder::note_contradicted(std::vector<store::Contradicted> all) {
   }
 }
 
-/// Of every subject, and of what a profile needs beside events.
+/// Notes the slots of every subject, and those for the control traffic of profiles.
 void Recorder::note_slots(core::GateState of_all) {
   const auto subject_of = [](const core::GateRule& rule) { return rule.entry.subject; };
   std::ranges::stable_sort(of_all, {}, [&](const core::GateRule& rule) {
@@ -136,8 +136,8 @@ void Recorder::note_slots(core::GateState of_all) {
   for (auto& [subject, slots] : now) append(store::Enforced{subject, std::move(slots)});
 }
 
-/// A batch has a limit, which a million subjects reach: where no answer waits for it there may be
-/// several.
+/// A batch has a size limit, which a million subjects reach. If no answer waits for the batch, it
+/// may be written in several parts.
 void Recorder::append(const store::Entry& entry) {
   core::Progress::step();
   auto done = journal_->append(entry);
@@ -166,7 +166,7 @@ Result<void> Recorder::commit(
 void Recorder::keep() {
   if (!journal_ || journal_->dirty()) return;
   const auto again = patience_.wait_for([this] {
-    // That something cannot be undone was reported with the commit that failed.
+    // The commit that failed has reported what cannot be undone.
     static_cast<void>(journal_->mend());
     return journal_->keep();
   });

@@ -16,7 +16,7 @@ constexpr const char* kNoThread =
 
 }  // namespace
 
-/// Reads on a thread, and goes on in the loop when that is done.
+/// Reads on a thread; the rest follows in the loop when that has ended.
 bool Reloads::start_reading(std::uint64_t session, ReadDescription from) {
   const auto read = std::make_shared<std::optional<DescribedResult>>();
   const auto current =
@@ -90,14 +90,14 @@ Body Reloads::refuse(StartError why) {
                         std::move(why.lines)};
 }
 
-/// There is no memory for a gate that it needs, or no right to make it.
+/// A gate that the description needs cannot be made: there is no memory or no right.
 Body Reloads::refuse(const Error& no_gates) {
   last_error_ = "nothing has changed: " + no_gates.text;
   parts_.log.error(Kind::reload, "reload refused, " + last_error_);
   return failed(last_error_);
 }
 
-/// Whoever has asked for it pays for what it reports.
+/// The rows that a reload writes are charged to the user who requested it.
 Body Reloads::take(DescribedResult read) {
   const auto actor = current_ ? current_->actor : std::nullopt;
   const EventLog::Acting acting(parts_.log, actor);

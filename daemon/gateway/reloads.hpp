@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Another description takes the place of the one in force: it is read on a thread, and put in force
-// in one step of the loop, or nothing changes.
+// Puts another description in the place of the one in force: reads it on a thread, then puts it in
+// force in one step of the loop, or changes nothing.
 #pragma once
 #include <sys/types.h>
 
@@ -32,14 +32,16 @@
 
 namespace mlcca {
 
+/// A reload that was requested by a client, the service manager or a rollout. Only one is under way
+/// at a time.
 class Reloads {
  public:
   using Ready = std::function<void(std::uint64_t session)>;
 
-  /// All of them must outlive this.
+  /// All references must outlive this object.
   struct Parts {
     const Options& options;
-    /// What reads the description that counts now.
+    /// Returns the function that reads the description that is to be loaded now.
     std::function<ReadDescription()> reader;
     Background& reading;
     const Clock& clock;
@@ -54,39 +56,40 @@ class Reloads {
     Admissions& admissions;
     BusMonitor& buses;
     Meshes& meshes;
-    /// Interfaces, links and gates for the description that the scene has now; what was granted
-    /// before is served first.
+    /// Brings interfaces, links and gates in line with the description that the scene has now. What
+    /// was granted before is handled first.
     std::function<Result<void>(const DeliveryEvents::Granted&)> put_in_force;
-    /// The gateway in one line.
+    /// The state of the gateway in one line.
     std::function<std::string()> summary;
-    /// A user pays for rows of the history.
+    /// Charges the quota of a user with rows of the history.
     std::function<void(uid_t user, std::uint64_t rows)> charge;
     std::function<void()> pulse;
   };
   explicit Reloads(Parts parts) : parts_(std::move(parts)) {}
 
-  /// Called with the session whose reload has ended.
+  /// Sets the function that is called with the session whose reload has ended.
   void on_ready(Ready ready) { ready_ = std::move(ready); }
-  /// A client asks for it: the response comes when it is done.
+  /// Begins a reload for a client. The response comes when it has ended.
   Response begin(const Asker& asker);
-  /// The service manager does; what is wrong goes to the log.
+  /// Begins a reload for the service manager. Problems go to the log.
   void begin();
-  /// Another description than that of the file; false: not now. `done` gets why it is not in force;
-  /// empty: it is.
+  /// Begins to load another description than that of the file; false if that is not possible now.
+  /// `done` gets why it is not in force; empty if it is.
   bool begin(ReadDescription read, std::function<void(const std::string& why)> done);
-  /// Once a second: a description that takes too long to read is given up.
+  /// To be called once a second: gives up a description that takes too long to read.
   void poll();
 
-  /// With what was admitted at run time; the error says why it cannot be used.
+  /// Adds what was admitted at run time to `described`. Returns the admissions without a place in
+  /// it; the error says why the description cannot be used.
   [[nodiscard]] std::expected<Admissions::LeftOut, StartError> complete(Described& described) const;
-  /// When the description in force was read, seconds since 1970.
+  /// When the description in force was read: seconds since 1970.
   [[nodiscard]] std::uint64_t loaded() const { return loaded_; }
   void note_loaded() { loaded_ = parts_.clock.unix_ns() / 1'000'000'000; }
-  /// Why the latest reload was refused; empty: it was not.
+  /// Why the latest reload was refused; empty if it was not.
   [[nodiscard]] const std::string& last_error() const { return last_error_; }
 
  private:
-  /// What is under way: what is answered, and to whom.
+  /// The reload that is under way, and who waits for it.
   struct Current {
     std::optional<Body> body;
     std::uint64_t session = 0;

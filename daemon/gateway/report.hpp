@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Decisions and the state of the gates in the words of the control protocol.
+// Turns decisions and the state of gates into messages of the control protocol.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -11,11 +11,12 @@
 
 namespace mlcca {
 
-/// Why it was decided so, with what is wrong with a network that cannot be used.
+/// The reason of a verdict, with what is wrong with a network that cannot be used.
 [[nodiscard]] std::string why(const core::State& state, const core::Verdict& verdict);
-/// Whether what the publisher of a delivery holds of a mesh is available to whoever asks.
+/// Whether the medium time that the publisher of a delivery already holds counts as available to
+/// the asker.
 enum class Own : std::uint8_t { is_available, is_taken };
-/// What a medium gives a delivery, as its links and what is reserved are now.
+/// What a medium gives a delivery with its present links and reservations.
 [[nodiscard]] control::MediumUse medium_report(const core::State& state,
                                                const core::Verdict& verdict,
                                                const core::MediumUse& use, Own own);

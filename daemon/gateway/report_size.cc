@@ -8,8 +8,8 @@
 namespace mlcca {
 namespace {
 
-constexpr std::size_t kOfADelivery = 4;   // its names, reason and counters
-constexpr std::size_t kHopsOfALine = 16;  // that are evaluated in the time of a line
+constexpr std::size_t kOfADelivery = 4;   // the lines for its names, reason and counters
+constexpr std::size_t kHopsOfALine = 16;  // hops that are evaluated in the time of one line
 
 std::size_t lines_of_medium(const core::State& state, const core::MediumUse& use) {
   std::size_t lines = 1;

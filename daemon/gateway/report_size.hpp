@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// How much there is to say: what is too much for one turn of the loop is said by a child process,
-// or not all of it.
+// Estimates how long a report is. A report that is too long for one turn of the loop is made by a
+// child process, or not completely.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -11,22 +11,23 @@
 
 namespace mlcca {
 
-/// That are said in the loop, at once. Each takes some microseconds: 1,000 of them 1 to 5 ms.
+/// The most lines that are made at once in the loop. Each takes some microseconds: 1,000 of them
+/// take 1 to 5 ms.
 inline constexpr std::size_t kMostLines = 1024;
-/// Verdicts of a channel, or its publishers and subscribers: what has more is not examined in one
+/// The most verdicts of a channel, or publishers and subscribers of it, that are examined in one
 /// turn of the loop.
 inline constexpr std::size_t kManyEnds = 256;
 
-/// Of one delivery: its subscribers, comparisons and hops, as far as they are listed, and the ways
-/// through meshes that are evaluated for it.
+/// The lines about one delivery: its subscribers, comparisons and hops, as far as they are listed,
+/// and the paths through meshes that are evaluated for it.
 [[nodiscard]] std::size_t lines_of(const core::State& state, const core::Verdict& verdict);
 
-/// Of everything that a report on all of it may list: networks, gateways, nodes and links of
-/// meshes, deliveries, and what their publishers hold. Counted until it is more than `most`.
+/// The lines of a report on everything: networks, gateways, nodes and links of meshes, deliveries,
+/// and what their publishers hold. Counting stops above `most`.
 [[nodiscard]] std::size_t lines_of(const core::State& state, std::size_t most);
 
-/// What is said at once of these deliveries: as many as have kMostLines together, one at least, and
-/// what is refused first. The others are taken out of the list. Gives how many they are.
+/// Reduces `deliveries` to those that can be reported at once: kMostLines together, at least one
+/// delivery, refused ones first. Returns how many were removed.
 std::uint32_t leave_out(const core::State& state, std::vector<const core::Verdict*>& deliveries);
 
 }  // namespace mlcca

@@ -9,7 +9,8 @@
 
 namespace mlcca {
 
-/// A delivery in words that outlive the state: numbers of channels change with a description.
+/// Identifies a delivery independently of the state, because channel numbers change with a
+/// description.
 struct SilentDelivery {
   core::Subject subject = 0;
   core::Delivery delivery;
@@ -19,10 +20,10 @@ struct SilentDelivery {
 [[nodiscard]] SilentDelivery silent_delivery(const core::State& state,
                                              const core::Verdict& verdict);
 
-/// The deliveries whose silence has been reported, and whose end has not been.
+/// The deliveries whose silence has been reported and has not been reported as ended.
 class ReportedSilences {
  public:
-  /// `scene` must outlive this.
+  /// `scene` must outlive this object.
   explicit ReportedSilences(const Scene& scene) : scene_(scene) {}
 
   [[nodiscard]] bool contains(const core::Verdict& verdict) const {
@@ -31,11 +32,12 @@ class ReportedSilences {
   void add(const core::Verdict& verdict) {
     deliveries_.insert(silent_delivery(*scene_.state, verdict));
   }
-  /// False: it was not there.
+  /// False if it was not there.
   bool remove(const core::Verdict& verdict) {
     return deliveries_.erase(silent_delivery(*scene_.state, verdict)) != 0;
   }
-  /// Of deliveries that are granted no more nobody reports an end. Does nothing while few are kept.
+  /// Removes deliveries that are no longer granted, for which no end is reported. Does nothing
+  /// while few are kept.
   void forget_ended();
 
  private:

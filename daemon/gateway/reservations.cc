@@ -15,7 +15,7 @@
 namespace mlcca {
 namespace {
 
-/// Of two channels over one medium: the one with the longer response, the lower rates.
+/// Combines the reports of two channels on one medium: the longer response, the lower rates.
 void worsen(control::MediumUse& sum, const control::MediumUse& use) {
   sum.response_ns = std::max(sum.response_ns, use.response_ns);
   sum.guaranteed_ns = std::max(sum.guaranteed_ns, use.guaranteed_ns);
@@ -66,7 +66,7 @@ class Listing {
     const std::string& name = core::name_of(system(), here);
     first_[resource] = out_.resources.size();
     control::Resource& r = add(name, network ? "network" : "gateway", "bytes/s");
-    // A best case is no capacity.
+    // A best case is not a capacity.
     r.capacity_known =
         provision.has(Attribute::bandwidth) && !provision.is_dynamic(Attribute::bandwidth);
     if (r.capacity_known) r.capacity = provision[Attribute::bandwidth];
@@ -130,7 +130,7 @@ class Listing {
   const core::State& s_;
   const LeaseOf& lease_of_;
   control::Reservations out_;
-  std::map<std::size_t, std::size_t> first_;  // of each resource, where its entries begin
+  std::map<std::size_t, std::size_t> first_;  // index of the first entry of each resource
 };
 
 bool is_about_a_network(core::Obstacle obstacle) {
@@ -148,7 +148,7 @@ control::RouteReport new_route(const core::State& state, const core::Verdict& v,
   return out;
 }
 
-/// A verdict more that takes the route.
+/// Adds one more verdict that takes this route.
 void count_in(const core::State& state, const core::Verdict& v, control::RouteReport& out) {
   ++(v.granted ? out.granted : out.refused);
   if (is_about_a_network(v.obstacle)) out.problem = why(state, v);
@@ -182,7 +182,7 @@ control::Routes routes_report(const core::State& state) {
 
 void add_links(const core::mesh::Mesh& mesh, const core::mesh::LinkTable& table,
                const std::string& network, std::uint64_t now, control::Routes& out) {
-  std::unordered_map<std::string_view, const std::string*> names;  // by address
+  std::unordered_map<std::string_view, const std::string*> names;  // names of nodes, by address
   for (const core::mesh::Node& node : mesh.nodes) names.try_emplace(node.address, &node.name);
   const auto name = [&](const std::string& address) {
     const auto known = names.find(address);

@@ -10,7 +10,8 @@
 namespace mlcca {
 namespace {
 
-// Of an entry of the store, with its key and what else it has.
+// The longest text of an admission in the store, so that the entry with its key and other fields
+// fits.
 constexpr std::size_t kMostText = std::size_t{48} << 10U;
 
 std::vector<core::AdmissionId> ids_of(const cluster::Asked& asked) {
@@ -20,7 +21,8 @@ std::vector<core::AdmissionId> ids_of(const cluster::Asked& asked) {
   return ids;
 }
 
-/// What the store has of a reservation of this gateway; nothing: not all of it is understood.
+/// The footprint that the store has for a reservation of this gateway; nullopt if a part of it
+/// cannot be read.
 std::optional<core::cluster::Footprint> found_footprint(const core::cluster::View& view,
                                                         std::uint64_t number, std::size_t self) {
   const auto& records = view.records();
@@ -93,7 +95,7 @@ void Reserving::refuse_all(const std::string& why) {
   }
 }
 
-/// It may not be used any more. Others have it when the gates have closed and the store says so.
+/// Ends the use of a reservation. Others have it after the gates have closed and the store says so.
 void Reserving::give_back(Number number) {
   held_.erase(number);
   if (const auto* const there = parts_.networks.footprint(number))
@@ -110,7 +112,7 @@ void Reserving::release_closed(core::cluster::Member& member, Value now) {
 }
 
 void Reserving::admissions_gone(const std::vector<core::AdmissionId>& gone) {
-  // What counted with their publishers counts by itself.
+  // What counted together with their publishers has to be counted separately now.
   parts_.networks.touch_all();
   for (auto& [number, held] : held_) {
     if (held.admissions.empty()) continue;
@@ -136,7 +138,7 @@ void Reserving::put_in_force(const Open& open) {
   held_.insert_or_assign(
       open.number, Held{.channel = open.wish.asked.channel, .admissions = ids_of(open.wish.asked)});
   parts_.networks.hold(open.number, open.wish.footprint);
-  // Its publisher may come with it.
+  // The publisher of the channel may have been admitted together with it.
   parts_.networks.leave_out(open.number);
   static_cast<void>(parts_.bring_in_line());
   const bool withdrawn = !open.withdrawn.empty();
@@ -193,7 +195,7 @@ void Reserving::on(const core::cluster::Refused& event, const core::cluster::Mem
 }
 
 void Reserving::on(const core::cluster::Withdrawn& event) {
-  // It was reserved and withdrawn before this gateway had put it in force.
+  // The reservation was made and withdrawn before this gateway had put it in force.
   if (const auto job = find(event.id); job != jobs_.end()) job->withdrawn = event.why.reason;
   if (!held_.contains(event.id)) return;
   parts_.log("what " + held_.at(event.id).channel +
@@ -257,7 +259,8 @@ bool Reserving::step(core::cluster::Member& member, Value now) {
   return true;
 }
 
-/// What is closed for a while uses nothing, and will need it again.
+/// Does nothing while networks are closed: channels that are closed for a time use nothing, but
+/// will need their reservations again.
 void Reserving::tidy() {
   if (!parts_.networks.permits().is_open()) return;
   std::vector<Number> over;
@@ -266,7 +269,7 @@ void Reserving::tidy() {
   for (const Number number : over) give_back(number);
 }
 
-/// Users take turns, so that nobody waits for all that another one wants.
+/// Users take turns, so that nobody has to wait for all jobs of another user.
 Reserving::Jobs::iterator Reserving::next_turn() {
   const auto turn = [this](const Open& open) {
     return std::pair(latest_ && open.job.user && *open.job.user <= *latest_, open.job.user);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What this gateway wants of networks that it shares with others: one after the other is decided,
-// reserved in the store and put in force, or refused.
+// Reserves in the store what this gateway wants of networks that it shares with others.
 #pragma once
 #include <sys/types.h>
 
@@ -20,79 +19,85 @@
 
 namespace mlcca {
 
+/// A queue of jobs. Each one is decided, reserved in the store, and then put in force or refused.
+/// Users take turns. Also keeps what is reserved until nothing needs it any more.
 class Reserving {
  public:
   using Number = SharedNetworks::Number;
 
-  /// As it was decided from what is known now.
+  /// A footprint to reserve, as it was decided with present knowledge.
   struct Wish {
     core::cluster::Footprint footprint;
     std::string publisher;
     cluster::Asked asked;
   };
-  /// Somebody who wants something. Each is called with everything settled.
+  /// A request for a reservation. Its functions are called when everything is settled.
   struct Job {
-    /// Nothing: it is not wanted any more, or has been answered.
+    /// Decides what to reserve; nullopt if it is no longer wanted or has already been answered.
     std::function<std::optional<Wish>()> decide;
-    /// It is reserved, and may be used. False: it is not, after all.
+    /// Called when it is reserved and may be used. False if it is not used after all.
     std::function<bool()> granted;
     std::function<void(const std::string& why)> refused;
-    std::uint64_t session = 0;    ///< that must be there still; 0: none
-    std::string key{};            ///< of which there may be one; empty: none
-    std::optional<uid_t> user{};  ///< who has asked; nobody: the gateway itself
+    std::uint64_t session = 0;    ///< the job ends with this session; 0: with none
+    std::string key{};            ///< at most one job has this key; empty: no key
+    std::optional<uid_t> user{};  ///< who has asked; nullopt: the gateway itself
   };
   struct Parts {
     SharedNetworks& networks;
-    /// Gates and state follow what has changed of the networks. False: the kernel has refused, and
-    /// what is to be closed may be open.
+    /// Brings gates and state in line with changes of the networks. False if the kernel has
+    /// refused, so that what is to be closed may be open.
     std::function<bool()> bring_in_line;
-    /// Something that is in use of that channel needs that reservation.
+    /// Whether something that is in use of that channel needs that reservation.
     std::function<bool(const std::string& channel, Number number)> needs;
     std::function<void(const std::string&)> log;
   };
-  /// `first`: numbers from there on are used for reservations.
+  /// Reservations are numbered from `first` on.
   Reserving(Parts parts, Number first) : parts_(std::move(parts)), next_(first) {}
 
-  static constexpr Value kPatience = 5'000'000'000;  ///< ns that one waits for its turn
+  static constexpr Value kPatience = 5'000'000'000;  ///< ns that a job waits for its turn
 
-  /// Why a user can have no further one; empty: he can.
+  /// Why a user can have no further job; empty if they can.
   [[nodiscard]] std::string bar(uid_t user) const;
-  /// One with that key waits.
+  /// Whether a job waits with this key.
   [[nodiscard]] bool waits_for(const std::string& key) const;
-  /// Keys with that beginning.
+  /// The number of waiting jobs whose keys have this beginning.
   [[nodiscard]] std::size_t count_of_keys(const std::string& beginning) const;
-  /// Whoever waits with that key is refused. False: nobody does.
+  /// Refuses the job that waits with this key. False if there is none.
   bool refuse(const std::string& key, const std::string& why);
   void ask(Job job, Value now);
   [[nodiscard]] Number new_number() { return next_++; }
   [[nodiscard]] bool idle() const { return jobs_.empty(); }
-  /// Whoever waits for that session does not.
+  /// Ends the jobs of a session.
   void session_closed(std::uint64_t session);
-  /// What was reserved for them is given back, where nobody else uses it.
+  /// Gives back what was reserved for these admissions, unless something else uses it.
   void admissions_gone(const std::vector<core::AdmissionId>& gone);
   void refuse_all(const std::string& why);
 
   void on(const core::cluster::Reserved& event, const core::cluster::Member& member);
   void on(const core::cluster::Conflict& event, core::cluster::Member& member, Value now);
   void on(const core::cluster::Refused& event, const core::cluster::Member& member);
-  /// It is closed with the next bring_in_line(), and released by step().
+  /// The store has withdrawn a reservation: it is closed with the next bring_in_line(), and
+  /// released by step().
   void on(const core::cluster::Withdrawn& event);
-  /// What the store has of a process before is held again, where `known` says so of it.
+  /// Takes over a reservation that the store has of an earlier process of this gateway, if `known`
+  /// says that it is still wanted; otherwise gives it back.
   void on(const core::cluster::Found& event, const core::cluster::Member& member,
           const std::function<bool(const cluster::Asked&)>& known);
+  /// The lease is lost: nothing is held any more.
   void lost();
 
-  /// True: something was done, or asked for.
+  /// Gives back what is closed, refuses what has waited for too long, and begins the next job. True
+  /// if a job was begun or ended.
   bool step(core::cluster::Member& member, Value now);
-  /// What was reserved for a channel as it is described, or for admissions that are gone, is given
-  /// back if nothing needs it any more.
+  /// Gives back what was reserved for a described channel, or for admissions that have ended, if
+  /// nothing needs it any more.
   void tidy();
-  /// When a job has waited for too long; nothing: none waits.
+  /// When the next job will have waited for too long; nullopt if none waits.
   [[nodiscard]] std::optional<Value> next_time() const;
 
   struct Held {
     std::string channel;
-    std::vector<core::AdmissionId> admissions;  ///< none: of the channel as it is described
+    std::vector<core::AdmissionId> admissions;  ///< empty: for the channel as it is described
   };
   [[nodiscard]] const std::map<Number, Held>& held() const { return held_; }
 
@@ -103,7 +108,7 @@ class Reserving {
     Value since = 0;
     bool asked = false;
     bool abandoned = false;
-    std::string withdrawn{};  ///< by the store, and why; empty: it is not
+    std::string withdrawn{};  ///< why the store has withdrawn it; empty: it has not
     Wish wish{};
   };
   using Jobs = std::list<Open>;
@@ -122,7 +127,7 @@ class Reserving {
   std::optional<uid_t> latest_;     ///< whose turn was the latest
   bool unused_ = false;             ///< there may be something for tidy()
   std::vector<Number> to_release_;  ///< when the gates have closed
-  std::vector<Number> leaving_;     ///< the store may have them still
+  std::vector<Number> leaving_;     ///< released, but the store may still have them
 };
 
 }  // namespace mlcca

@@ -19,7 +19,7 @@ namespace {
 namespace cc = core::cluster;
 
 constexpr std::size_t kDigestOctets = Sha256::Digest{}.size();
-constexpr std::uint64_t kLongestWait = 60'000'000'000;  // ns, until a text begins to be read
+constexpr std::uint64_t kLongestWait = 60'000'000'000;  // until a text begins to be read
 
 std::vector<std::string> chunks_of(const std::string& text) {
   std::vector<std::string> chunks;
@@ -55,7 +55,7 @@ void Rollout::put_into(store::Membership& record) const {
 // --- what is loaded ------------------------------------------------------------------------------
 
 void Rollout::loaded() {
-  // It was found usable with what was in force then.
+  // It was found usable together with the description that was in force then.
   checked_.reset();
   checks_file_ = true;
   Scene& scene = parts_.scene;
@@ -67,7 +67,7 @@ void Rollout::loaded() {
                        "the description cannot be kept for other gateways: " + kept.error().text);
 }
 
-/// Whoever has loaded it: the kernel has taken it.
+/// The kernel has taken the wanted description, whoever has loaded it.
 void Rollout::note_followed() {
   if (wanted_ != parts_.scene.digest) return;
   rolled_ = parts_.scene.digest;
@@ -128,8 +128,9 @@ void Rollout::on(const cc::Judge& event) {
                                     .text = std::make_shared<const std::string>(event.content)});
 }
 
-/// Whoever votes for it must be able to load it after a crash. Empty: its text is on the disk; or
-/// it is that of the file that is loaded here, and too long to be handed on.
+/// A gateway that votes for a description must be able to load it after a crash, so its text is
+/// kept on disk. Why that fails; empty if the text is on disk, or if it is the file that is loaded
+/// here and too long to be handed on.
 std::string Rollout::why_not_kept(const cc::Judge& event) {
   const bool known = checked_ && checked_->digest == event.digest;
   const std::string& text = known ? *checked_->text : event.content;
@@ -179,9 +180,9 @@ void Rollout::on(const cc::Switch& event) {
   follow(event);
 }
 
-/// What came by a rollout goes by one, and so does the file where that text is lost. What the
-/// operator has loaded gives way to what comes into force after it, and not to what has been in
-/// force before.
+/// What came by a rollout is replaced by the next one; so is the file that a rollout has replaced,
+/// where the text of the rollout is lost. What the operator has loaded is replaced by a description
+/// that comes into force later, not by one that was in force before.
 void Rollout::follow(const cc::Switch& event) {
   const Digest& now = parts_.scene.digest;
   if (event.digest == now) {
@@ -214,7 +215,7 @@ std::string Rollout::why_not(Check& check) const {
   return parts_.misfit(*read);
 }
 
-/// The first one that is called off and is nowhere described; empty: there is none.
+/// The first name in own_.without that no description has; empty if there is none.
 std::string Rollout::unknown_gateway(const Described& next) const {
   const auto has = [](const core::System& system, const std::string& name) {
     return std::ranges::find(system.gateways, name, &core::Gateway::name) != system.gateways.end();
@@ -224,7 +225,7 @@ std::string Rollout::unknown_gateway(const Described& next) const {
   return {};
 }
 
-/// The thread that reads may hang, also for somebody before it.
+/// Ends a check whose thread may hang, or which has waited too long for the thread.
 bool Rollout::give_up_check() {
   if (!check_) return false;
   const bool waits = check_begun_ ? parts_.reading.waits()
@@ -243,7 +244,7 @@ bool Rollout::begin_check() {
     check_since_ = parts_.clock.monotonic_ns();
   }
   if (!check_ || check_begun_ || busy_) return false;
-  // Of one that is given up the thread has its own.
+  // The thread works on its own copy, because a check may be given up meanwhile.
   const auto check = std::make_shared<Check>(
       Check{.why = check_->why, .digest = check_->digest, .text = check_->text});
   check_begun_ = parts_.reading.begin(
@@ -277,7 +278,7 @@ void Rollout::checked(Check& check) {
   parts_.wake();
 }
 
-/// It is asked for again once a second.
+/// busy_ makes the next poll() try again, once a second.
 void Rollout::lack(const Digest& digest) {
   busy_ = true;
   if (std::exchange(lacking_, digest) != digest)
@@ -319,8 +320,8 @@ bool Rollout::step(cc::Member& member) {
   return follow(member) || any;
 }
 
-/// It was loaded at the start without the description in force, which the store has by now; or it
-/// has come into force itself.
+/// Loads the file again after it was loaded unchecked at the start: when the store has the
+/// description in force, or when the file itself has come into force.
 bool Rollout::check_file(const cc::Member& member) {
   if (!parts_.scene.unchecked || !checks_file_ || loading_ || busy_ || wanted_) return false;
   if (parts_.scene.digest != in_force_ && !in_store(in_force_, member)) {
@@ -340,7 +341,8 @@ void Rollout::poll() {
   uploads_.poll();
 }
 
-/// To the member that knows what is in force: a load that fails leaves a new one behind.
+/// Reports only to a member that knows what is in force: after a failed load the member is a new
+/// one.
 bool Rollout::report_cannot(cc::Member& member) {
   if (!cannot_ || !member.view().complete()) return false;
   const Cannot cannot = *std::exchange(cannot_, std::nullopt);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// One description for all gateways of a cluster: what this one proposes, judges and puts in force.
-// The protocol is core/cluster/rollout's; docs/explanation/cluster.md says what follows from it.
+// The rollout of one description to all gateways of a cluster: what this gateway proposes, judges
+// and puts in force. The protocol is in core/cluster/rollout; docs/explanation/cluster.md says what
+// follows from it.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -26,14 +27,17 @@
 
 namespace mlcca {
 
-/// Reads a description in one text (description/bundle.hpp). As ReadDescription.
+/// Like ReadDescription, but reads a description from one text (description/bundle.hpp).
 using ReadText = std::function<DescribedResult(const std::string& text)>;
 
+/// This gateway's side of a rollout. It checks texts beside the loop, keeps those that it has voted
+/// for on disk, follows the description that the cluster has in force, and keeps the file of the
+/// operator apart from what a rollout has loaded.
 class Rollout {
  public:
   using Digest = core::cluster::Digest;
 
-  /// All of them must outlive this.
+  /// All references must outlive this object.
   struct Parts {
     Scene& scene;
     EventLog& log;
@@ -42,48 +46,49 @@ class Rollout {
     Patience& patience;
     const Clock& clock;
     ReadText read;
-    /// Why a description cannot be used here, with what is admitted; empty: it can.
+    /// Why a description cannot be used here with what is admitted; empty if it can.
     std::function<std::string(Described&)> misfit;
-    /// Puts another description in force as a reload does. False: not now. `done` gets why not;
-    /// empty: it is.
+    /// Puts another description in force, as a reload does. False if that is not possible now.
+    /// `done` gets why it is not in force; empty if it is.
     std::function<bool(ReadDescription, std::function<void(const std::string&)> done)> load;
-    /// The file again, as an operator's reload does.
+    /// Loads the file again, as an operator's reload does.
     std::function<bool(std::function<void(const std::string&)> done)> reload;
-    /// There is something for step().
+    /// Called when there is something for step().
     std::function<void()> wake;
   };
   explicit Rollout(Parts parts) : parts_(std::move(parts)) {}
 
-  /// What a gateway remembers of it over a restart.
+  /// Takes from the journal what a gateway remembers of rollouts over a restart.
   void restore(const store::Membership& record);
   void put_into(store::Membership& record) const;
 
-  /// Reads the file by `read`, or in its place what a rollout has put in force since that was
-  /// written. `member`: what the store has takes the place of what is damaged here; null: nobody
-  /// knows that yet.
+  /// Returns a function that reads the file by `read`, or instead what a rollout has put in force
+  /// since the file was written. `member` provides texts of the store for those that are damaged
+  /// here; nullptr at a start, when the store is not known yet.
   [[nodiscard]] ReadDescription reader(ReadDescription read,
                                        const core::cluster::Member* member) const;
-  /// The scene has another description, which may still be refused by the kernel.
+  /// The scene has another description, which the kernel may still refuse.
   void loaded();
-  /// Was handed to the member of the description before: what becomes of it is not known yet.
+  /// The digest that was proposed to the former member of the protocol, if its outcome is not known
+  /// yet.
   [[nodiscard]] std::optional<Digest> pending() const;
 
-  // What the store says.
+  // Events of the store.
 
   void on(const core::cluster::Judge& event);
   void on(const core::cluster::NotRolledOut& event);
   void on(const core::cluster::Switch& event);
-  /// The first one of a cluster is proposed with its text.
+  /// The description in force here, with its text: it is proposed as the first one of a cluster.
   [[nodiscard]] core::cluster::Rollout own();
-  /// Does what is due. True: something was asked for.
+  /// Does what is due. True if anything was done.
   bool step(core::cluster::Member& member);
-  /// Once a second.
+  /// To be called once a second.
   void poll();
   void session_closed(std::uint64_t session);
 
-  // Who wants something.
+  // Requests of clients.
 
-  /// A part of a text, or all of what is to be done with it.
+  /// Takes a part of a text, or its last part with what is to be done with it.
   Response take(const Asker& asker, const control::RolloutRequest& request,
                 const core::cluster::Member& member);
   [[nodiscard]] control::Rollout state(const core::cluster::Member& member) const;
@@ -91,25 +96,25 @@ class Rollout {
  private:
   enum class Why : std::uint8_t { judge, propose, follow };
   using Text = std::shared_ptr<const std::string>;
-  /// A text that is read beside the loop.
+  /// A text that is read beside the loop, on a thread.
   struct Check {
     Why why = Why::judge;
-    Digest digest{};  ///< that it must have; of what is proposed: none
-    Text text;        ///< null: of what is followed, that is not in the store
+    Digest digest{};  ///< the digest that it must have; none for a proposal
+    Text text;        ///< null for a description to follow that is not in the store
     std::string damage = {};
     std::optional<DescribedResult> read = {};
   };
-  /// The latest one that was found usable with what is in force here, 8 MiB at most.
+  /// The latest text that was found usable together with what is in force here; at most 8 MiB.
   struct Checked {
     Digest digest{};
     Text text;
   };
-  /// Why a description cannot be put in force here.
+  /// A description that cannot be put in force here, with the reason.
   struct Cannot {
     Digest digest{};
     std::string why;
   };
-  /// The latest that was begun here.
+  /// The latest rollout that was begun here.
   struct Own {
     std::uint64_t number = 0;
     Digest digest{};
@@ -145,30 +150,31 @@ class Rollout {
   Response accept(const core::cluster::Member& member);
 
   Parts parts_;
-  Digest rolled_{}, replaced_{};  ///< that was put in force, in place of that file
-  Digest in_force_{};             ///< the latest one that was, here as well
+  Digest rolled_{}, replaced_{};  ///< what a rollout has put in force, and the digest of the file
+                                  ///< that it replaces
+  Digest in_force_{};  ///< the latest description of the cluster that was in force here as well
   Digest voted_{};
-  Digest former_{};  ///< before the one that the cluster has in force
+  Digest former_{};  ///< the one before the description that the cluster has in force
   std::shared_ptr<Check> check_;
   bool check_begun_ = false;
   std::uint64_t check_since_ = 0;
-  std::shared_ptr<Check> next_check_;  ///< when that is over
+  std::shared_ptr<Check> next_check_;  ///< begins when check_ has ended
   std::optional<std::pair<Digest, std::string>> vote_;
   std::optional<core::cluster::Rollout> staged_;
-  std::optional<Digest> wanted_;   ///< that is to be in force here
-  std::optional<Digest> lacking_;  ///< neither here nor in the store
+  std::optional<Digest> wanted_;   ///< the description that is to be in force here
+  std::optional<Digest> lacking_;  ///< a description whose text is neither here nor in the store
   std::optional<Cannot> cannot_;
   bool loading_ = false;
-  bool busy_ = false;         ///< something could not begin: at the next poll()
-  bool checks_file_ = false;  ///< what was loaded without that can be checked, once
+  bool busy_ = false;         ///< something could not begin; the next poll() retries it
+  bool checks_file_ = false;  ///< the file was loaded unchecked, and is checked once
   std::optional<Checked> checked_;
   Own own_;
   Uploads uploads_{parts_.clock, description::kMaxBundle};
 };
 
-/// 64 hexadecimal digits; empty: none.
+/// 64 hexadecimal digits; empty for a digest of zeros.
 [[nodiscard]] std::string hex_of_digest(const Sha256::Digest& digest);
-/// As many digits of it as messages show.
+/// The leading digits that messages show.
 [[nodiscard]] std::string shown_digits(const Sha256::Digest& digest);
 
 }  // namespace mlcca

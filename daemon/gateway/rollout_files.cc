@@ -22,7 +22,8 @@ void note_damage(Described& described, const std::string& damage) {
   if (!damage.empty()) described.notes.push_back("what is kept of the cluster: " + damage);
 }
 
-/// What a rollout has put in force in place of the file.
+/// The description that a rollout has put in force in place of the file; nullopt if its text is
+/// lost or damaged.
 std::optional<Described> rolled_out(Described& file, const TextSource& rolled,
                                     const ReadText& read_text) {
   std::string damage;
@@ -38,7 +39,7 @@ std::optional<Described> rolled_out(Described& file, const TextSource& rolled,
 
 using SharedPorts = std::optional<std::vector<cc::SharedPort>>;
 
-/// Those of the description in force; nothing: its text is not to be had.
+/// The shared ports of the description in force; nullopt if its text is not available.
 SharedPorts ports_in(const TextSource& in_force, const ReadText& read_text, Described& file) {
   std::string damage;
   const auto text = in_force.text(damage);
@@ -49,8 +50,9 @@ SharedPorts ports_in(const TextSource& in_force, const ReadText& read_text, Desc
   return cc::shared_ports(known->state->system(), known->self);
 }
 
-/// A file that is not the description in force may not take others off a network. Where that is not
-/// known, it is not loaded; at a start it is, and others may be on all networks.
+/// Checks that a file which is not the description in force takes no other gateways off a network.
+/// If that is not known, the file is refused; at a start it is loaded, and others are assumed to be
+/// on all networks.
 DescribedResult held_against(Described file, const SharedPorts& in_force, bool starts) {
   if (!in_force && !starts) {
     std::vector<std::string> lines{kUnchecked};
@@ -70,7 +72,7 @@ DescribedResult held_against(Described file, const SharedPorts& in_force, bool s
 
 }  // namespace
 
-/// A file that was changed since is what the operator wants: it is not passed over.
+/// A file that has changed since the rollout is what the operator wants, so it takes precedence.
 ReadDescription Rollout::reader(ReadDescription read, const cc::Member* member) const {
   const auto source = [&](const Digest& digest) {
     return TextSource{.digest = digest,

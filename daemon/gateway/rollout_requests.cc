@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is asked for at this gateway.
+// Requests of clients about rollouts.
 #include <fmt/core.h>
 
 #include <algorithm>

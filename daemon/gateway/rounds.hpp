@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the daemon does by itself, in rounds: each turn of the loop does as much of a round as its
-// budget has time for, and the next turn goes on (ADR 28).
+// Divides the periodic work of the daemon into rounds: each turn of the loop does as much of a
+// round as its budget of time allows, and the next turn continues (ADR 28).
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -12,26 +12,27 @@
 
 namespace mlcca {
 
+/// A list of jobs that are done once a round, piece by piece.
 class Rounds {
  public:
-  /// Does one piece of a job, as short as one of its things can be; true when the round has more of
-  /// this job. What it works on may be another one from piece to piece.
+  /// Does one short piece of a job; true if the round has more of this job. The data may change
+  /// between two pieces.
   using Job = std::function<bool()>;
   using Clock = std::function<std::uint64_t()>;
 
-  /// Time of a turn, ns. It ends with the piece in which that has passed.
+  /// The budget of a turn, ns. The turn ends with the piece that exceeds it.
   static constexpr std::uint64_t kTurn = 1'000'000;
 
   explicit Rounds(Clock clock = monotonic_ns) : clock_(std::move(clock)) {}
 
-  /// Jobs are done in the order of adding, once a round.
+  /// Adds a job. Jobs are done in the order of adding, once a round.
   void add(Job job) { jobs_.push_back(std::move(job)); }
-  /// A new round, unless one is under way: then that goes on, and this one falls out.
+  /// Begins a round. If one is under way, that one continues and the new one is omitted.
   void begin() {
     if (next_ == jobs_.size()) next_ = 0;
   }
   [[nodiscard]] bool under_way() const { return next_ < jobs_.size(); }
-  /// One turn's part of the round.
+  /// Does one turn's part of the round.
   void turn() {
     const std::uint64_t end = clock_() + kTurn;
     while (under_way()) {
@@ -43,7 +44,7 @@ class Rounds {
  private:
   Clock clock_;
   std::vector<Job> jobs_;
-  std::size_t next_ = 0;  ///< of the jobs; past them: no round is under way
+  std::size_t next_ = 0;  ///< index in jobs_; jobs_.size(): no round is under way
 };
 
 }  // namespace mlcca

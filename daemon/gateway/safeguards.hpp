@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: BSD-2-Clause
-// What keeps the gates closed when this daemon dies, and other daemons away from them: the pins of
-// the control word, and the lock of the bpffs. What another program removes is put back.
+// Watches over what keeps the gates closed when this daemon dies and what keeps other daemons away
+// from them: the pins of the control word and the lock of the bpffs. Restores what another program
+// has removed.
 #pragma once
 #include <string>
 #include <utility>
@@ -15,15 +15,15 @@ namespace mlcca {
 
 class Safeguards {
  public:
-  /// `root`: the bpffs. All of them must outlive this.
+  /// `root` is the path of the bpffs. All references must outlive this object.
   Safeguards(GateControl& control, EventLog& log, std::string root)
       : control_(control), log_(log), root_(std::move(root)) {}
 
-  /// The lock of lock_gates(): it is kept from now on.
+  /// Keeps the lock of lock_gates() from now on.
   void keep(Fd lock) { lock_ = std::move(lock); }
-  /// Once a second.
+  /// To be called once a second.
   void poll();
-  /// What could not be put back, in words.
+  /// What could not be restored, one line each.
   [[nodiscard]] std::vector<std::string> problems() const;
 
  private:
@@ -38,7 +38,7 @@ class Safeguards {
   Fd lock_;
   Problem unlocked_;
   Problem unpinned_;
-  Problem ungraced_;  ///< why the grace is not as it was set
+  Problem ungraced_;  ///< why the grace period is not the configured one
 };
 
 }  // namespace mlcca

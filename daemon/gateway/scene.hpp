@@ -10,15 +10,17 @@
 
 namespace mlcca {
 
-/// What is decided now. The parts of a gateway read it; its controller alone exchanges it.
+/// The description in force and its decisions. All parts of a gateway read it; only the controller
+/// replaces it.
 struct Scene {
   std::unique_ptr<core::State> state;
-  std::size_t self = 0;             ///< this gateway
-  std::uint64_t description = 0;    ///< counts the states: of another one indices mean other things
-  Sha256::Digest digest = {};       ///< of the description, in a cluster
-  Sha256::Digest file_digest = {};  ///< of the file that the options name, when it was read
-  bool unchecked = false;           ///< others may be on any of its networks
-  std::string text{};               ///< of the description, until it is kept for other gateways
+  std::size_t self = 0;  ///< index of this gateway
+  std::uint64_t description =
+      0;  ///< counts the descriptions: with another one, indices have other meanings
+  Sha256::Digest digest = {};       ///< of the description; only in a cluster
+  Sha256::Digest file_digest = {};  ///< of the file that the options name, as it was read
+  bool unchecked = false;           ///< other gateways may be on any of its networks
+  std::string text{};  ///< of the description, until it is kept on disk for other gateways
 };
 
 }  // namespace mlcca

@@ -17,7 +17,7 @@ SilenceReports::SilenceReports(sd_event* loop, const Scene& scene, const Clock& 
       deliveries_(deliveries),
       health_(health),
       reported_(reported) {
-  // Without a timer the rounds poll, once a second.
+  // If there is no timer, the rounds call poll() once a second.
   static_cast<void>(timer_.start(loop, [this] { poll(); }));
 }
 
@@ -37,9 +37,9 @@ SilenceReports::Key SilenceReports::key_of(const core::Verdict& verdict) const {
 void SilenceReports::missing(const core::Verdict& verdict, const gate_event& event,
                              const std::string& publishers) {
   const Value longest = core::silence_of(verdict);
-  if (longest == 0) return;  // nobody there minds
+  if (longest == 0) return;  // no subscriber there supervises it
   if (event.silent < longest) {
-    reported_.remove(verdict);  // of a silence before
+    reported_.remove(verdict);  // reported for an earlier silence
     wait(key_of(verdict), clock_.monotonic_ns() + (longest - event.silent));
     return;
   }
@@ -47,7 +47,7 @@ void SilenceReports::missing(const core::Verdict& verdict, const gate_event& eve
   deliveries_.silence(verdict, event, publishers);
 }
 
-/// What a former daemon has reported is not known here.
+/// What a former daemon has reported is not known here, so a long silence counts as reported.
 void SilenceReports::restored(const core::Verdict& verdict, const gate_event& event,
                               const std::string& publishers) {
   wait_no_more(key_of(verdict));
@@ -69,7 +69,7 @@ void SilenceReports::wait_no_more(const Key& key) {
   waiting_.erase(known);
 }
 
-/// The deliveries of a channel are gone through once.
+/// Examines the deliveries of each channel once.
 void SilenceReports::poll() {
   const std::uint64_t now = clock_.monotonic_ns();
   std::map<core::Subject, std::set<core::Delivery>> due;
@@ -89,7 +89,7 @@ void SilenceReports::poll() {
   arm();
 }
 
-/// As long as the gate has not reported that the events come again, they may stay out once more.
+/// The gate has not reported that events have come again, so the timeout may pass once more.
 void SilenceReports::examine(const core::Verdict& verdict) {
   const core::State& state = *scene_.state;
   const auto watch =

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// When events stay out: a gate watches each publisher for the subscriber that waits least; each
-// other one is reported when its own time is over.
+// Reports silent publishers to each subscriber. A gate supervises each publisher with the shortest
+// timeout of its subscribers; other subscribers are reported to when their own timeouts have
+// passed.
 #pragma once
 #include <systemd/sd-event.h>
 
@@ -23,18 +24,18 @@
 
 namespace mlcca {
 
+/// Delays the reports of a gate to the timeout of each delivery.
 class SilenceReports {
  public:
-  /// All of them must outlive this.
+  /// All references must outlive this object.
   SilenceReports(sd_event* loop, const Scene& scene, const Clock& clock, const GateDriver& gates,
                  DeliveryEvents& deliveries, DeliveryHealth& health, ReportedSilences& reported);
 
-  /// The gate says that events of a granted delivery are missing, or come again. `publishers`: the
-  /// names of those that look alike to it.
+  /// The gate reports that events of a granted delivery are missing, or have come again.
+  /// `publishers` names those that the gate cannot distinguish from its publisher.
   void on_event(const core::Verdict& verdict, const gate_event& event,
                 const std::string& publishers);
-  /// Reports what has been missing for long enough by now. Called by a timer; a further call does
-  /// no harm.
+  /// Reports what has been missing for long enough. Called by a timer; further calls do no harm.
   void poll();
 
  private:
@@ -56,8 +57,8 @@ class SilenceReports {
   DeliveryEvents& deliveries_;
   DeliveryHealth& health_;
   ReportedSilences& reported_;
-  std::map<Key, std::uint64_t> waiting_;            ///< until when: ns, CLOCK_MONOTONIC
-  std::set<std::pair<std::uint64_t, Key>> by_due_;  ///< the same, the next one first
+  std::map<Key, std::uint64_t> waiting_;            ///< until when, CLOCK_MONOTONIC ns
+  std::set<std::pair<std::uint64_t, Key>> by_due_;  ///< the same, sorted by time
   net::Timer timer_;
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Digests and epochs as the journal has them: octets, and nothing where all of them are 0.
+// Conversion of digests and epochs to and from the strings of the journal. All zeros become an
+// empty string.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -15,7 +16,7 @@ std::string octets_of(const std::array<std::uint8_t, N>& from) {
   return none ? std::string() : std::string(from.begin(), from.end());
 }
 
-/// Of another length: zeros.
+/// Zeros if the string has another length.
 template <std::size_t N>
 std::array<std::uint8_t, N> array_of(const std::string& from) {
   std::array<std::uint8_t, N> out{};

@@ -8,7 +8,7 @@
 
 namespace mlcca {
 
-/// What a gate learned under a daemon before this one.
+/// Takes up what a gate has learned under an earlier daemon.
 void TagBindings::take_up(std::size_t port, const enforce::FoundBinding& found) {
   Tag* const tag = tags_.find(gates_.network_number(port), found.subject);
   if (tag == nullptr) return;
@@ -37,7 +37,7 @@ void TagBindings::take_up(Known known) {
       report(*tag, 3, tag->contradiction);
   for (Tag& tag : tags_.all()) {
     if (!tag.dynamic) continue;
-    // What is due otherwise is given by the next poll.
+    // The next poll assigns any other tag that is due.
     if (tag.due() == 0) {
       tag.etag = 0;
       tag.contradiction.clear();
@@ -65,7 +65,7 @@ void TagBindings::claim() {
   tags_.describe(scene_.state->system(), scene_.self);
   state();
   poll(true);
-  turn_.observe();  // a contradiction may be gone with its channel
+  turn_.observe();  // a contradiction may have ended with its channel
   note();
   static_cast<void>(turn_.settle());
 }
@@ -137,10 +137,11 @@ void TagBindings::poll(bool anyway) {
   note();
   turn_.observe();
   static_cast<void>(turn_.settle(left));
-  static_cast<void>(turn_.enforce());  // control traffic has moved, too
+  static_cast<void>(turn_.enforce());  // control traffic has moved as well
 }
 
-/// True if any has moved. Without a gate that has said so a tag is only given up.
+/// Moves tags to what is due; true if any has moved. A new tag needs a gate that has seen it;
+/// without one a tag is only given up.
 bool TagBindings::move(const Poll& poll, core::FormerRules& left) {
   bool moved = false;
   for (Tag& tag : tags_.all()) {
@@ -158,7 +159,7 @@ bool TagBindings::move(const Poll& poll, core::FormerRules& left) {
   return moved;
 }
 
-/// Nothing of it is granted any more: see poll().
+/// Moves one tag. Nothing is granted by it any more: see poll().
 void TagBindings::move(Tag& tag, core::FormerRules& left) {
   if (tag.channel)
     left.try_emplace(*tag.channel, scene_.state->gate_state(scene_.self, *tag.channel));
@@ -171,7 +172,7 @@ void TagBindings::move(Tag& tag, core::FormerRules& left) {
   tag.asked = tag.wait = 0;
 }
 
-/// Every gate of the network has received that the tag is dealt as stated, after all
+/// Whether every gate of the network has seen that the tag is dealt as stated, after all
 /// contradictions.
 bool TagBindings::gates_agree_on(const Tag& tag) {
   bool agree = true;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What follows from the replies of FAMOUSO's broker. A gate has closed what they contradict before
-// this runs: here the verdicts follow, and tags that are learned or dealt again open.
+// Follows the replies of FAMOUSO's broker. A gate has already closed what they contradict; here the
+// verdicts follow, and tags that are learned or dealt again open.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -21,9 +21,11 @@
 
 namespace mlcca {
 
+/// Keeps the tags of the buses, compares them with what the gates have seen, and asks brokers for
+/// tags that are not known.
 class TagBindings final : public ConditionSource {
  public:
-  /// All of them must outlive this.
+  /// All references must outlive this object.
   TagBindings(Scene& scene, GateDriver& gates, EventLog& log, Turn& turn, Recorder& recorder,
               CanSender& can, const Clock& clock)
       : scene_(scene),
@@ -34,37 +36,38 @@ class TagBindings final : public ConditionSource {
         can_(can),
         clock_(clock) {}
 
-  /// For a description that has just become the one in force, before it is decided. What the gates
-  /// have learned under a daemon before this one is still so, unless they say otherwise.
-  /// `known`: at a start what is on disk counts, too, where no gate knows better.
+  /// take_up() is called for a description that has just been put in force, before it is decided.
+  /// What the gates have learned under an earlier daemon still holds. `known`: at a start the tags
+  /// on disk count as well, where no gate knows better.
   enum class Known : std::uint8_t { by_gates, by_gates_and_disk };
   void take_up(Known known);
-  /// States to every gate which tags its subjects have: one that is new knows none.
+  /// Writes to every gate which tags its subjects have. A new gate knows none.
   void state();
   void add_to(std::vector<core::Condition>& conditions) const override;
 
-  /// Channels that are not described come and go. Their tags are compared with what the broker has
-  /// dealt before anything of them is granted.
+  /// Channels have been added at run time. Their tags are compared with what the broker has dealt
+  /// before anything of them is granted.
   void claim();
-  /// Some of them are not used any more, so that their tags may become others'.
+  /// Channels that were added at run time are no longer used: others may have their tags.
   void leave_unused();
 
-  /// Once a second, and when a gate reports a reply: the old identifier is closed before the new
-  /// one opens. `anyway`: also where no gate has found anything.
+  /// To be called once a second, and when a gate reports a reply: closes an old identifier before
+  /// the new one opens. `anyway`: also if no gate has news.
   void poll(bool anyway = false);
-  /// Once a second: one request to the broker of each bus for a tag that is not known.
+  /// To be called once a second: sends at most one request to the broker of each bus, for a tag
+  /// that is not known.
   void ask();
-  /// Why no broker is asked although a tag is not known; empty: no reason.
+  /// Why no broker can be asked although a tag is not known; empty if there is no such reason.
   [[nodiscard]] std::string problem() const;
 
   [[nodiscard]] std::span<const Tag> all() const { return tags_.all(); }
 
  private:
-  /// What one poll has found.
+  /// The findings of one poll.
   struct Poll {
-    bool changed = false;                        ///< of what is contradicted, or whose a tag is
-    std::map<Tag*, enforce::FoundBinding> seen;  ///< in the gate of its network
-    std::vector<Tag*> confirmed;                 ///< contradicted, and dealt as stated since
+    bool changed = false;                        ///< a contradiction, or who has a tag, has changed
+    std::map<Tag*, enforce::FoundBinding> seen;  ///< what the gate of its network has seen
+    std::vector<Tag*> confirmed;                 ///< contradicted before, and dealt as stated since
   };
   void take_up(std::size_t port, const enforce::FoundBinding& found);
   void put(const Tag& tag) const;
@@ -84,7 +87,7 @@ class TagBindings final : public ConditionSource {
   CanSender& can_;
   const Clock& clock_;
   Tags tags_;
-  std::string reported_;                 ///< problem() as it was reported last
+  std::string reported_;                 ///< the latest reported problem()
   std::map<int, std::uint32_t> polled_;  ///< count of a gate's reports that was polled, by
                                          ///< interface
 };

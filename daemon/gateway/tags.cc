@@ -86,7 +86,7 @@ std::string rival_words(const Tag& tag, const Tag& other) {
                      tag.network_name, other.name);
 }
 
-/// Of several who claim one tag at most one keeps it, closed.
+/// Of several subjects that claim one tag at most one keeps it, closed. The others give theirs up.
 void give_up(std::span<Tag*> claimants) {
   const bool stated = !std::ranges::all_of(claimants, &Tag::dynamic);
   const auto holders = std::ranges::count_if(claimants, [](Tag* t) { return t->dealt == 0; });
@@ -181,7 +181,7 @@ std::string subject_words(core::Subject subject) {
   std::string text;
   for (int shift = 56; shift >= 0; shift -= 8) {
     const auto c = static_cast<char>(subject >> shift & 0xff);
-    if (c == 0 && !text.empty()) continue;  // short texts end in NULs
+    if (c == 0 && !text.empty()) continue;  // short subjects end in NULs
     if (c < ' ' || c > '~') return core::format_subject(subject);
     text += c;
   }

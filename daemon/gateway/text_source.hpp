@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Where the text of a description of the cluster is to be had.
+// Finds the text of a description of the cluster.
 #pragma once
 #include <memory>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace mlcca {
 
-/// Of one digest: what is kept here, or in its place what is in the store. On any thread.
+/// The text of one digest: the kept one, or else the one of the store. May be used on any thread.
 struct TextSource {
   Sha256::Digest digest{};
   DescriptionTexts::Reader kept;

@@ -66,12 +66,12 @@ Result<void> Turn::enforce() {
 
 void Turn::commit() {
   if (!parts_.recorder.dirty()) return;
-  // What is not on disk now was asked for by others before.
+  // Entries that wait now were requested by other users before.
   const EventLog::Acting no_actor(parts_.log, std::nullopt);
   const Result<void> done = parts_.recorder.commit(lost_);
   committed_(done);
   if (done) return;
-  // What is in force was to be written down, too: the next commit tries it again.
+  // The decisions in force are part of what failed; note them again for the next commit.
   for (std::size_t c = 0; c < parts_.scene.state->decisions().size(); ++c)
     parts_.recorder.note_granted(c);
   parts_.recorder.note_ports();

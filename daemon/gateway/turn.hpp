@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The steps in which a gateway follows the world: observe what networks can do now, settle what
-// that touches, enforce it in the gates, commit it to disk. Answers go out after that.
+// The steps by which a gateway follows the world: observe what networks can do now, settle the
+// decisions that this concerns, enforce them in the gates, and commit them to disk. Answers are
+// sent after that.
 #pragma once
 #include <cstddef>
 #include <functional>
@@ -19,7 +20,7 @@
 
 namespace mlcca {
 
-/// Who knows more of networks than their interfaces say.
+/// A part that knows more about networks than their interfaces say.
 class ConditionSource {
  public:
   ConditionSource() = default;
@@ -29,17 +30,18 @@ class ConditionSource {
   ConditionSource& operator=(ConditionSource&&) = delete;
   virtual ~ConditionSource() = default;
 
-  /// Adds to what is known of each network of the description.
+  /// Adds what it knows to the condition of each network of the description.
   virtual void add_to(std::vector<core::Condition>& conditions) const = 0;
 };
 
+/// Carries out these steps on the parts of the gateway.
 class Turn {
  public:
   using Committed = std::function<void(const Result<void>&)>;
   using Lost = std::function<void(const std::vector<core::AdmissionId>&)>;
 
-  /// What the steps work on. All of it must outlive the turn. `pulse` is called after each step of
-  /// what takes long.
+  /// The parts that the steps work on. All must outlive the turn. `pulse` is called after each step
+  /// of long work, for the heart-beat.
   struct Parts {
     Scene& scene;
     GateDriver& gates;
@@ -53,36 +55,38 @@ class Turn {
   explicit Turn(Parts parts) : parts_(std::move(parts)) {}
 
   void add(const ConditionSource& source) { sources_.push_back(&source); }
-  /// Called with each channel that has just been decided otherwise and enforced.
+  /// Sets the function that is called with each channel whose changed decision has been enforced.
   void on_changed(std::function<void(const core::Change&)> changed) {
     changed_ = std::move(changed);
   }
-  /// Called when the disk has refused what was admitted: no client has been granted it.
+  /// Sets the function that is called with admissions that could not be written to disk. No client
+  /// has been answered that they were granted.
   void on_lost(Lost lost) { lost_ = std::move(lost); }
-  /// Called when everything that was answered with `held` is on disk, or why it is not.
+  /// Sets the function that gets the result of each commit: success if everything that was answered
+  /// with `held` is on disk.
   void on_commit(Committed committed) { committed_ = std::move(committed); }
 
-  /// Takes up what is known of each network; settle() is due.
+  /// Reads the condition of each network. settle() has to follow.
   void observe();
-  /// Decides what was changed, brings the gates in line and reports it. `left`: what the gates had
-  /// of the channels that a member has left. After an error everything is enforced again, and the
-  /// gates that refuse deny everything.
+  /// Decides what has changed, brings the gates in line and reports it. `left` has the rules that
+  /// the gates had for channels that a member has left. If the kernel refuses, everything is
+  /// enforced again, and gates that still refuse deny everything.
   Result<void> settle(const core::FormerRules& left = {});
-  /// Every gate holds what is decided, and nothing else.
+  /// Makes every gate hold what is decided, and nothing else.
   Result<void> enforce();
-  /// The gates hold what is decided: what is closed is closed. False: the kernel has refused, and
-  /// enforce() is due.
+  /// Whether the gates hold what is decided, so that what is to be closed is closed. False if the
+  /// kernel has refused; then enforce() has to follow.
   [[nodiscard]] bool in_line() const { return in_line_; }
-  /// What clients were answered after this is on disk. Nothing where nothing waits for it.
+  /// Writes to disk what clients were answered. Does nothing if nothing waits to be written.
   void commit();
 
-  /// The gates follow their slots, unless an interface is out of hand: then all of them deny.
+  /// Lets the gates follow their slots. If an interface is out of hand, all gates deny instead.
   void open_unless_lost();
-  /// The bands of queues by priority are as the analysis of each bus has them.
+  /// Sets the priority bands of queues as the analysis of each bus has them.
   void set_bands();
 
  private:
-  /// What the gates are to hold: channels, and the control traffic of profiles.
+  /// What the gates are to hold: the rules of channels, and the control traffic of profiles.
   [[nodiscard]] core::GateState wanted() const;
 
   Parts parts_;

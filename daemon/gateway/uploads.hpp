@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Texts that clients hand over in parts, each in its session. One that never ends blocks nobody:
-// it ends after a while, and gives way where there are too many.
+// Collects texts that clients hand over in parts, one per session. An upload that never ends blocks
+// nobody: it ends after kLongest, and makes room if there are too many.
 #pragma once
 #include <sys/types.h>
 
@@ -17,20 +17,21 @@ namespace mlcca {
 
 class Uploads {
  public:
-  /// At once. For one more the oldest goes, of the user who has most of them.
+  /// The most uploads at once. For a further one, the oldest one of the user with the most uploads
+  /// is given up.
   static constexpr std::size_t kMost = 4;
-  /// From the first part on, ns.
+  /// ns from the first part on.
   static constexpr std::uint64_t kLongest = 60'000'000'000;
 
-  /// `most`: bytes of one.
+  /// `most`: the most bytes of one text.
   Uploads(const Clock& clock, std::size_t most) : clock_(clock), most_(most) {}
 
-  /// How many bytes there are now; the error says why there are none any more.
+  /// Adds a part. Returns the number of bytes so far; the error says why the upload was given up.
   Result<std::size_t> add(std::uint64_t session, uid_t user, std::string_view part);
-  /// With the last part; the session has none any more.
+  /// Adds the last part and returns the text. The session has no upload any more.
   Result<std::string> finish(std::uint64_t session, uid_t user, std::string_view part);
   void end(std::uint64_t session) { all_.erase(session); }
-  /// Once a second.
+  /// To be called once a second.
   void poll();
 
  private:
@@ -38,7 +39,8 @@ class Uploads {
     uid_t user = 0;
     std::uint64_t begun = 0;
     std::string text;
-    std::string given_up;  ///< why, until its client is answered; empty: it goes on
+    std::string
+        given_up;  ///< why it was given up, until its client is answered; empty: it continues
   };
 
   static void give_up(Upload& upload, std::string why);

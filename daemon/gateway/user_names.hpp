@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Names of users, for people who read who did something. From a file alone: what a directory
-// service (NSS) would have to be asked for could take longer than the heart-beat can wait.
+// The names of users, for people who read who did something. Reads only a file: asking a directory
+// service (NSS) could take longer than the heart-beat can wait.
 #pragma once
 #include <sys/types.h>
 
@@ -11,15 +11,16 @@
 
 namespace mlcca {
 
+/// A cache of the user names in /etc/passwd.
 class UserNames {
  public:
-  /// Longer files are not read, bytes.
+  /// Longer files are not read; bytes.
   static constexpr off_t kMostBytes = off_t{1} << 20;
 
   explicit UserNames(std::string path = "/etc/passwd") : path_(std::move(path)) {}
 
-  /// Empty where the file does not name the user or cannot be read. Reads the file again where it
-  /// has changed since.
+  /// The name of a user; empty if the file does not name the user or cannot be read. Reads the file
+  /// again if it has changed.
   [[nodiscard]] std::string of(uid_t uid);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The steps of an admission: at once, or when the store that gateways share has decided.
+// The steps of an admission that is decided at once, or after the store of the cluster has decided.
 #pragma once
 #include <optional>
 
@@ -9,14 +9,15 @@
 
 namespace mlcca::requests {
 
-/// What bars a newcomer whatever the networks carry: quotas, and limits.
+/// Why the admission is refused whatever the networks carry: quotas and limits. nullopt if nothing
+/// bars it.
 [[nodiscard]] std::optional<Response> bars(const Context& context, const Asker& asker,
                                            const control::Admit& request, const Asked& asked);
-/// A proposal of that admission is put in force if it fits; what it says otherwise.
+/// Puts the proposal of an admission in force if it fits; returns the response in either case.
 [[nodiscard]] Response decided(Context& context, const Asker& asker, const control::Admit& request,
                                const Asked& asked, core::Proposal proposal);
-/// The admission fits, and takes something of networks that gateways share: the response comes when
-/// the store has decided, within seconds.
+/// Reserves in the store what an admission takes of shared networks. The response comes within
+/// seconds, when the store has decided.
 [[nodiscard]] Response ask_store(Context& context, const Asker& asker,
                                  const control::Admit& request);
 

@@ -24,7 +24,7 @@ Result<Asked> understood_adopted(core::State& state, const control::Request& req
   return asked;
 }
 
-/// A channel that is not described has its tags while somebody uses it.
+/// While it lives, a channel that is not described has its tags.
 class Tagged {
  public:
   Tagged(Context& context, const control::Request& request)
@@ -44,7 +44,7 @@ class Tagged {
   bool unlisted_;
 };
 
-/// Of a proposal that does not fit.
+/// The reason why a proposal does not fit.
 std::string first_refusal(const core::State& state, const core::Proposal& proposal) {
   for (const core::Verdict* v : proposal.verdicts())
     if (!v->granted) return verdict_line(state, *v);
@@ -79,7 +79,7 @@ Result<void> admit_adopted(Context& context, const control::Request& request) {
       refused = done.error();
   }
   if (refused) {
-    // The gates may hold part of it.
+    // The gates may hold a part of it.
     static_cast<void>(context.turn.enforce());
     return std::unexpected(*refused);
   }

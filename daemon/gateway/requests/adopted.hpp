@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Admissions of other gateways that go over this one: what Adopting does with them.
+// The operations of Adopting on admissions of other gateways that cross this one.
 #pragma once
 #include <string>
 #include <vector>
@@ -10,12 +10,12 @@
 
 namespace mlcca::requests {
 
-/// Why it would not fit, with everything reserved that it needs; empty: it would.
+/// Why the admission would not fit with everything reserved that it needs; empty if it would.
 [[nodiscard]] std::string misfit_of_adopted(Context& context, const control::Request& request);
-/// Into state and gates. The error says why nothing was changed.
+/// Adds the admission to state and gates. The error says why nothing was changed.
 Result<void> admit_adopted(Context& context, const control::Request& request);
 void remove_adopted(Context& context, const std::vector<core::AdmissionId>& gone);
-/// Into a state that is not decided yet. What has no place there any more is left out.
+/// Adds the admission to a state that is not decided yet. What has no place there is left out.
 void restore_adopted(core::State& state, const control::Request& request);
 
 }  // namespace mlcca::requests

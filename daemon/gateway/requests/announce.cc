@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A program on this gateway takes up the end of a channel that is meant for it. What is decided
-// stays as it is.
+// Announce: a program on this gateway takes up the end of a channel that is meant for it. Decisions
+// do not change.
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
@@ -25,10 +25,10 @@ using control::Role;
 
 const char* name_of(Role role) { return role == Role::publisher ? "publisher" : "subscriber"; }
 
-/// For one end: whether a program that states `announced` sends more, or asks for more, than was
-/// decided. A publisher's MaxPayload and Jitter are of what it sends, and the MaxPayload of a
-/// subscriber is what it accepts. A publisher's Period and Bandwidth are promised to subscribers,
-/// too: less of it is as wrong as more.
+/// Whether a program that states `announced` for an end sends or requires more than was decided. A
+/// publisher's MaxPayload and Jitter describe its traffic; a subscriber's MaxPayload is what it
+/// accepts. A publisher's Period and Bandwidth are also promised to subscribers, so less is as
+/// wrong as more.
 bool differs(Role role, Attribute a, Value announced, Value decided) {
   const bool publishes = role == Role::publisher;
   if (publishes && (a == Attribute::period || a == Attribute::bandwidth))
@@ -38,7 +38,7 @@ bool differs(Role role, Attribute a, Value announced, Value decided) {
   return smaller_is_harder != turned_round ? announced < decided : announced > decided;
 }
 
-/// What of it does not go with `decided`; nothing: all of it does.
+/// The first announced attribute that conflicts with `decided`, in words; nullopt if none does.
 std::optional<std::string> conflict(Role role, const AttributeSet& announced,
                                     const AttributeSet& decided, std::string_view whose) {
   const AttributeSet asked = normalised_requirement(announced);
@@ -58,7 +58,7 @@ std::optional<std::string> conflict(Role role, const AttributeSet& announced,
   return std::nullopt;
 }
 
-/// The ends of one kind that a channel has on this gateway.
+/// The ends of one role that a channel has on this gateway.
 class Ends {
  public:
   Ends(const Context& context, std::size_t channel, Role role)
@@ -76,9 +76,9 @@ class Ends {
   [[nodiscard]] const std::string& name_of(std::size_t end) const {
     return role_ == Role::publisher ? members_.publisher(end).name : members_.subscriber(end).name;
   }
-  /// Why a program that states this cannot be that end; nothing: it can. What one of the attribute
-  /// sets of the end has is in order, whichever is in use: that changes while programs run, and
-  /// the answer says which one it is.
+  /// Why a program that announces this cannot be that end; nullopt if it can. It may match any of
+  /// the attribute sets of the end: the set in use can change while programs run, and the answer
+  /// says which one it is.
   [[nodiscard]] std::optional<std::string> conflict(std::size_t end,
                                                     const AttributeSet& announced) const {
     auto found = requests::conflict(role_, announced, attributes_of(end, 0), "for this end");
@@ -86,8 +86,8 @@ class Ends {
       if (!requests::conflict(role_, announced, attributes_of(end, set), "")) found.reset();
     return found;
   }
-  /// Why the program may not be that end; nothing: it may. Frames of a publisher pass for one user
-  /// alone. What a bus brings can be read by every user, unless the end states who may.
+  /// Why the program may not be that end; nullopt if it may. Frames of a publisher pass for one
+  /// user only. Frames from a bus can be read by every user, unless the end states who may.
   [[nodiscard]] std::optional<std::string> forbids(std::size_t end, const serve::Peer& peer) const {
     if (role_ == Role::publisher && members_.publisher(end).uid != peer.uid)
       return fmt::format("is for programs of user {}, and this one is of user {}",
@@ -108,7 +108,7 @@ class Ends {
                        unit->empty() ? "none" : *unit);
   }
 
-  /// The one that a program may take up under that name; empty: the only one.
+  /// The end of that name that a program may take up. With an empty name there must be only one.
   [[nodiscard]] Result<std::size_t> find(const std::string& name, const serve::Peer& peer) const {
     std::vector<std::size_t> found;
     std::ranges::copy_if(ends_, std::back_inserter(found),

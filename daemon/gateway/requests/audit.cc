@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the gates refuse, of whom, since when.
+// Audit: what the gates refuse, of which senders, since when.
 #include "daemon/gateway/audit_log.hpp"
 #include "daemon/gateway/delivery_health.hpp"
 #include "daemon/gateway/modes.hpp"

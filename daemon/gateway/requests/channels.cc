@@ -11,7 +11,7 @@
 namespace mlcca::requests {
 namespace {
 
-constexpr std::size_t kLeastRow = 32;  // bytes on the wire
+constexpr std::size_t kLeastRow = 32;  // least bytes on the wire
 
 }  // namespace
 

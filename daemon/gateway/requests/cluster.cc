@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// How this gateway stands among those with which it shares networks: who is there, and what each of
-// them has reserved.
+// Cluster: the standing of this gateway, the other members, or the reservations of each.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -15,7 +14,7 @@ namespace {
 
 constexpr std::size_t kManyReservations = 512;
 
-/// A gateway that decides alone says no more.
+/// The reply of a gateway that is in no cluster.
 Response in_no_cluster(const Context& context, const std::string& part) {
   const std::string& self = context.scene.state->system().gateways[context.scene.self].name;
   if (part == "members")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is asked of the part that this gateway takes in its cluster.
+// A check for requests about the part that this gateway takes in its cluster.
 #pragma once
 #include <fmt/core.h>
 
@@ -11,7 +11,8 @@
 
 namespace mlcca::requests {
 
-/// Why this gateway cannot do that: it takes part in no cluster, or another one is meant.
+/// Why this gateway cannot carry out the request: it takes part in no cluster, or another gateway
+/// is meant. nullopt if it can.
 inline std::optional<control::Error> bars_part(const Context& context, const std::string& gateway,
                                                const char* verb) {
   const auto& system = context.scene.state->system();

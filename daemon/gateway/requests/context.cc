@@ -45,7 +45,8 @@ Result<void> set_withdrawn(Context& context, std::size_t channel, bool withdrawn
       withdrawn ? store::Entry(store::Released{subject}) : store::Entry(store::Reinstated{subject});
   if (auto done = context.recorder.write_at_once({entry}); !done) return done;
   context.scene.state->set_withdrawn(channel, withdrawn);
-  // A gate that refuses denies as a whole, and the log says so: it is decided all the same.
+  // A gate that the kernel refuses to change denies everything, and the log says so. The decision
+  // stands.
   static_cast<void>(context.turn.settle());
   return {};
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The parts of a gateway that requests are answered with.
+// The parts of a gateway that handlers of requests use, and functions that several handlers share.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -46,7 +46,7 @@ namespace store {
 class History;
 }
 
-/// All of it outlives every request, and every slice of a reply.
+/// All references outlive every request and every slice of a reply.
 struct Context {
   const Options& options;
   const Clock& clock;
@@ -76,30 +76,30 @@ struct Context {
   Aside& aside;
   Patience& patience;
   store::History& history;
-  Membership* membership;        ///< null: this gateway shares nothing by a store
-  const std::uint64_t& started;  ///< when this daemon was, seconds since 1970
+  Membership* membership;        ///< null: this gateway is in no cluster
+  const std::uint64_t& started;  ///< when this daemon was started, seconds since 1970
 };
 
-/// The reply is made by a child process, of what is known now.
+/// A reply that a child process makes of what is known now.
 [[nodiscard]] Response made_aside(Context& context, const Asker& asker, Aside::Make make);
-/// The reply is made in slices, each of what is known when it is made; after a reload the rest is
-/// an error.
+/// A reply in slices, each made of what is known at its time. After a reload the rest is an error.
 [[nodiscard]] Response made_in_slices(Context& context, std::size_t least_bytes,
                                       std::function<serve::Slice()> next);
-/// What is known of deliveries, in one turn or aside.
+/// What is known of deliveries, made in one turn or by a child process.
 [[nodiscard]] Response known(Context& context, const Asker& asker, const Asked& asked);
-/// On disk first, then in the kernel. After an error nothing has changed.
+/// Withdraws or reinstates a channel: on disk first, then in the kernel. After an error nothing has
+/// changed.
 [[nodiscard]] Result<void> set_withdrawn(Context& context, std::size_t channel, bool withdrawn);
-/// What a new admission would be given, or an error that says that there is no endpoint on the
+/// What a new admission would be given; or an error that says that there is no endpoint on the
 /// other side to do `to_do` with.
 [[nodiscard]] Body outcome_of(const Context& context, const core::Proposal& proposal,
                               const Asked& asked, const char* to_do);
-/// A proposal for whoever only wants to know: where gateways share networks, as if that were
-/// reserved which it needs. Not to be accepted. Everything is settled.
+/// A proposal that only answers a question and must not be accepted. Where gateways share networks,
+/// it is decided as if what it needs were reserved. Everything must be settled.
 [[nodiscard]] core::Proposal as_it_could_be(Context& context, const core::Admission& admission);
-/// Why there cannot be so many pairs of ends; nothing when there can. Each of them is decided and
-/// reported: of one channel there are as many as in a description, and of all channels as many as
-/// there is memory for, also at the next start.
+/// Why there cannot be the additional pairs of ends that this request makes; nullopt if there can.
+/// Each pair is decided and reported: one channel may have as many as in a description, and all
+/// channels as many as memory allows, also at the next start.
 [[nodiscard]] std::optional<std::string> lacks_pairs(const Context& context, const Asked& asked);
 
 }  // namespace mlcca

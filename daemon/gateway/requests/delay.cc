@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A program that carries events reports that it took longer than the gateway states.
+// Delay: a program that carries events reports that it took longer than the gateway states.
 #include <fmt/core.h>
 
 #include <algorithm>

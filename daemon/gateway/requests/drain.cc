@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The gateway takes no part in its cluster any more, until it is to join again.
+// Drain: the gateway leaves its cluster until it is to join again.
 #include <fmt/core.h>
 
 #include "daemon/gateway/event_log.hpp"
@@ -12,7 +12,7 @@ Response drain(Context& context, const Asker& /*asker*/, const control::DrainReq
   const auto& system = context.scene.state->system();
   const std::string& self = system.gateways[context.scene.self].name;
   Membership& membership = *context.membership;
-  // Until it joins is longer than until a restart.
+  // A drain until join already covers one until a restart.
   if (membership.is_drained() && (request.until_restart || !membership.is_drained_until_restart()))
     return control::Done{self + " is drained already"};
   if (const auto done = membership.drain(request.until_restart); !done)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What do the gates hold?
+// Gate: what the gates hold.
 #include <fmt/core.h>
 
 #include "daemon/gateway/channel_reports.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// One handler for each request, each in a file of its own.
+// The handlers: one for each request, each in a separate file.
 #pragma once
 #include "daemon/gateway/requests/context.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What was decided before, and why.
+// History: past decisions and their reasons.
 #include "daemon/store/history.hpp"
 
 #include <fmt/core.h>

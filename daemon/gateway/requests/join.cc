@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A gateway that was drained takes part in its cluster again.
+// Join: a drained gateway takes part in its cluster again.
 #include <fmt/core.h>
 
 #include "daemon/gateway/event_log.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Enforce, now or when nothing would have been dropped for some time, or audit.
+// Mode: enforce, now or when nothing would have been dropped for some time, or audit.
 #include <fmt/core.h>
 
 #include "daemon/gateway/audit_keeper.hpp"
@@ -12,8 +12,8 @@ namespace {
 constexpr std::uint64_t kSecond = 1'000'000'000;
 constexpr std::uint64_t kYear = 365ULL * 24 * 3600 * kSecond;
 
-/// With a former request the gates of a daemon that has crashed would enforce, or not, as nobody
-/// wants any more: it is on the disk before the answer.
+/// Writes the request to disk before the answer. After a crash, a former request would otherwise
+/// decide the mode of the gates.
 control::Done written_down(Context& context, control::Done done) {
   if (const auto kept = context.audit_keeper.keep(context.history); !kept)
     done.message += fmt::format("; a daemon that crashes forgets it: {}", kept.error().text);

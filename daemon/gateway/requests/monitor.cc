@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The server gives events to whoever has asked for them.
+// Monitor: the server passes events to clients that have made this request.
 #include "daemon/gateway/requests/handlers.hpp"
 
 namespace mlcca::requests {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The program of a gateway that receives and sends subscriptions on networks of FAMOUSO.
+// The program of this gateway that receives and sends subscriptions on networks of FAMOUSO.
 #pragma once
 #include <cstddef>
 #include <optional>
@@ -14,11 +14,11 @@ namespace mlcca::requests {
 
 /// The ports of this gateway whose networks accept subscriptions.
 [[nodiscard]] std::vector<std::size_t> subscription_ports(const Context& context);
-/// The one of a network, whose control traffic the user may send. The error says what is missing.
+/// The port on a network, if the user may send its control traffic. The error says what is missing.
 [[nodiscard]] Result<std::size_t> subscription_port(const Context& context, uid_t user,
                                                     const std::string& network);
 
-/// Whose programs may, in words: "user 991, the control-user of its Port".
+/// The user whose programs may send it, in words: "user 991, the control-user of its Port".
 [[nodiscard]] std::string control_user_of(const core::Port& port);
 
 }  // namespace mlcca::requests

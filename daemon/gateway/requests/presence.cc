@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The program that announces this gateway asks what to send, or has received another one's message.
+// Presence: the program that announces this gateway asks what to send, or has received the
+// announcement of another gateway.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -13,8 +14,8 @@
 namespace mlcca::requests {
 namespace {
 
-/// Why programs of the user do not announce this gateway; nothing: they do, since they may send the
-/// control traffic of a network that has Subscriptions.
+/// Why programs of this user do not announce this gateway; nullopt if they do, because they may
+/// send the control traffic of a network that has Subscriptions.
 std::optional<std::string> refuses_announcer(const Context& context, uid_t user) {
   const auto& own = context.scene.state->system().gateways[context.scene.self].ports;
   const auto ports = subscription_ports(context);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A subscription that this gateway has passed on was refused further on, or is granted after that.
+// Refusal: a subscription that this gateway has passed on was refused further on, or is granted
+// after a refusal.
 #include <fmt/core.h>
 
 #include <algorithm>

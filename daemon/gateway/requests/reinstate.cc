@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A withdrawn channel is decided again.
+// Reinstate: a withdrawn channel is decided again.
 #include <fmt/core.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Admissions that were made at run time end.
+// Release: ends admissions that were made at run time.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -15,12 +15,13 @@
 namespace mlcca::requests {
 namespace {
 
-/// Another gateway has admitted it, and ends it.
+/// Whether another gateway has made this admission, and therefore ends it.
 bool is_anothers(const Context& context, core::AdmissionId id) {
   return context.membership != nullptr && context.membership->is_adopted(id);
 }
 
-/// All of a channel that this gateway ends; at least one. The error is for the one who asks.
+/// All admissions to a channel that this gateway can end, at least one. The error is for the
+/// client.
 Result<std::vector<core::AdmissionId>> admissions_of(const Context& context,
                                                      const std::string& channel) {
   const core::State& state = *context.scene.state;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The lease of an admission starts again.
+// Renew: the lease of an admission starts again.
 #include <fmt/core.h>
 
 #include "core/model/text.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is promised of each network and gateway, and to whom.
+// Reservations: what is promised of each network and gateway, and to whom.
 
 #include "daemon/gateway/reservations.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a handler gives for a request.
+// The result of a handler.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -15,12 +15,13 @@ namespace mlcca {
 
 using Body = decltype(control::Reply::body);
 
-/// Who has asked, and how the reply may come.
+/// Who has asked, and whether the reply may come in slices.
 struct Asker {
   serve::Peer peer;
   bool may_slice = false;
 };
 
+/// The reply to a request, complete or in slices, and what it means for the connection.
 struct Response {
   // NOLINTBEGIN(google-explicit-constructor,hicpp-explicit-conversions): a body is a whole response
   Response(Body whole) : body(std::move(whole)) {}
@@ -28,26 +29,27 @@ struct Response {
     requires std::constructible_from<Body, Part>
   Response(Part part) : body(std::move(part)) {}
   // NOLINTEND(google-explicit-constructor,hicpp-explicit-conversions)
-  /// In slices: `next` makes them.
+  /// A reply in slices, which `next` makes.
   explicit Response(serve::NextSlice next, std::size_t least = 0)
       : slices(std::move(next)), least_bytes(least) {}
 
   Body body;
-  bool held = false;                       ///< not sent before what it says is on disk
-  core::AdmissionId owned = 0;             ///< whose events go to the connection from now on
-  std::optional<std::uint64_t> follows{};  ///< subject whose events go to it from now on
+  bool held = false;  ///< not sent before everything that it says is on disk
+  core::AdmissionId owned =
+      0;  ///< the admission whose events go to the connection from now on; 0: none
+  std::optional<std::uint64_t> follows{};  ///< the subject whose events go to it from now on
   serve::NextSlice slices;
-  std::size_t least_bytes = 0;  ///< that all slices have together, as far as that is known
+  std::size_t least_bytes = 0;  ///< the least size of all slices together, as far as known
 };
 
 [[nodiscard]] inline control::Error error_of(control::ErrorKind kind, std::string message) {
   return {kind, std::move(message), {}};
 }
-/// What was asked for makes no sense.
+/// An error: the request makes no sense.
 [[nodiscard]] inline control::Error invalid(std::string message) {
   return error_of(control::ErrorKind::invalid, std::move(message));
 }
-/// It made sense and could not be done.
+/// An error: the request makes sense, but could not be carried out.
 [[nodiscard]] inline control::Error failed(std::string message) {
   return error_of(control::ErrorKind::world, std::move(message));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// One description for all gateways of a cluster.
+// Rollout: one description for all gateways of a cluster.
 #include "daemon/gateway/rollout.hpp"
 
 #include "daemon/gateway/membership.hpp"

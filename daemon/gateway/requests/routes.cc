@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The ways through the networks, the links of meshes, and the rules of can-gw.
+// Routes: the routes through the networks, the links of meshes, and the rules of can-gw.
 #include "daemon/gateway/can_forwarding.hpp"
 #include "daemon/gateway/channel_reports.hpp"
 #include "daemon/gateway/endpoints.hpp"
@@ -24,7 +24,7 @@ Response routes(Context& context, const Asker& asker, const control::RoutesReque
     return out;
   };
   if (!context.channels.is_large()) return make(nullptr);
-  // The child has none of the sockets of the daemon.
+  // The child needs its own socket, because it has none of the daemon's.
   return made_aside(context, asker, [make] {
     net::KernelCanRules rules;
     return make(&rules);

@@ -35,7 +35,7 @@ std::string unknown(const core::System& system, std::string_view name) {
                      own.empty() ? "none" : fmt::format("{}", fmt::join(own, ", ")));
 }
 
-/// In the integers of the attribute.
+/// A stated value in the integers of the attribute. The error names the unit.
 Result<Value> value_of(const core::UserAttribute& own, const control::Attribute& stated) {
   const core::UserAttribute given = core::of_unit(stated.unit);
   if (given.unit != own.unit)

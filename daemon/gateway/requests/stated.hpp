@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a newcomer states of attributes, over what its channel states: those of the table, and those
-// that the description defines.
+// What an admission states of attributes, in addition to what its channel states: those of the
+// table, and those that the description defines.
 #pragma once
 #include <vector>
 
@@ -10,11 +10,11 @@
 
 namespace mlcca {
 
-/// Of those of the table. The error says which attributes there are.
+/// `base` with the stated attributes of the table. The error says which attributes there are.
 [[nodiscard]] Result<AttributeSet> overridden(AttributeSet base, const core::System& system,
                                               const std::vector<control::Attribute>& changes);
-/// Of those that the description defines: a requirement is rounded towards harder. The error says
-/// in which unit it is stated.
+/// `base` with the stated attributes that the description defines. A requirement is rounded towards
+/// harder. The error says in which unit it is stated.
 [[nodiscard]] Result<core::UserValues> overridden(core::UserValues base, const core::System& system,
                                                   const std::vector<control::Attribute>& changes);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A peer on a network subscribes, renews its subscription, or ends it: an admission of a subscriber
-// there, under a key of its own.
+// Subscribe: a peer on a network subscribes, renews its subscription, or ends it. A subscription is
+// the admission of a subscriber there, with a key that belongs to the peer and the channel.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -24,14 +24,14 @@
 namespace mlcca::requests {
 namespace {
 
-constexpr std::size_t kLongestSource = 45;  // an address in text
+constexpr std::size_t kLongestSource = 45;  // the longest address in text
 
 bool is_plain(const std::string& source) {
   return !source.empty() && source.size() <= kLongestSource &&
          std::ranges::all_of(source, [](char c) { return c > ' ' && c < 127; });
 }
 
-/// What the peer would be admitted by. Error: an attribute is not known.
+/// The admission that represents the subscription. The error: an attribute is not known.
 Result<control::Admit> admission_of(const control::SubscribeRequest& request) {
   control::Admit out;
   out.channel = core::format_subject(request.subject);
@@ -45,9 +45,9 @@ Result<control::Admit> admission_of(const control::SubscribeRequest& request) {
   return out;
 }
 
-/// It has something that is granted, and would not be granted what it wants now beside that: the
-/// refusal, with which it keeps what it has. What is granted of each would be granted of both, as
-/// each attribute is compared by itself.
+/// The refusal for a peer that has a granted subscription and now wants another one that would not
+/// be granted beside it; the peer keeps what it has. Each attribute is compared by itself, so what
+/// is granted of both separately would be granted together. nullopt if it is not refused.
 std::optional<Response> refuses_other(Context& context, core::AdmissionId held,
                                       const control::Admit& wanted) {
   const core::State& state = *context.scene.state;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Where peers may subscribe, and what the gateway itself subscribes for who was admitted behind it.
+// Subscriptions: where peers may subscribe, and what this gateway subscribes elsewhere for
+// endpoints behind it.
 #include <algorithm>
 #include <cstddef>
 #include <utility>
@@ -15,9 +16,10 @@
 namespace mlcca::requests {
 namespace {
 
-constexpr std::size_t kOnwardRow = 256;  // bytes on the wire, mostly
+constexpr std::size_t kOnwardRow = 256;  // typical bytes on the wire
 
-/// Also for who is described, or was admitted otherwise than by a subscription over a network.
+/// Whether the subscription is also for an endpoint that is described, or admitted otherwise than
+/// by a subscription over a network.
 bool begins_here(const Context& context, const core::OnwardSubscription& one) {
   return one.described || std::ranges::any_of(one.admitted, [&](core::AdmissionId id) {
            return !context.admissions.came_over_a_network(id);
@@ -37,7 +39,7 @@ void add_channel(Context& context, std::size_t channel, control::Subscriptions& 
                          .begins_here = begins_here(context, one)});
 }
 
-/// As many channels from `at` on as there is time for in one turn.
+/// The next channels from `at` on, as many as one turn has time for.
 serve::Slice some_onward(Context& context, std::size_t& at) {
   control::Subscriptions out;
   if (at == 0)

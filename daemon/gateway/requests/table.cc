@@ -54,7 +54,7 @@ constexpr std::tuple kTable{
     Row{Privilege::anyone, Trace::none, rollout_state},
 };
 
-/// std::get finds the one row of a type, and fails to compile where there is none or a second one.
+/// std::get finds the only row of a type. It does not compile if there is none, or more than one.
 template <class Request>
 constexpr const Row<Request>& row_of(const Request& /*request*/) {
   return std::get<Row<Request>>(kTable);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The requests that a gateway answers: who may make each, and who answers it. A request that has no
-// row does not compile.
+// The table of requests that a gateway answers: who may make each, and its handler. A request
+// without a row does not compile.
 #pragma once
 #include "control/messages.hpp"
 #include "daemon/gateway/requests/context.hpp"
@@ -9,24 +9,24 @@ namespace mlcca::requests {
 
 /// Who may make a request.
 enum class Privilege : std::uint8_t {
-  anyone,  ///< any local user: it only reads
-  member,  ///< root and the control group: it changes something
+  anyone,  ///< any local user: the request only reads
+  member,  ///< root and the control group: the request changes something
 };
 
 /// What a request leaves behind.
 enum class Trace : std::uint8_t {
-  none,     ///< nothing, or something in memory
-  history,  ///< rows of the history, which count against the quota of a user
+  none,     ///< nothing, or only something in memory
+  history,  ///< rows of the history, which are charged to the quota of the user
 };
 
 [[nodiscard]] Privilege privilege_of(const control::Request& request);
 [[nodiscard]] Trace trace_of(const control::Request& request);
-/// So many of these a request makes at least that is not refused.
+/// The least number of rows that a request of this kind makes if it is not refused.
 [[nodiscard]] std::uint64_t least_rows_of(const control::Request& request);
-/// It lets less pass than now and nothing more: no quota delays it, and its rows count all the
-/// same. What it takes away comes back by requests alone that may have to wait.
+/// Whether the request only lets less pass than now. No quota delays such a request, but its rows
+/// count. What it takes away can only be restored by requests that may have to wait.
 [[nodiscard]] bool takes_away(const Context& context, const control::Request& request);
-/// Privileges have been checked.
+/// Answers a request whose privilege has been checked.
 [[nodiscard]] Response handle(Context& context, const Asker& asker,
                               const control::Request& request);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What programs carry from one network of the gateway to another.
+// Transfers: what programs carry from one network of the gateway to another.
 #include "daemon/gateway/carriers.hpp"
 #include "daemon/gateway/channel_reports.hpp"
 #include "daemon/gateway/endpoints.hpp"
@@ -8,7 +8,7 @@
 namespace mlcca::requests {
 
 Response transfers(Context& context, const Asker& asker, const control::TransfersRequest& request) {
-  // Who asks for its own carries it; from now on, until its connection ends.
+  // A program that asks for the transfers of its own user carries them, until its connection ends.
   if (request.user == asker.peer.uid) context.carriers.add(asker.peer.session, asker.peer.uid);
   if (request.channel.empty())
     return made_in_slices(context, 0,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// An admission that takes something of networks that gateways share: it is answered when the store
-// has decided. Others go on meanwhile.
+// An admission that takes something of shared networks: it is answered when the store has decided.
+// Other requests continue meanwhile.
 #include <fmt/core.h>
 
 #include <memory>
@@ -18,8 +18,8 @@
 namespace mlcca::requests {
 namespace {
 
-/// Somebody who waits. What he has asked for is understood again whenever it is decided: the
-/// description may be another one by then.
+/// One waiting admission. Its request is interpreted again each time it is decided, because the
+/// description may have changed.
 class Waiting : public std::enable_shared_from_this<Waiting> {
  public:
   Waiting(Context& context, Asker asker, control::Admit request)
@@ -49,7 +49,7 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
   }
 
  private:
-  /// At the request and at the cost of who has asked.
+  /// Runs `call` in the name and at the cost of the client that has asked.
   template <class Call>
   std::invoke_result_t<const Call&> acting(const Call& call) {
     const EventLog::Acting acting(context_.log, actor_);
@@ -71,7 +71,7 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
       answer(invalid(asked ? "these ends are described meanwhile" : asked.error().text));
       return std::nullopt;
     }
-    // Others were admitted meanwhile.
+    // Others may have been admitted meanwhile.
     if (const auto why = bars(context_, asker_, request_, *asked)) {
       answer(*why);
       return std::nullopt;
@@ -79,7 +79,7 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
     return std::move(*asked);
   }
 
-  /// With what is reserved and what others hold now.
+  /// Decides with what is reserved, and what others hold, at this time.
   std::optional<Reserving::Wish> decide() {
     const auto asked = understood();
     if (!asked) return std::nullopt;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Everything of a described channel is refused, until it is reinstated.
+// Withdraw: everything of a described channel is refused until it is reinstated.
 #include <fmt/core.h>
 
 #include "daemon/gateway/event_log.hpp"
