@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// In TCX a program of ours is known by its pin: its own name, or the next one, which it has before
-// it is attached. A crash in between leaves it in force under a name that the next start checks.
+// In TCX a program of ours is recognised by its pin: its own name, or the next name, which it has
+// before it is attached. A crash in between leaves it in force under the next name, which the next
+// start checks.
 #include "daemon/gates/attachment.hpp"
 
 #include <bpf/bpf.h>
@@ -23,14 +24,14 @@
 namespace mlcca::enforce {
 namespace {
 
-constexpr int kTries = 8;  ///< while another program changes the order at the same time
+constexpr int kTries = 8;  ///< attempts, while another program changes the order at the same time
 
 struct Named {
   Fd fd;
   std::uint32_t id = 0;
 };
 
-/// The programs of ours in the order of TCX that a pin names, but not `without`.
+/// Our programs in the TCX list that a pin names, except `without`.
 Result<std::vector<Named>> named_programs(const Place& place, Direction direction,
                                           std::uint32_t without = 0) {
   std::vector<Named> named;
@@ -78,12 +79,12 @@ Result<void> put_in_order(const Place& place, Direction direction, int program_f
              : tcx_replace(place.ifindex, direction, former->front().fd.get(), program_fd);
 }
 
-/// Whoever has the name first holds the place.
+/// If two processes race, the one that gets the name first holds the place.
 Result<bool> put_in_empty_order(const Place& place, Direction direction, int program_fd) {
   const auto there = first_named(place, direction);
   if (!there) return std::unexpected(there.error());
   if (*there != 0) return false;
-  // Of a program that is attached nowhere.
+  // The name may belong to a program that is attached nowhere.
   if (auto way = give_way(program_pin(place.directory, direction)); !way)
     return std::unexpected(way.error());
   if (auto put = tcx_attach_first(place.ifindex, direction, program_fd); !put)
@@ -93,7 +94,7 @@ Result<bool> put_in_empty_order(const Place& place, Direction direction, int pro
   return pinned;
 }
 
-/// Up to layout 3 programs were held by links: they end here, at once.
+/// Up to layout 3 programs were held by BPF links: removing the links' pins detaches them at once.
 Result<void> end_links_of_other_layouts(const Place& place) {
   const std::filesystem::path directory(place.directory);
   const std::filesystem::path root = directory.parent_path().parent_path();
@@ -110,8 +111,8 @@ Result<void> end_links_of_other_layouts(const Place& place) {
   return {};
 }
 
-/// What else of ours is there would go on by its own control word, which gets no heart-beat any
-/// more: it drops everything. Where it cannot be found out, that is the safe side.
+/// Removes other programs of ours. They would obey their own control words, which get no heart-beat
+/// any more, and drop everything. If they cannot be found out they stay, which is the safe side.
 Result<void> remove_others_of_ours(const Place& place, const InPlace& ours) {
   if (auto ended = end_links_of_other_layouts(place); !ended) return ended;
   for (const auto direction : kBothDirections) {
@@ -156,7 +157,7 @@ Result<void> remove_orphans(std::uint32_t ifindex, Direction direction, std::uin
       return program != ours && gates->contains(program);
     });
     if (orphan == (*order)->programs.end()) return {};
-    // If the order has changed meanwhile: once more.
+    // If the order has changed meanwhile, the loop tries again.
     static_cast<void>(tcx_detach_beside(ifindex, direction, **order, *orphan));
   }
   return {};
@@ -268,7 +269,7 @@ Result<void> put_gate_first(const Place& place, const GatePrograms& programs,
                          ? tcx_attach_first(place.ifindex, direction, programs.of(direction))
                          : put_filter_first(place.ifindex, direction, programs.of(direction));
     if (!put) return put;
-    if (place.hook == Hook::tcx)  // it may be gone, which is why we are here
+    if (place.hook == Hook::tcx)  // it may be gone, which is a reason to be here
       static_cast<void>(tcx_detach(place.ifindex, direction, former.of(direction)));
   }
   if (place.hook != Hook::tcx) return {};

@@ -17,12 +17,12 @@ T load(const T& at) {
 
 bool is_contradicted(const gate_binding& b) { return load(b.contradictions) != load(b.settled); }
 
-/// Control traffic has no subject of its own in its slots.
+/// The slots of control traffic have no subject of their own.
 bool is_of(const gate_slot& slot, const gate_binding& b) {
   return slot.subject == b.subject || (slot.subject == 0 && b.subject == GATE_SUBSCRIBE);
 }
 
-/// In memory that no program reads before the subject is there.
+/// Fills a binding that no program reads before its subject is set.
 void fill(gate_binding& b, const StatedBinding& stated) {
   b.other = 0;
   b.contradictions = stated.contradicted ? 1 : 0;
@@ -34,13 +34,13 @@ void fill(gate_binding& b, const StatedBinding& stated) {
   publish(b.subject, __u64{stated.subject});
 }
 
-/// The program may be reading it, and adds to `contradictions` what it finds.
+/// Gives a binding another tag while the program may read it and add to `contradictions`.
 void give(gate_binding& b, std::uint16_t etag, std::uint32_t settled) {
   publish(b.settled, __u32{settled});
   publish(b.etag, __u16{etag});
 }
 
-/// Of a binding that is in the table, and may have another tag from now on.
+/// Updates a binding that is in the table and may get another tag.
 void restate(gate_binding& b, const StatedBinding& stated) {
   if (b.etag == stated.etag) return;
   if (load(b.dealt) == 0 && stated.etag == 0) publish(b.dealt, __u16{stated.dealt});
@@ -94,7 +94,7 @@ std::vector<FoundBinding> Bindings::found() const {
   for (const gate_binding& b : used()) {
     if (b.subject == 0) continue;
     const std::uint32_t contradictions = load(b.contradictions);
-    // The program counts after it has taken a tag back.
+    // The program counts a contradiction after it has taken the tag back.
     std::atomic_thread_fence(std::memory_order_acquire);
     const bool contradicted = contradictions != load(b.settled);
     out.push_back({.subject = b.subject,

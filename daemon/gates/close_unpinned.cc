@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Nothing is pinned here: clsact and TCX hold programs, and those their maps.
+// Nothing is pinned in this case: clsact and TCX hold the programs, and the programs hold their
+// maps.
 #include "daemon/gates/close_unpinned.hpp"
 
 #include <fmt/format.h>
@@ -32,8 +33,8 @@ using Ids = std::set<std::uint32_t>;
 using Roster = std::map<std::uint32_t, bool>;
 using Interfaces = std::unique_ptr<struct if_nameindex, FreeWith<if_freenameindex>>;
 
-/// The programs at one interface that are in our place of clsact, or of a gate and in TCX. An
-/// interface that went meanwhile has none.
+/// The programs of gates at one interface: the one in our place of clsact, or those in TCX. An
+/// interface that has gone meanwhile has none.
 Result<Ids> programs_at(std::uint32_t ifindex, Direction direction, const Roster& gates,
                         Hook hook) {
   if (hook == Hook::clsact) {
@@ -50,7 +51,7 @@ Result<Ids> programs_at(std::uint32_t ifindex, Direction direction, const Roster
   return found;
 }
 
-/// In both directions.
+/// The programs of both directions.
 Result<Ids> programs_at(std::uint32_t ifindex, const Roster& gates, Hook hook) {
   Ids found;
   for (const Direction direction : kBothDirections) {
@@ -75,7 +76,7 @@ Result<void> put(std::uint32_t ifindex, Hook hook, const auto& programs) {
     if (hook != Hook::tcx) continue;
     const auto ours =
         ids_of({programs.program_fd(Direction::ingress), programs.program_fd(Direction::egress)});
-    // Where it is not known which one is ours, none is removed: another one of ours drops, too.
+    // If our program is not known, none is removed: another program of ours drops as well.
     if (ours) static_cast<void>(remove_orphans(ifindex, direction, ours->of(direction)));
   }
   return {};
@@ -100,7 +101,7 @@ Result<std::vector<GatedInterface>> gated_interfaces() {
   const auto tcx = tcx_order(kLoopback, Direction::ingress);
   if (!tcx) return std::unexpected(tcx.error());
   const auto listed = programs_of_gates();
-  // In clsact ours are known by their place.
+  // In clsact our programs are known by their place.
   if (*tcx && !listed) return std::unexpected(listed.error());
   const Roster gates = listed.value_or(Roster{});
   const auto may_pass = [&](std::uint32_t program) {

@@ -9,24 +9,25 @@
 
 namespace mlcca::enforce {
 
-/// An interface that has a program of a gate, of whatever daemon.
+/// An interface that has a program of a gate, of any daemon.
 struct GatedInterface {
   std::uint32_t ifindex = 0;
   std::string name;
   Hook hook = Hook::clsact;
-  bool passes = false;  ///< it may pass something; else it is one that mlccad --close has put there
+  bool passes = false;  ///< it may pass frames; false: its programs are those of mlccad --close,
+                        ///< which drop everything
 };
-/// All of this network namespace, pinned or not. Error: it cannot be known.
+/// The gated interfaces of this network namespace, pinned or not. The error: they cannot be found
+/// out.
 Result<std::vector<GatedInterface>> gated_interfaces();
 
-/// Both directions have the program of a gate, of whatever daemon. False where that cannot be
-/// known.
+/// Whether both directions have a program of a gate, of any daemon. False if that cannot be found
+/// out.
 bool is_gated(std::uint32_t ifindex, Hook hook);
 
-/// For a daemon that cannot command the gates, because there is no bpffs: puts closed ones in the
-/// place of all that are in this network namespace, where they stay until a daemon replaces them.
-/// Gives the names of those interfaces. Error: it names those that could not be closed, and closed
-/// the others.
+/// For a daemon that cannot command the gates because there is no bpffs: replaces all gates of this
+/// network namespace by closed ones, which stay until a daemon replaces them. Returns the names of
+/// those interfaces. The error names those that could not be closed; the others are closed.
 Result<std::vector<std::string>> close_unpinned();
 
 }  // namespace mlcca::enforce

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What an interface gets before there is a daemon: programs without tables, which let pass what a
-// closed gate lets pass. The kernel has checked them in a millisecond or two, a gate in 13 (CAN) or
-// 80 (Ethernet).
+// The programs that close an interface before there is a daemon. They have no tables and pass only
+// what a closed gate passes. The kernel verifies them in 1 to 2 ms, a gate in 13 ms (CAN) or 80 ms
+// (Ethernet).
 #pragma once
 #include <utility>
 
@@ -12,10 +12,11 @@
 
 namespace mlcca::enforce {
 
+/// Loads these programs and holds their descriptors.
 class ClosedPrograms {
  public:
   static Result<ClosedPrograms> of_can(const SharedMaps& shared);
-  /// `wpan`: frames of IEEE 802.15.4, not of Ethernet.
+  /// `wpan`: the frames are those of IEEE 802.15.4, not of Ethernet.
   static Result<ClosedPrograms> of_ethernet(const SharedMaps& shared, bool wpan);
 
   [[nodiscard]] int program_fd(Direction direction) const {

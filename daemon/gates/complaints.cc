@@ -12,7 +12,7 @@
 namespace mlcca::enforce {
 namespace {
 
-constexpr std::size_t kMostText = 600;  // a verifier log is long; its end says why
+constexpr std::size_t kMostText = 600;  // a verifier log is long; its end has the reason
 
 Complaints* innermost = nullptr;  // NOLINT(*-avoid-non-const-global-variables): see the header
 

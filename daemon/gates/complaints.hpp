@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What libbpf would print, kept for an error text instead.
+// Collects what libbpf would print, for the text of an error.
 #pragma once
 #include <string>
 
@@ -7,8 +7,9 @@
 
 namespace mlcca::enforce {
 
-/// While one lives, libbpf's warnings go into it; they nest. libbpf's print function has no user
-/// data, so the innermost one is known to this file alone.
+/// While an object lives, libbpf's warnings are added to it. Objects may be nested; the innermost
+/// one collects. libbpf's print function has no user data, so a global variable of the .cc file
+/// names that one.
 class Complaints {
  public:
   Complaints();
@@ -18,7 +19,8 @@ class Complaints {
   Complaints& operator=(Complaints&&) = delete;
   ~Complaints();
 
-  /// "CALL: Operation not permitted (libbpf: …)"; `error` is a negative or positive errno.
+  /// The error of a failed call: "CALL: Operation not permitted (libbpf: …)". `error` is a negative
+  /// or positive errno.
   [[nodiscard]] std::unexpected<Error> error(const std::string& call, int error) const;
   void add(const std::string& line);
 

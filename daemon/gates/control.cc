@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The control word is memory shared with the kernel: single stores and loads. Only a heart-beat is
-// a system call: it runs the program that can read the clock of the gates.
+// The control word is memory shared with the kernel, read and written by single loads and stores.
+// Only a heart-beat is a system call: it runs the program that can read the clock of the gates.
 #include "daemon/gates/control.hpp"
 
 #include <bpf/bpf.h>
@@ -41,9 +41,10 @@ std::uint64_t check_interval(std::uint64_t grace) {
   return std::clamp(grace / 8, kShortestCheck, kLongestCheck);
 }
 
-/// ns between two jiffies: what the coarse clocks step by (CLOCK_MONOTONIC_COARSE).
+/// ns between two jiffies, which is the resolution of the coarse clocks (CLOCK_MONOTONIC_COARSE).
 Result<std::uint64_t> kernel_tick() {
-  constexpr long shortest = 500'000;  // ns; HZ is 100 to 1000 everywhere, 24 to 1200 at the most
+  constexpr long shortest =
+      500'000;  // ns; HZ is 100 to 1000 on all machines, 24 to 1200 at the most
   constexpr long longest = 50'000'000;
   timespec tick{};
   if (clock_getres(CLOCK_MONOTONIC_COARSE, &tick) != 0) return failure("clock_getres", errno);
@@ -60,7 +61,7 @@ Result<std::uint64_t> in_ticks(std::uint64_t grace) {
   return grace / *tick + (grace % *tick != 0 ? 1 : 0);
 }
 
-/// A value that cannot be written any more.
+/// A map with one value that no program can write any more (BPF freeze).
 Result<Fd> make_note(std::uint64_t grace) {
   Fd map(bpf_map_create(BPF_MAP_TYPE_ARRAY, "mlcca_grace", sizeof(std::uint32_t), sizeof(grace), 1,
                         nullptr));
@@ -74,7 +75,7 @@ Result<Fd> make_note(std::uint64_t grace) {
 std::string grace_pin(const std::string& directory) { return directory + "/grace"; }
 std::string until_pin(const std::string& directory) { return directory + "/until"; }
 
-/// What a daemon before this one has set, if one has.
+/// The map with the limit that an earlier daemon has set; an empty Fd if there is none.
 Fd open_until(const std::string& directory) {
   Fd map = open_pin(until_pin(directory));
   return map && is_array(map.get(), sizeof(gate_until), 1) ? std::move(map) : Fd();
@@ -92,7 +93,8 @@ T load(const T& word) {
   return __atomic_load_n(&word, __ATOMIC_ACQUIRE);
 }
 
-/// See gate_ingress_token(): top bit set, not all others but the lowest.
+/// A random token for gate_ingress_token(): its top bit is set, and it is neither 0xfffffffe nor
+/// 0xffffffff.
 Result<std::uint32_t> random_token() {
   std::uint32_t token = 0;
   do {
@@ -125,7 +127,8 @@ Result<Fd> make_word() {
   return map;
 }
 
-/// The control word of this version. Of another version only how to close it is known.
+/// Whether the map is a control word of this layout. A word of another layout is closed, which is
+/// all that is known about it.
 bool is_word_or_close(int map) {
   const std::uint32_t key = 0;
   gate_control word{};
@@ -136,9 +139,9 @@ bool is_word_or_close(int map) {
   return false;
 }
 
-/// What the program says.
+/// Runs the program once with that mark, and returns its return value.
 Result<std::uint32_t> run_once(int program, std::uint32_t mark) {
-  std::array<std::uint8_t, 14> frame{};  // the least that a test run takes; not read
+  std::array<std::uint8_t, 14> frame{};  // the smallest frame that a test run takes; not read
   __sk_buff context{};
   context.mark = mark;
   LIBBPF_OPTS(bpf_test_run_opts, run);
@@ -158,14 +161,14 @@ struct Control::State {
   Fd map;
   Mapped<gate_control> memory;
   Fd events;
-  Fd deadman;     ///< the timer ends with the last reference to its map
-  Object object;  ///< the programs of the dead-man, from the first beat on
+  Fd deadman;     ///< the map of the timer, which ends with the last reference to it
+  Object object;  ///< the programs of the dead-man, loaded with the first heart-beat
   bool reused = false;
-  std::uint32_t epoch = 0;  ///< 0: this daemon has not taken over
+  std::uint32_t epoch = 0;  ///< 0: this daemon has not taken over yet
   std::vector<std::string> replaced;
   Fd grace_note;
   std::optional<GraceWords> grace;  ///< as set by this daemon
-  Fd until;  ///< what gate_beat reads; nothing: neither this daemon nor one before has set it
+  Fd until;  ///< the limit that gate_beat reads; empty if no daemon has set one
 
   [[nodiscard]] std::string control_pin() const { return directory + "/control"; }
   [[nodiscard]] std::string deadman_pin() const { return directory + "/deadman"; }
@@ -181,8 +184,8 @@ struct Control::State {
   Result<void> note_until(std::uint64_t ns);
 };
 
-/// Two processes may be at it: the one whose pin comes first has made it. Something else that has
-/// the name is the same as nothing: gates that are attached hold their own word, which
+/// Two processes may do this at the same time: the one that pins first has made the word. Another
+/// object with the name counts as nothing, because attached gates hold their former word, which
 /// gets no heart-beat.
 Result<void> Control::State::open_or_make() {
   Fd made;
@@ -257,7 +260,8 @@ const std::string& Control::directory() const { return state_->directory; }
 int Control::map_fd() const { return state_->map.get(); }
 int Control::events_fd() const { return state_->events.get(); }
 
-/// Gates have the next epoch before the word has it: those that stay are open all the time.
+/// Gates get the next epoch before the control word has it, so that gates that stay are never
+/// closed.
 std::uint32_t Control::epoch() const {
   return state_->epoch != 0 ? state_->epoch : load(word().epoch) + 1U;
 }
@@ -329,7 +333,7 @@ Result<bool> Control::keep_grace() {
   return true;
 }
 
-/// Put in the place of the one before at once.
+/// Replaces the former note in one step.
 Result<void> Control::State::note_grace(std::uint64_t ns) {
   if (directory.empty() || (grace_note && grace->grace_ns == ns)) return {};
   if (auto there = make_pin_directory(directory); !there) return there;
@@ -387,7 +391,7 @@ Result<void> Control::arm() {
   return State::run(state_->object->progs.gate_arm, 0);
 }
 
-/// Over the timer of a daemon before this one, if it left one, and that is one.
+/// Loads with the timer of an earlier daemon, if it left one that fits.
 Result<void> Control::State::load_programs() {
   if (object) return {};
   const Fd pinned = open_pin(deadman_pin());
@@ -412,7 +416,8 @@ Result<void> Control::State::load_programs(const Fd& timer) {
       return complaints.error("dead-man: take over until when the gates may be open", error);
   if (const int error = deadman_bpf__load(made.get()); error != 0)
     return complaints.error("load the dead-man program", error);
-  // The first that this process loads: later ones rely on what libbpf has found out for it.
+  // These are the first programs that this process loads. Later ones rely on what libbpf has probed
+  // for them.
   const int program = bpf_program__fd(made->progs.gate_beat);
   if (auto probed = probed_without_failure(made->maps.data_control, program); !probed)
     return probed;
@@ -421,7 +426,7 @@ Result<void> Control::State::load_programs(const Fd& timer) {
   return {};
 }
 
-/// Its map is made with the programs, and pinned when it first says something.
+/// The map of the limit is made with the programs, and pinned when a limit is first set.
 Result<void> Control::State::note_until(std::uint64_t ns) {
   if (auto loaded = load_programs(); !loaded) return loaded;
   const auto tick = kernel_tick();

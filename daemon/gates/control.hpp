@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The word that opens and closes all gates of this gateway, with the deadline after which they
-// close when the daemon falls silent, and the kernel timer that counts that. Lives in pinned maps:
-// it outlasts the daemon; what the gates read also outlasts its pin.
+// The control word, which opens and closes all gates of this gateway and has their deadline, and
+// the kernel timer that closes them when the daemon is silent (the dead-man). They are in pinned
+// maps and outlive the daemon; the gates hold the word even if its pin is removed.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -14,18 +14,20 @@
 
 namespace mlcca::enforce {
 
+/// How gates treat frames that are not admitted.
 enum class Mode : std::uint8_t {
   enforce,
-  audit,  ///< count what would be dropped, drop nothing
+  audit,  ///< count what would be dropped, and drop nothing
 };
 
-/// Grace that never ends: verdicts stay however long the daemon is silent.
+/// A grace period that never ends: verdicts stay in force however long the daemon is silent.
 inline constexpr std::uint64_t kForEver = ~std::uint64_t{0};
 inline constexpr std::uint64_t kDefaultGrace = 10'000'000'000;  ///< ns
-/// A shorter grace is taken as this: a busy daemon could not be distinguished from a dead one.
+/// Shorter grace periods are set to this one, because a busy daemon could not be distinguished from
+/// a dead one.
 inline constexpr std::uint64_t kShortestGrace = 100'000'000;  ///< ns
 
-/// The maps that all gates share, by their descriptors, and the epoch of a gate that this daemon
+/// The descriptors of the maps that all gates share, and the epoch of the gates that this daemon
 /// holds.
 struct SharedMaps {
   int control = -1;
@@ -33,13 +35,16 @@ struct SharedMaps {
   std::uint32_t epoch = 0;
 };
 
+/// Owns the maps of the control word and the programs of the dead-man, and gives heart-beats. Apart
+/// from the methods that return a Result, its methods are single loads and stores in memory that
+/// the kernel shares.
 class Control {
  public:
-  /// Opens the pinned maps below `root`/v1 (a directory of a bpffs; made if absent) as they are, or
-  /// makes them: closed, enforcing, grace of 10 s, no heart-beat yet, timer not armed. Errors: no
-  /// bpffs, no privilege, maps of another layout.
+  /// Opens the maps that are pinned in `root`/v<layout> (in a bpffs; made if absent) as they are.
+  /// Otherwise makes them: closed, enforcing, with a grace of 10 s, no heart-beat yet and the timer
+  /// not armed. Errors: no bpffs, no privilege, maps of another layout.
   static Result<Control> create(const std::string& root);
-  /// In memory that nothing names: closed, and it cannot be opened any more when this object is
+  /// Makes the maps in memory without a pin: closed, and impossible to open once this object is
   /// gone.
   static Result<Control> create_unpinned();
   Control(Control&&) noexcept;
@@ -48,68 +53,72 @@ class Control {
   Control& operator=(const Control&) = delete;
   ~Control();
 
-  /// The maps were there before: a daemon has run since boot.
+  /// Whether the maps existed before: a daemon has run since boot.
   [[nodiscard]] bool reused() const;
-  /// What had names that are ours, and was no object of ours: replaced, a line of each, once. The
-  /// gates that are attached hold what they read, pinned or not; those close, and are made again.
+  /// What had one of our names and was not an object of ours, so that it was replaced: one line
+  /// each, reported once. Attached gates still read their former objects, which get no heart-beat,
+  /// so they close and have to be made again.
   [[nodiscard]] std::vector<std::string> take_replaced();
 
-  /// Every gate that this daemon holds is in place: whatever is left of one before it, and held by
-  /// none, is closed from now on, wherever it is.
+  /// Called when every gate that this daemon holds is in place. All other gates, left by an earlier
+  /// daemon, are closed from now on, wherever they are.
   void take_over();
-  /// After take_over(): writes again which daemon holds the gates, if another program has written
-  /// over it. True: it has; the gates were closed.
+  /// After take_over(): if another program has overwritten which daemon holds the gates, writes it
+  /// again. True if it was overwritten; the gates were closed then.
   bool keep_epoch();
 
   void open();
-  /// Everything is denied on every interface; slots stay as they are.
+  /// Denies everything on every interface. The slots stay as they are.
   void close_all();
   [[nodiscard]] bool is_open() const;
 
   void set_mode(Mode mode);
   [[nodiscard]] Mode mode() const;
 
-  /// Sign of life, to be given at least every beat_interval(). `now`: CLOCK_MONOTONIC, ns. One that
-  /// comes too late finds the gates closed, and they stay so: see lapsed().
+  /// Gives a heart-beat; to be called at least every beat_interval(). `now`: CLOCK_MONOTONIC, ns.
+  /// If it comes too late the gates have closed, and they stay closed: see lapsed().
   Result<void> beat(std::uint64_t now);
-  /// Quarter of the grace, at most 1 s, in ns.
+  /// ns between heart-beats: a quarter of the grace period, at most 1 s.
   [[nodiscard]] std::uint64_t beat_interval() const;
 
-  /// The kernel has closed the gates because of our silence. Observe the interfaces again, then
-  /// clear.
+  /// Whether the kernel has closed the gates because of the daemon's silence. The caller must
+  /// observe all interfaces again before it calls clear_lapse().
   [[nodiscard]] bool lapsed() const;
+  /// How often the gates have closed that way.
   [[nodiscard]] std::uint64_t lapses() const;
-  /// Counts as a beat, so that nothing closes again at once.
+  /// Ends the lapse. Counts as a heart-beat, so that the gates do not close again at once.
   Result<void> clear_lapse(std::uint64_t now);
 
-  /// How long verdicts outlive the daemon, in ns: the gates close by themselves within two ticks of
-  /// the kernel's clock after that. A shorter one holds at once. Restarts an armed timer, which
-  /// checks every eighth of the grace, from 20 ms to 1 s. What was set is also pinned where no
-  /// program can alter it (see noted_grace()).
+  /// Sets how long verdicts stay in force without a heart-beat, ns; the gates close within two
+  /// ticks of the kernel's clock after that. A shorter grace holds at once. An armed timer is
+  /// restarted; it checks every eighth of the grace, between 20 ms and 1 s. The value is also
+  /// pinned in a map that no program can write (see noted_grace()).
   Result<void> set_grace(std::uint64_t grace);
-  /// Sets again what set_grace() has set, if another program has overwritten it. True if it was.
+  /// Sets the grace of set_grace() again if another program has overwritten it. True if it was
+  /// overwritten.
   Result<bool> keep_grace();
   [[nodiscard]] std::uint64_t grace() const;
 
-  /// Until when the gates may be open at the most, whatever heart-beats come: CLOCK_MONOTONIC, ns;
-  /// 0: as long as they come, which is so where nothing was set. They close up to two ticks of the
-  /// kernel's clock before that. An earlier one than before holds at once, a later one from the
-  /// next beat on. It is pinned, and holds for the next daemon until that sets another one.
+  /// Limits until when the gates may be open, whatever heart-beats come: CLOCK_MONOTONIC, ns; 0
+  /// (the initial value) is no limit. The gates close at most two ticks of the kernel's clock
+  /// before it. An earlier limit holds at once, a later one from the next heart-beat on. It is
+  /// pinned, and stays until a daemon sets another one.
   Result<void> set_until(std::uint64_t until);
   [[nodiscard]] std::uint64_t until() const;
 
-  /// Starts the kernel timer; beat() first. Harmless when it runs: it then calls the new program.
+  /// Starts the kernel timer, after a first beat(). If it runs already, it continues with the
+  /// program of this process.
   Result<void> arm();
 
-  /// Pins again what another program has unpinned: without its pin the timer would end with the
-  /// daemon, and the gates stay open. True if anything was.
+  /// Pins again what another program has unpinned. Without its pin the timer would end with the
+  /// daemon, and the gates would stay open. True if anything was unpinned.
   Result<bool> keep_pinned();
 
-  /// Directory of the pins, `root`/v1.
+  /// The directory of the pins, `root`/v<layout>.
   [[nodiscard]] const std::string& directory() const;
-  /// The map that gates share; stays ours.
+  /// The map of the control word. The descriptor stays with this object.
   [[nodiscard]] int map_fd() const;
-  /// The ring of gate_event that all gates share; stays ours.
+  /// The ring of gate_event that all gates share. The descriptor stays with this object.
   [[nodiscard]] int events_fd() const;
   [[nodiscard]] SharedMaps shared() const { return {map_fd(), events_fd(), epoch()}; }
 
@@ -121,21 +130,22 @@ class Control {
   std::unique_ptr<State> state_;
 };
 
-/// What a grace makes of the control word.
+/// The fields of the control word that follow from a grace period.
 struct GraceWords {
   std::uint64_t grace_ns = 0;
   std::uint64_t grace_ticks = 0;
   std::uint64_t check_ns = 0;
   bool operator==(const GraceWords&) const = default;
 };
+/// The fields for a grace in ns; the error: the kernel's clock cannot be read.
 Result<GraceWords> words_of_grace(std::uint64_t grace);
 GraceWords words_of_grace(const gate_control& word);
 
-/// The grace that a daemon has set last, in ns, which no program can write to since; nothing where
-/// none has.
+/// The grace that a daemon has last set, in ns, from the map that no program can write; nullopt if
+/// none was set.
 std::optional<std::uint64_t> noted_grace(const std::string& directory);
-/// How long the gates of a word stay open from now on without a heart-beat, in ns, rounded down;
-/// at most 2^32 ticks. Error: no right to ask, or no memory.
+/// How long gates with this control word stay open without a further heart-beat, in ns, rounded
+/// down; at most 2^32 ticks. The error: no privilege, or no memory.
 Result<std::uint64_t> time_left(int control_map);
 
 }  // namespace mlcca::enforce

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Sums over CPUs and banks. The kernel writes meanwhile: each number is read once and whole.
+// Sums over CPUs and banks. The kernel writes meanwhile, so each number is read once, in one load.
 #include "daemon/gates/counters.hpp"
 
 #include <fmt/format.h>
@@ -30,7 +30,7 @@ void read_words(const ether_seen& seen, UnknownFrame& frame) {
   for (std::size_t i = 0; i < frame.mac.size(); ++i) frame.mac.at(i) = load(seen.mac[i]);
 }
 
-/// Nothing when the entry is empty or changed hands while it was read.
+/// nullopt if the entry is empty, or was overwritten while it was read.
 std::optional<UnknownFrame> read(const auto& seen) {
   UnknownFrame frame;
   frame.sequence = load(seen.sequence, __ATOMIC_ACQUIRE);
@@ -65,14 +65,14 @@ ReasonCounters sum_of_reasons(std::span<const Cpu> cpus, Direction direction) {
   return sum;
 }
 
-/// What is the same on several CPUs is one, as it was seen last.
+/// Merges the same kind of frame on several CPUs, with the values of the latest.
 template <class Cpu>
 std::vector<UnknownFrame> newest_of(std::span<const Cpu> cpus) {
   // NOLINTNEXTLINE(misc-const-correctness): the check does not see in a template that it changes
   std::map<std::tuple<std::uint32_t, std::uint64_t, std::uint8_t, Direction>, UnknownFrame> merged;
   for (const auto& cpu : cpus) {
     for (const auto& seen : cpu.seen) {
-      // A second try: the writer is done within nanoseconds.
+      // A second attempt suffices: the writer finishes within nanoseconds.
       auto frame = read(seen);
       if (!frame) frame = read(seen);
       if (!frame) continue;
@@ -89,7 +89,7 @@ std::vector<UnknownFrame> newest_of(std::span<const Cpu> cpus) {
   return newest;
 }
 
-/// "02:00:5e:10:00:01"
+/// For example "02:00:5e:10:00:01".
 std::string octets_text(std::uint64_t number, std::size_t octets) {
   std::string out;
   while (octets-- > 0)

@@ -16,7 +16,7 @@
 namespace mlcca::enforce {
 namespace {
 
-constexpr std::uint32_t kNoted = 4096;  // the latest of them; the kernel gives no id twice
+constexpr std::uint32_t kNoted = 4096;  // the latest ones; the kernel uses no id twice
 
 std::string notes_pin(const std::string& root) { return root + "/early_programs"; }
 

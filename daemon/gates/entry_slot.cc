@@ -13,7 +13,8 @@ std::uint8_t formats_of(const core::GateEntry& e, core::NetworkKind kind) {
                                    (e.xl ? GATE_XL : 0) | (e.transport ? GATE_TRANSPORT : 0));
 }
 
-/// An Ethernet gate makes it of the slot's own subject and station.
+/// The origin of a CAN slot. An Ethernet gate derives it from the slot's subject and station, so it
+/// is 0 there.
 std::uint32_t origin_of(const core::GateEntry& e, core::NetworkKind kind) {
   if (kind != core::NetworkKind::can) return 0;
   if (e.direction == Direction::ingress)

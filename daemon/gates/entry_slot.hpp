@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a plan says of a gate, as a slot of it.
+// Turns a rule of a plan into a slot of a gate.
 #pragma once
 #include <cstdint>
 
@@ -8,11 +8,11 @@
 
 namespace mlcca::enforce {
 
-/// Of a gate on a network of that kind. `source`: interface of the entry's source port, if it has
-/// one.
+/// The slot of an entry for a gate on a network of that kind, without verdict and traffic. `source`
+/// is the interface index of the entry's source port, if it has one.
 [[nodiscard]] SlotSpec slot_of(const core::GateEntry& entry, core::NetworkKind kind,
                                std::uint32_t source = 0);
-/// With its verdict, its traffic, and how its events are expected.
+/// The slot of a rule, with its verdict, its traffic, and how its events are expected.
 [[nodiscard]] SlotSpec slot_of(const core::GateRule& rule, core::NetworkKind kind,
                                std::uint32_t source = 0);
 

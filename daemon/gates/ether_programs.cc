@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Sets the switches and sizes of the skeleton and loads it.
+// Sets the constants and sizes of the skeleton, and loads it.
 #include "daemon/gates/ether_programs.hpp"
 
 #include <bpf/libbpf.h>
@@ -20,9 +20,9 @@ namespace {
 
 using Maps = decltype(ether_bpf::maps);
 
-/// What is mapped is of a size that can be read.
+/// A row of the table of maps. Maps that are mapped into memory state the size of their values.
 struct Row : MapRow<EtherMaps, ether_bpf> {
-  std::uint32_t value_size = 0;  ///< 0: it is not mapped
+  std::uint32_t value_size = 0;  ///< 0: not mapped
   std::uint32_t (*entries)(const EtherSizes&) = nullptr;
 };
 constexpr auto kFragments = [](const EtherSizes&) {
@@ -61,7 +61,7 @@ constexpr std::array kMaps = {
 
 int set_sizes(const ether_bpf& object, const EtherSizes& sizes) {
   for (const Row& row : kMaps) {
-    if (row.map == &Maps::bss) continue;  // one value always
+    if (row.map == &Maps::bss) continue;  // always one value
     if (const int error = bpf_map__set_max_entries(object.maps.*row.map, row.entries(sizes));
         error != 0)
       return error;
@@ -74,7 +74,7 @@ bool fits(const Row& row, const EtherPinned& there) {
          is_mappable_array((there.maps.*row.fd).get(), row.value_size, row.entries(there.sizes));
 }
 
-/// The table says how large the others are.
+/// The maps with their sizes, which the table states; nullopt if they are not of this layout.
 std::optional<EtherPinned> of_this_layout(std::optional<EtherMaps> maps) {
   if (!maps || !is_mappable_array(maps->table.get(), sizeof(ether_table), 1)) return std::nullopt;
   const Mapped<ether_table> table(maps->table.get(), 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The object of the Ethernet gate in the kernel: its programs and the maps they read.
+// The programs and maps of an Ethernet gate in the kernel.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -23,7 +23,7 @@ namespace mlcca::enforce {
 
 void destroy_ether_programs(ether_bpf* object);
 
-/// The maps of one interface that outlive a daemon; all or none.
+/// The maps of one interface that outlive a daemon: all are set, or none.
 struct EtherMaps {
   Fd table;
   Fd buckets;
@@ -37,39 +37,43 @@ struct EtherMaps {
   Fd prefilter;
   Fd audits;
 };
+/// The path of the pin of a map.
 std::string ether_map_pin(const std::string& directory, Fd EtherMaps::* map);
 
+/// Maps that were found pinned, with the sizes that their table states.
 struct EtherPinned {
   EtherMaps maps;
   EtherSizes sizes;
 };
-/// The pinned maps of an interface. Nothing where one of them is missing, or they are of another
-/// layout or do not fit each other.
+/// The pinned maps of an interface; nullopt if one is missing, has another layout, or does not fit
+/// the others.
 std::optional<EtherPinned> pinned_ether_maps(const std::string& directory);
-/// The same of those of the gate that is attached: see take_map().
+/// The maps of the attached gate: see take_map().
 std::optional<EtherPinned> take_ether_maps(const std::string& directory, const MapIds& ids);
 
-/// What is set before loading, beside sizes.
+/// Constants of the programs that are set before they are loaded.
 struct EtherKnobs {
   std::uint32_t ifindex = 0;
   bool silent = false;
   bool wpan = false;  ///< frames of IEEE 802.15.4, not of Ethernet
 };
 
+/// Loads the programs of an Ethernet gate, and owns them.
 class EtherPrograms {
  public:
-  /// Loads over `maps`, or over new ones where they are empty.
+  /// Loads the programs with `maps`, or with new ones if these are empty.
   static Result<EtherPrograms> load(const EtherKnobs& knobs, const EtherSizes& sizes,
                                     const SharedMaps& shared, const EtherMaps& maps);
 
   [[nodiscard]] int program_fd(Direction direction) const;
-  /// Of the XDP program.
+  /// The descriptor of the XDP program.
   [[nodiscard]] int early_fd() const;
   [[nodiscard]] int map_fd(Fd EtherMaps::* map) const;
-  /// Of the maps that outlive a daemon.
+  /// The maps that outlive a daemon, with the paths of their pins.
   [[nodiscard]] std::vector<Pin> pins(const std::string& directory) const;
+  /// Further descriptors of the same maps.
   [[nodiscard]] Result<EtherMaps> share() const;
-  /// Of the control map.
+  /// The generation of the verdicts, in the control map.
   [[nodiscard]] std::uint32_t& generation() const;
 
  private:
@@ -78,7 +82,7 @@ class EtherPrograms {
   Object object_;
 };
 
-/// The memory of the maps, while this and the programs live.
+/// The maps' memory, mapped into this process. It must not outlive the programs.
 class EtherMapping {
  public:
   static Result<EtherMapping> of(const EtherPrograms& programs, const EtherSizes& sizes);
@@ -86,7 +90,7 @@ class EtherMapping {
   [[nodiscard]] std::span<ether_cpu> cpus() const { return cpus_.span(); }
 
  private:
-  std::uint32_t* generation_ = nullptr;  ///< of the programs
+  std::uint32_t* generation_ = nullptr;  ///< owned by the programs
   Mapped<ether_table> table_;
   Mapped<std::uint64_t> buckets_;
   Mapped<ether_prefilter_part> prefilters_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Chains under a reader that never waits, as in slots.cc. A bucket is one word, so that its first
+// Edits chains while a reader never waits, as slots.cc does. A bucket is one word, so its first
 // slot and the fingerprints of its subjects change together.
 #include "daemon/gates/ether_table.hpp"
 
@@ -15,7 +15,7 @@
 namespace mlcca::enforce {
 namespace {
 
-constexpr unsigned kHalf = 32;  // of a station
+constexpr unsigned kHalf = 32;  // half of the bits of a station
 
 }  // namespace
 
@@ -79,7 +79,7 @@ std::uint64_t& EtherTable::bucket_of(std::uint64_t hash) const {
   return memory_.buckets[hash & (sizes_.buckets - 1)];
 }
 
-/// Finds the used slots by the chains, the only truth there is, and the free ones by exclusion.
+/// Finds the used slots by following the chains, which alone say what is used. All others are free.
 Result<void> EtherTable::adopt(bool fresh) {
   std::vector<bool> seen(sizes_.slots, false);
   for (std::size_t b = 0; b < memory_.buckets.size(); ++b) {
@@ -140,7 +140,7 @@ Result<void> EtherTable::check_adopted(std::uint32_t at, std::size_t bucket) con
   return {};
 }
 
-/// The same contract under two numbers, which this program never writes, would count as one.
+/// Two numbers for one contract would count as one. This program never writes that.
 Result<void> EtherTable::adopt_contract(std::uint32_t at) {
   const std::uint16_t number = memory_.slots[at].contract;
   Use& use = contracts_[contract_of(spec_of(at))];
@@ -222,15 +222,15 @@ std::set<EtherTable::Contract> EtherTable::new_contracts(const SlotChanges& chan
   return fresh;
 }
 
-/// Where nothing goes, check() has checked the same.
+/// If nothing is removed, check() has checked the same.
 bool EtherTable::fits_at_once(const SlotChanges& changes) const {
   return changes.remove.empty() || (changes.add.size() <= slots_.size() &&
                                     new_contracts(changes).size() <= contract_numbers_.size() &&
                                     check_chains(changes, false).has_value());
 }
 
-/// Waits for what was left lately, if it is needed: check() has found that it suffices. Of watches
-/// there may be too few all the same.
+/// Waits for recently removed entries if they are needed; check() has found that they suffice.
+/// There may still be too few watches.
 Result<void> EtherTable::reclaim(const SlotChanges& changes) {
   const auto watches = [&] {
     std::size_t count = 0;
@@ -295,7 +295,8 @@ void EtherTable::leave_contract(std::uint16_t number) {
   contract_numbers_.quarantine.push_back(number);
 }
 
-/// Of the chain that begins in the bucket, behind which a wildcard slot goes; 0: it goes first.
+/// The last slot with a stated station in the chain of the bucket. A wildcard slot is linked after
+/// it; 0: it is linked first.
 std::uint32_t EtherTable::last_of_stations(std::uint64_t bucket, const SlotSpec& spec) const {
   std::uint32_t last = 0;
   if (spec.station != 0) return last;
@@ -348,7 +349,7 @@ std::uint8_t EtherTable::prefilter_of(std::uint32_t first) const {
   return bits;
 }
 
-/// The slot keeps its `next`, so that a program which stands on it finds the rest of the chain.
+/// The slot keeps its `next`, so that a program that reads it finds the rest of the chain.
 void EtherTable::unlink(const SlotSpec& spec) {
   const auto found = find(spec);
   if (!found) return;
@@ -381,7 +382,7 @@ void EtherTable::set_traffic(const SlotSpec& spec) {
   const SlotSpec former = spec_of(*found);
   publish(slot.contract, take_contract(spec));
   leave_contract(before);
-  // Turns that were taken at the former rate say nothing of the new one.
+  // Turns that were reserved at the former rate have no meaning at the new one.
   if (former.per_frame != spec.per_frame || former.per_byte != spec.per_byte ||
       former.tolerance != spec.tolerance)
     publish(slot.due, __u64{0});

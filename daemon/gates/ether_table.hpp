@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The subjects of one Ethernet-like interface, edited in the memory that the gate program reads at
-// the same time. Pure pointer logic, as SlotTable: tested without a kernel.
+// The subjects of one Ethernet-like interface, edited in memory that the gate program reads at the
+// same time. Pure pointer logic, as SlotTable: tested without a kernel.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -16,25 +16,25 @@
 
 namespace mlcca::enforce {
 
-/// How large the maps of an interface are.
+/// The sizes of the maps of an interface.
 struct EtherSizes {
   std::uint32_t slots = ETHER_MIN_SLOTS;
   std::uint32_t buckets = ETHER_MIN_SLOTS;  ///< a power of two
   std::uint32_t contracts = ETHER_MIN_SLOTS;
-  std::uint32_t banks = 1;  ///< of counters
+  std::uint32_t banks = 1;  ///< banks of counters
 
-  /// Entries of the prefilter map; a table that needs none has one that nothing reads.
+  /// Entries of the prefilter map. A table that needs none has one entry, which nothing reads.
   [[nodiscard]] std::uint32_t prefilters() const {
     return has_prefilter() ? buckets / ETHER_PREFILTER_BUCKETS : 1;
   }
   [[nodiscard]] bool has_prefilter() const { return slots > ETHER_PREFILTERED_SLOTS; }
 
-  /// For so many subjects; at least ETHER_MIN_SLOTS, at most ETHER_MAX_SLOTS.
+  /// The sizes for that many subjects, between ETHER_MIN_SLOTS and ETHER_MAX_SLOTS.
   static EtherSizes for_slots(std::size_t slots, std::uint32_t cpus);
   bool operator==(const EtherSizes&) const = default;
 };
 
-/// The values of the maps of one interface.
+/// The values of the maps of one interface, mapped by the caller.
 struct EtherMemory {
   ether_table* table = nullptr;
   std::span<std::uint64_t> buckets;
@@ -44,20 +44,21 @@ struct EtherMemory {
   std::span<gate_count> counts;
   std::span<gate_audit> audits;
   std::span<gate_watch> watches;
-  std::uint32_t* generation = nullptr;  ///< of the verdicts (gate_control)
+  std::uint32_t* generation = nullptr;  ///< of the verdicts, in gate_control
 };
 
+/// The table of an Ethernet gate: a hash table of slots whose traffic is in shared contracts.
 class EtherTable final : public Table {
  public:
-  /// Takes the memory as it is; `fresh`: writes its header, with `seed` for the hash. Errors:
-  /// another layout or size, broken chains.
+  /// Adopts the memory as it is. `fresh`: writes its header first, with `seed` for the hash.
+  /// Errors: another layout or size, broken chains.
   static Result<EtherTable> read(const EtherMemory& memory, const EtherSizes& sizes, bool fresh,
                                  std::uint64_t seed, GracePeriod wait);
 
-  // Of a SlotSpec the identifier and its mask are 0, and its formats are ETHER_UNFRAGMENTED and
-  // ETHER_FRAGMENT. Errors of apply(): a slot that is there twice or is not there; more slots than
-  // there is room for, GATE_CHAIN of one subject, GATE_WALK of one bucket, more different
-  // contracts than there is room for.
+  // In a SlotSpec for this table the identifier and its mask are 0, and formats are
+  // ETHER_UNFRAGMENTED and ETHER_FRAGMENT. Errors of apply(): a slot that is present twice or not
+  // at all; more slots than room, GATE_CHAIN of one subject, or GATE_WALK of one bucket; more
+  // different contracts than room.
 
   [[nodiscard]] std::vector<SlotSpec> present() const override;
   [[nodiscard]] std::size_t size() const override { return used_; }
@@ -65,15 +66,15 @@ class EtherTable final : public Table {
   [[nodiscard]] std::optional<std::uint32_t> find(const SlotSpec& spec) const override;
 
   [[nodiscard]] std::uint16_t watch_of(std::uint32_t slot) const override;
-  /// They wait for one of the ETHER_WATCHES - 1: the apply() by which one becomes free gives it to
-  /// them, after a grace period.
+  /// Slots that wait for one of the ETHER_WATCHES - 1 watches. The apply() that frees a watch gives
+  /// it to them after a grace period.
   [[nodiscard]] std::size_t unwatched() const override { return waiting_.size(); }
   [[nodiscard]] std::vector<std::uint16_t> watched() const override;
 
  private:
   EtherTable(const EtherMemory& memory, const EtherSizes& sizes, GracePeriod wait);
 
-  /// What ether_contract says, to be found by.
+  /// The content of an ether_contract, as a key.
   struct Contract {
     std::uint32_t uid = 0;
     std::uint32_t source = 0;
@@ -89,13 +90,13 @@ class EtherTable final : public Table {
     std::uint16_t number = 0;
     std::uint32_t slots = 0;
   };
-  /// How events are to come, as in SlotSpec.
+  /// How events are expected, as in SlotSpec.
   struct Expected {
     std::uint64_t period = 0;
     std::uint64_t silence = 0;
     std::uint64_t together = 0;
   };
-  /// Unused entries of a map; a running program may still read those in quarantine.
+  /// Unused entries of a map. A running program may still read those in quarantine.
   template <class Number>
   struct Unused {
     std::vector<Number> free;
@@ -146,7 +147,7 @@ class EtherTable final : public Table {
   [[nodiscard]] SlotSpec spec_of(std::uint32_t at) const;
   [[nodiscard]] std::uint64_t fingerprints_of(std::uint32_t first) const;
   [[nodiscard]] std::uint8_t prefilter_of(std::uint32_t first) const;
-  /// Of a bucket; nothing where there are none.
+  /// The prefilter of a bucket; nullptr if the table has none.
   [[nodiscard]] std::uint8_t* prefilter_at(std::uint64_t hash) const;
   [[nodiscard]] std::uint64_t hash_at(std::uint32_t slot) const;
 
@@ -158,7 +159,7 @@ class EtherTable final : public Table {
   Unused<std::uint32_t> slots_;
   Unused<std::uint16_t> contract_numbers_;
   Unused<std::uint16_t> watches_;
-  std::map<std::uint32_t, Expected> waiting_;  ///< for a watch, by slot
+  std::map<std::uint32_t, Expected> waiting_;  ///< slots that wait for a watch
 };
 
 }  // namespace mlcca::enforce

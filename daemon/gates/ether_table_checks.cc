@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Whether changes of an Ethernet table can be made, before any is: see Table::apply().
+// Checks of changes of an Ethernet table before any is made: see Table::apply().
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ std::string name(const SlotSpec& s) {
   return fmt::format("slot of subject {:#018x} ({})", s.subject, to_text(s.direction));
 }
 
-/// As ether_station() has them.
+/// Whether this is a value of ether_station().
 bool is_station(std::uint64_t station) {
   constexpr std::uint64_t pan_and_address = 0xffffffff;
   return (station & ETHER_EXTENDED) != 0 || station < ETHER_SHORT ||
@@ -42,7 +42,7 @@ auto grant(const SlotSpec& s) {
   return std::tie(s.direction, s.subject, s.station, s.source, s.uid, s.max_len, s.formats);
 }
 
-/// In an order that brings together what is of one subject, without a copy of each.
+/// Pointers in an order that groups the slots of one subject, without copying the slots.
 std::vector<const SlotSpec*> sorted(const std::vector<SlotSpec>& specs) {
   std::vector<const SlotSpec*> out;
   out.reserve(specs.size());
@@ -91,7 +91,7 @@ Result<void> EtherTable::check_adds(const std::vector<SlotSpec>& adds) const {
   return check_once(adds);
 }
 
-/// Of the state after the changes.
+/// Checks the state after the changes.
 Result<void> EtherTable::check_room(const SlotChanges& changes) const {
   const std::size_t room = sizes_.slots - ETHER_FIRST_SLOT;
   if (used_ + changes.add.size() - changes.remove.size() > room)
@@ -101,7 +101,8 @@ Result<void> EtherTable::check_room(const SlotChanges& changes) const {
   return check_chains(changes, true);
 }
 
-/// Of the state after the changes, or of that in which old and new slots are side by side.
+/// Checks the state after the changes, or with `removed_first` false the state in which old and new
+/// slots are side by side.
 Result<void> EtherTable::check_chains(const SlotChanges& changes, bool removed_first) const {
   const auto buckets = [&](const std::vector<SlotSpec>& specs) {
     std::vector<std::uint64_t> out;
@@ -129,8 +130,8 @@ Result<void> EtherTable::check_chains(const SlotChanges& changes, bool removed_f
   return {};
 }
 
-/// What is removed leaves its contract before others are needed; what is policed takes the new one
-/// before it leaves the old one.
+/// Removed slots leave their contracts before others are needed. A slot whose traffic changes takes
+/// the new contract before it leaves the old one.
 Result<void> EtherTable::check_contracts(const SlotChanges& changes) const {
   const std::size_t room = sizes_.contracts - 1;
   std::size_t all = contracts_.size() + new_contracts(changes).size();

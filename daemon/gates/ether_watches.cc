@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which slots of an Ethernet interface are watched: there are fewer watches than subjects.
+// Decides which slots of an Ethernet interface are watched: there are fewer watches than subjects.
 #include <algorithm>
 
 #include "core/model/progress.hpp"
@@ -17,7 +17,7 @@ bool EtherTable::lacks_watch(const SlotSpec& spec) const {
   return !slot || watch_of(*slot) == 0;
 }
 
-/// A watch names its slot before the slot names it.
+/// A watch must name its slot before the slot names the watch.
 void EtherTable::set_watch(std::uint32_t slot, const SlotSpec& spec) {
   if (gate_gap_scale(spec.period) == 0) {
     leave_watch(slot);
@@ -50,7 +50,7 @@ void EtherTable::leave_watch(std::uint32_t slot) {
   watches_.quarantine.push_back(watch);
 }
 
-/// If the kernel does not grant the grace period, the next apply() asks again.
+/// If waiting for the grace period fails, the next apply() tries again.
 void EtherTable::watch_what_waits() {
   if (watches_.free.size() < waiting_.size() && !watches_.quarantine.empty())
     if (!release_what_was_left()) return;

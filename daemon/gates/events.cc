@@ -27,8 +27,8 @@ Result<Fd> make_event_ring() {
   return made;
 }
 
-/// With another one than before reports are lost only: gates that write to that pass and drop the
-/// same frames.
+/// If a new ring replaces the former one, only reports are lost: gates that write to the former one
+/// pass and drop the same frames.
 Result<Fd> open_event_ring(const std::string& pin_path, std::string& was) {
   const auto is_ours = [](int map) { return is_ring(map, GATE_EVENTS_SIZE); };
   auto there = open_own(pin_path, is_ours, was);
@@ -38,15 +38,15 @@ Result<Fd> open_event_ring(const std::string& pin_path, std::string& was) {
   const auto pinned = pin(made->get(), pin_path);
   if (!pinned) return std::unexpected(pinned.error());
   if (*pinned) return made;
-  // Another process was first: its ring is used.
+  // Another process was first, so its ring is used.
   there = open_own(pin_path, is_ours, was);
   if (there && !*there)
     return fail("pin " + pin_path + ": another program pins there at this moment");
   return there;
 }
 
-/// Records of another size are of no gate that we know. What is negative ends the reading, behind
-/// this record.
+/// Records of another size come from no gate that is known here, and are skipped. A negative result
+/// ends the reading after this record.
 int EventReader::take_record(void* context, void* data, std::size_t size) {
   auto& turn = *static_cast<Turn*>(context);
   const int more = ++turn.taken < kAtOnce ? 0 : -EAGAIN;

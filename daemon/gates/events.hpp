@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the kernel reports by itself: the ring that all gates of this gateway, and their timers,
-// write to.
+// Reports of the kernel: the ring buffer that all gates of this gateway and their timers write to.
 #pragma once
 #include <functional>
 #include <memory>
@@ -16,12 +15,13 @@ namespace mlcca::enforce {
 
 void free_ring(ring_buffer* ring);
 
-/// The ring that all gates share; nothing names it.
+/// Makes the ring that all gates share, without a pin.
 Result<Fd> make_event_ring();
-/// The pinned ring, or a new one that is pinned there: what was reported while no daemon ran is
-/// kept.
+/// Opens the pinned ring, or makes and pins a new one. Reports from the time without a daemon are
+/// kept. `was`: what had the name and was replaced.
 Result<Fd> open_event_ring(const std::string& pin_path, std::string& was);
 
+/// Reads the ring and calls a function for each record.
 class EventReader {
  public:
   struct Take {
@@ -29,14 +29,15 @@ class EventReader {
     std::function<void(const gate_sample&)> sample;
   };
 
-  /// `ring` is the map; it may be closed afterwards. Only one reader at a time.
+  /// `ring` is the map's descriptor, which may be closed afterwards. There may be only one reader
+  /// at a time.
   static Result<EventReader> open(int ring, Take take);
 
-  /// Readable when there are events.
+  /// A descriptor that is readable when there are events.
   [[nodiscard]] int fd() const;
-  /// Events that one read() takes: the reader has other things to do between two.
+  /// The most events that one read() takes, so that the loop can do other work in between.
   static constexpr int kAtOnce = 64;
-  /// Takes what is there, kAtOnce at most.
+  /// Takes the events that are there, kAtOnce at most.
   Result<void> read();
 
  private:
@@ -49,7 +50,7 @@ class EventReader {
       : turn_(std::move(turn)), ring_(std::move(ring)) {}
   static int take_record(void* context, void* data, std::size_t size);
 
-  std::unique_ptr<Turn> turn_;  ///< the ring holds its address
+  std::unique_ptr<Turn> turn_;  ///< its address is in the ring, so it must not move
   Ring ring_;
 };
 

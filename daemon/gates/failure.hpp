@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// An errno as an error for a person.
+// Turns an errno into an Error.
 #pragma once
 #include <cstdlib>
 #include <cstring>

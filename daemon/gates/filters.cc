@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// tc through libbpf's netlink calls, which act in the calling thread's network namespace.
+// tc through libbpf's netlink calls, which act in the network namespace of the calling thread.
 #include "daemon/gates/filters.hpp"
 
 #include <bpf/libbpf.h>
@@ -23,7 +23,8 @@ bpf_tc_hook hook_of(std::uint32_t ifindex, Direction direction) {
 
 std::string name(Direction direction) { return to_text(direction) + std::string(" filter"); }
 
-/// Holds our place while our filter goes to the head of its priority.
+/// The handle of a second filter, which holds our place while our filter moves to the head of its
+/// priority.
 constexpr std::uint32_t kDeputy = GATE_TC_HANDLE + 1;
 
 int attach(std::uint32_t ifindex, Direction direction, int program_fd, std::uint32_t flags,
@@ -49,7 +50,7 @@ Result<std::uint32_t> program_in_place(std::uint32_t ifindex, Direction directio
   LIBBPF_OPTS(bpf_tc_opts, options, .prog_fd = 0, .flags = 0, .prog_id = 0,
               .handle = GATE_TC_HANDLE, .priority = GATE_TC_PRIORITY);
   const int error = bpf_tc_query(&hook, &options);
-  // The kernel says EINVAL where there is no clsact.
+  // The kernel returns EINVAL if there is no clsact.
   if (error == -ENOENT || error == -EINVAL) return 0;
   if (error != 0) return complaints.error(name(direction), error);
   return options.prog_id;
@@ -69,7 +70,7 @@ Result<void> put_filter(std::uint32_t ifindex, Direction direction, int program_
   const Complaints complaints;
   const int error = attach(ifindex, direction, program_fd, BPF_TC_F_REPLACE);
   if (error != 0) return complaints.error(name(direction), error);
-  detach(ifindex, direction, kDeputy);  // of a daemon that ended in put_filter_first()
+  detach(ifindex, direction, kDeputy);  // left by a daemon that ended in put_filter_first()
   return {};
 }
 
@@ -81,8 +82,8 @@ Result<bool> put_filter_if_empty(std::uint32_t ifindex, Direction direction, int
   return true;
 }
 
-/// The kernel puts a new filter at the head of its priority, and one that replaces another where
-/// that was.
+/// The kernel puts a new filter at the head of its priority, and a replacing one in the place of
+/// the former.
 Result<void> put_filter_first(std::uint32_t ifindex, Direction direction, int program_fd) {
   const Complaints complaints;
   detach(ifindex, direction, kDeputy);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Of a word of another layout no more is known than its head: version and `open`.
+// Of a control word with another layout only the head is known: version and `open`.
 #include "daemon/gates/former_layouts.hpp"
 
 #include <bpf/bpf.h>

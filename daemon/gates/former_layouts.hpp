@@ -6,11 +6,11 @@
 
 namespace mlcca::enforce {
 
-/// After an upgrade: the gates of a daemon with another layout obey a control word that gets
-/// no heart-beat any more. It is closed and unpinned here; a gate of ours takes their place where
-/// it is attached, and elsewhere they stay, closed. Error: it cannot be read what is there.
+/// After an upgrade: closes and unpins the control words of other layouts, which get no heart-beat
+/// any more. Their gates are replaced where a gate of ours is attached; elsewhere they stay,
+/// closed. The error: what is there cannot be read.
 Result<void> close_former_layouts(const std::string& root);
-/// Closes what obeys this control word, of whatever layout.
+/// Closes all gates that obey this control word, of any layout.
 void close_word(int map);
 
 }  // namespace mlcca::enforce

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Asked by number over netlink. An ioctl asks by name, and where an interface has gone the kernel
-// runs modprobe for its name, and the caller waits for that.
+// Asks by index over netlink. An ioctl asks by name; if the interface has gone, the kernel runs
+// modprobe for that name, and the caller waits for it.
 #include <fmt/format.h>
 #include <linux/netlink.h>
 #include <linux/rtnetlink.h>
@@ -28,7 +28,7 @@ struct Question {
 
 constexpr timeval kPatience{.tv_sec = 1, .tv_usec = 0};
 
-/// errno; 0: `type` is the answer.
+/// 0 if `type` was set; otherwise an errno.
 int ask_for_type(std::uint32_t ifindex, std::uint16_t& type) {
   const Fd socket(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE));
   if (!socket ||

@@ -107,7 +107,7 @@ class CanKind final : public GateKind {
                 .echo_by_mark = config.echo_by_mark,
                 .silent = config.silent} {}
 
-  /// Slots of another profile mean other frames.
+  /// Slots of another profile concern other frames, so maps of another profile are not taken.
   bool take(const std::string& directory, const MapIds& ids) override {
     auto maps = take_gate_maps(directory, ids);
     if (!maps) return false;
@@ -146,7 +146,7 @@ Result<Gate> Gate::load(const GateConfig& config, const Control& control) {
 Gate::Gate(PortGate loaded, GateConfig config)
     : PortGate(std::move(loaded)), config_(std::move(config)) {}
 
-/// load() has made the object.
+/// The object was made by load(), so it is a CanObject.
 gate_table& Gate::memory() const { return static_cast<const CanObject&>(object()).memory(); }
 
 Bindings Gate::bindings() const { return Bindings(memory()); }

@@ -19,30 +19,32 @@ struct GateConfig {
   std::uint32_t ifindex = 0;
   std::string name;  ///< for error texts
   core::Profile profile = core::Profile::none;
-  /// The device gives every frame it has sent back through ingress (IFF_ECHO: real controllers). Do
-  /// not set it for a device whose frames come from another namespace (vxcan): marks cross there.
+  /// The device returns every frame that it has sent through ingress (IFF_ECHO: real controllers).
+  /// Not to be set for a device whose frames come from another namespace (vxcan), because marks
+  /// cross there.
   bool echo_by_mark = false;
-  std::optional<Hook> hook;  ///< the best one that the kernel has
-  /// A program gets success for what is dropped at egress.
+  std::optional<Hook> hook;  ///< nullopt: the best one that the kernel has
+  /// Programs get success for frames that are dropped at egress.
   bool silent = false;
 };
 
+/// See PortGate. Adds priority bands and FAMOUSO's tags.
 class Gate final : public PortGate {
  public:
-  /// Loads a gate and puts it in place. A gate of another profile is none of this kind. Errors: no
-  /// such interface, no privilege, a foreign filter in our place.
+  /// Loads a gate and puts it in place. The slots of a gate with another profile are not taken
+  /// over. Errors: no such interface, no privilege, a foreign filter in our place.
   static Result<Gate> attach(const GateConfig& config, const Control& control);
   /// See PortGate::load().
   static Result<Gate> load(const GateConfig& config, const Control& control);
 
   [[nodiscard]] const GateConfig& config() const { return config_; }
 
-  /// Frames that leave are put into bands by their identifiers: those up to the first limit
-  /// (gate_arbitration()) into the first band, … at most GATE_BANDS - 1 limits, rising. No limits:
-  /// they are left as they are.
+  /// Sets the band of frames that leave by their identifiers: frames up to the first limit
+  /// (gate_arbitration()) are in the first band, and so on. At most GATE_BANDS - 1 limits, in
+  /// rising order. Without limits frames are left as they are.
   void set_bands(std::span<const std::uint32_t> limits);
 
-  /// FAMOUSO: tags, and what their broker says of them.
+  /// The tags of FAMOUSO, and what the gate has found about them.
   [[nodiscard]] Bindings bindings() const;
 
  private:

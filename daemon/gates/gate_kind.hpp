@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What differs between the gates of CAN and of Ethernet-like links. What they have in common, how a
-// gate comes into its place and stays there, is PortGate.
+// The interfaces that hide the differences between gates of CAN and of Ethernet-like links from
+// PortGate.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -18,8 +18,8 @@
 
 namespace mlcca::enforce {
 
-/// What a gate has in the kernel: its programs, the maps that they read, and what these hold.
-/// Nothing of it is pinned or attached by this object.
+/// What a gate has in the kernel: its programs, their maps, and the maps' contents. The object pins
+/// and attaches nothing.
 class GateObject {
  public:
   GateObject() = default;
@@ -30,11 +30,11 @@ class GateObject {
   virtual ~GateObject() = default;
 
   [[nodiscard]] virtual int program_fd(Direction direction) const = 0;
-  /// Of the program for the driver; -1: there is none of this kind of link.
+  /// The descriptor of the XDP program; -1 if this kind of link has none.
   [[nodiscard]] virtual int early_fd() const { return -1; }
-  /// Of the maps that outlive a daemon.
+  /// The maps that outlive a daemon, with the paths of their pins.
   [[nodiscard]] virtual std::vector<Pin> pins(const std::string& directory) const = 0;
-  /// Other programs over the same memory.
+  /// Loads further programs for the same memory.
   [[nodiscard]] virtual Result<std::unique_ptr<GateObject>> copy(
       const SharedMaps& shared) const = 0;
   /// See SilenceTimers::of_can().
@@ -43,17 +43,18 @@ class GateObject {
                                                              bool take_over) const = 0;
 
   [[nodiscard]] virtual Table& table() = 0;
-  /// Another object may have changed the same memory.
+  /// Reads the table again, because another object may have changed the same memory.
   virtual Result<void> read_again() = 0;
 
-  /// Words of the table that are of the gate as a whole.
+  /// The words of the table that concern the gate as a complete unit.
   struct Words {
     std::uint32_t& retired;
     std::uint32_t& epoch;
   };
   [[nodiscard]] virtual Words words() const = 0;
 
-  /// Whatever leaves is counted; of Ethernet only what carries events is.
+  /// Whether all frames that leave are counted. An Ethernet gate counts only those that carry
+  /// events.
   [[nodiscard]] virtual bool judges_everything() const = 0;
   [[nodiscard]] virtual const gate_watch& watch(std::uint16_t number) const = 0;
   [[nodiscard]] virtual SlotCounters counters(std::uint32_t slot) const = 0;
@@ -62,7 +63,7 @@ class GateObject {
   [[nodiscard]] virtual std::vector<UnknownFrame> unknown() const = 0;
 };
 
-/// Loads the object of an interface.
+/// Loads the GateObject of an interface.
 class GateKind {
  public:
   GateKind() = default;
@@ -72,14 +73,14 @@ class GateKind {
   GateKind& operator=(GateKind&&) = delete;
   virtual ~GateKind() = default;
 
-  /// Takes the maps of a gate that is attached, by their pins. False: it is none of this kind.
+  /// Takes the maps of an attached gate by their pins. False if that gate is not of this kind.
   virtual bool take(const std::string& directory, const MapIds& ids) = 0;
-  /// What was taken is as large as is wanted now.
+  /// Whether the maps that were taken are as large as required now.
   [[nodiscard]] virtual bool fits() const { return true; }
-  /// Over what was taken.
+  /// Loads the programs with the maps that were taken.
   [[nodiscard]] virtual Result<std::unique_ptr<GateObject>> load_over_taken(
       const SharedMaps& shared) const = 0;
-  /// Over maps of its own, without slots.
+  /// Loads the programs with new maps, without slots.
   [[nodiscard]] virtual Result<std::unique_ptr<GateObject>> load_new(
       const SharedMaps& shared) const = 0;
 };

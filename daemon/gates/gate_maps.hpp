@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The maps of a gate that outlive a daemon, by name: a row for each says where its descriptor is
-// kept, how it is pinned, and which map of the skeleton it is. Of either kind of gate.
+// The maps of a gate that outlive a daemon, as rows of a table that both kinds of gate use: where
+// the descriptor is kept, the name of the pin, and the map of the skeleton.
 #pragma once
 #include <bpf/libbpf.h>
 #include <fcntl.h>
@@ -18,7 +18,7 @@
 
 namespace mlcca::enforce {
 
-/// `Maps`: a struct of descriptors. `Skeleton`: of the gate's object.
+/// `Maps` is a struct of descriptors, `Skeleton` that of the gate's object.
 template <class Maps, class Skeleton>
 struct MapRow {
   Fd Maps::* fd;
@@ -26,7 +26,7 @@ struct MapRow {
   bpf_map* decltype(Skeleton::maps)::* map;
 };
 
-/// All of them as `open` gives each by the path of its pin, or nothing.
+/// Opens all maps by `open`, which gets the path of each pin; nullopt if one is not there.
 template <class Maps>
 std::optional<Maps> open_maps(const auto& rows, const std::string& directory, const auto& open) {
   Maps maps;
@@ -37,7 +37,7 @@ std::optional<Maps> open_maps(const auto& rows, const std::string& directory, co
   return maps;
 }
 
-/// Those of the gate that is attached: see take_map().
+/// The maps of the attached gate: see take_map().
 template <class Maps>
 std::optional<Maps> take_maps(const auto& rows, const std::string& directory, const MapIds& ids) {
   return open_maps<Maps>(rows, directory,
@@ -53,7 +53,7 @@ std::vector<Pin> pins_of(const auto& rows, const Skeleton& object, const std::st
   return pins;
 }
 
-/// For a second object over the same memory.
+/// Further descriptors of the maps, for a second object with the same memory.
 template <class Maps, class Skeleton>
 Result<Maps> share_maps(const auto& rows, const Skeleton& object) {
   Maps maps;
@@ -64,7 +64,7 @@ Result<Maps> share_maps(const auto& rows, const Skeleton& object) {
   return maps;
 }
 
-/// 0 or a negative errno.
+/// Makes a skeleton use existing maps. 0 or a negative errno.
 template <class Maps, class Skeleton>
 int reuse_maps(const auto& rows, const Skeleton& object, const Maps& maps) {
   for (const auto& row : rows)

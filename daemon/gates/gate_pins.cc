@@ -12,8 +12,8 @@
 namespace mlcca::enforce {
 namespace {
 
-/// The maps of the attached program of a direction, and whether it has the name of the next one
-/// yet, which becomes its own. Nothing: no pin names it.
+/// The maps of an attached program of one direction, and whether it had only its next name, which
+/// becomes its own.
 struct Attached {
   MapIds maps;
   bool was_next = false;
@@ -55,7 +55,7 @@ Fd take_map(const std::string& path, const MapIds& ids) {
   for (const bool next : {false, true}) {
     Fd map = open_pin(next ? next_of(path) : path);
     if (!map || std::ranges::find(ids, map_id(map.get())) == ids.end()) continue;
-    // Where that fails it gets the name together with those of the programs.
+    // If that fails, it gets the name together with those of the programs.
     if (next) static_cast<void>(rename_pin(next_of(path), path));
     return map;
   }
@@ -74,7 +74,7 @@ Result<void> pin_as_next(std::span<const Pin> pins) {
 
 Result<void> name_next(std::span<const Pin> pins) {
   for (const Pin& given : pins) {
-    // What has its own name already has no next one.
+    // An object that already has its own name has no next one.
     if (what_is_at(next_of(given.path)).empty()) continue;
     if (auto named = rename_pin(next_of(given.path), given.path); !named) return named;
   }

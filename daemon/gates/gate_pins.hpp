@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The names of what is pinned for one gate. What replaces it has next names until it is attached:
-// the gate that is in force has its own, or, after a crash in between, is found by what is
-// attached.
+// The names of the pins of one gate. What is to replace a gate has "next" names until it is
+// attached. So the gate in force has its own names; or, after a crash in between, it is found by
+// what is attached.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -15,7 +15,7 @@
 
 namespace mlcca::enforce {
 
-/// In the directory of Control.
+/// `directory` is that of Control.
 inline std::string gate_directory(const std::string& directory, std::uint32_t ifindex) {
   return directory + "/if" + std::to_string(ifindex);
 }
@@ -36,17 +36,18 @@ inline std::string silence_timers_pin(const std::string& directory) {
 inline std::string cpus_pin(const std::string& directory) { return directory + "/" + kCpusPin; }
 
 using MapIds = std::vector<std::uint32_t>;
-/// The maps of each program of ours that is pinned there and attached to this very device; those of
-/// a gate that a crash kept from getting its own names come first.
+/// The maps of each program of ours that is pinned in the directory and attached to this device. A
+/// gate that did not get its own names because of a crash comes first.
 Result<std::vector<MapIds>> maps_of_attached(const std::string& directory, std::uint32_t ifindex);
-/// The one of these maps that has the name, or its next name, which becomes its own; or none.
+/// The map among `ids` that has the name `path`, or its next name, which then becomes its own; an
+/// empty Fd if none has.
 Fd take_map(const std::string& path, const MapIds& ids);
 
-/// Gives each object the next name of its pin, unless it has its own.
+/// Pins each object under its next name, unless it has its own.
 Result<void> pin_as_next(std::span<const Pin> pins);
-/// After that: each gets its own name, instead of what has it.
+/// After pin_as_next(): gives each object its own name, replacing what has that name.
 Result<void> name_next(std::span<const Pin> pins);
-/// What was to be next and is not attached loses its names.
+/// Removes the next names of objects that were not attached.
 void forget_next(const std::string& directory);
 
 }  // namespace mlcca::enforce

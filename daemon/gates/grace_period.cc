@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// membarrier(MEMBARRIER_CMD_GLOBAL) is synchronize_rcu(). So is a change of a map of maps, which
-// the kernel finishes only when no program can hold the old inner map (bpf(2): since 4.18).
+// membarrier(MEMBARRIER_CMD_GLOBAL) is synchronize_rcu(). A change of a map of maps waits as well:
+// the kernel finishes it only when no program can hold the old inner map (bpf(2), since 4.18).
 #include "daemon/gates/grace_period.hpp"
 
 #include <bpf/bpf.h>

@@ -64,8 +64,8 @@ Result<bool> has_gate(Place place) {
   return false;
 }
 
-/// Puts programs where none are. For an interface that has nothing that is worth keeping: its maps
-/// are not pinned.
+/// Puts programs where there are none. The interface has nothing to keep, so the maps are not
+/// pinned.
 Result<Closing> put_closed(const Place& place, const ClosedPrograms& programs) {
   auto closing = Closing::was_gated;
   for (const auto direction : kBothDirections) {
@@ -76,8 +76,8 @@ Result<Closing> put_closed(const Place& place, const ClosedPrograms& programs) {
   return closing;
 }
 
-/// Where frames carry the subject, what carries events alone. By clsact where nothing can be
-/// pinned.
+/// Chooses the programs by the framing of the interface: where frames carry the subject, only
+/// frames that carry events are dropped. Uses clsact if nothing can be pinned.
 Result<Closing> put_closed(Place place, const Control& control) {
   const auto framing = framing_of(place.ifindex);
   if (!framing) return std::unexpected(framing.error());

@@ -22,7 +22,8 @@ void settle(std::span<Slot> slots, std::uint32_t generation) {
     publish(slot.verdict[(generation + 1) & 1], slot.verdict[generation & 1]);
 }
 
-/// Maps that are not there or of another layout belong to no gate that will be taken over.
+/// Maps that do not exist or have another layout belong to no gate that will be taken over, so they
+/// are skipped.
 void settle_gate(const std::string& directory, std::uint32_t generation) {
   if (const auto ether = pinned_ether_maps(directory)) {
     const Mapped<ether_slot> slots(ether->maps.slots.get(), ether->sizes.slots);

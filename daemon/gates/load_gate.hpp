@@ -14,13 +14,13 @@
 
 namespace mlcca::enforce {
 
-/// What is set in every gate before it is loaded.
+/// Constants that are set in every gate before it is loaded.
 struct GateSwitches {
   std::uint32_t ifindex = 0;
   bool silent = false;
 };
 
-/// `prepare`: sets what is of one kind, switches and maps; 0 or a negative errno.
+/// `prepare` sets the constants and maps of one kind; it returns 0 or a negative errno.
 template <class Skeleton, class Object>
 Result<Object> try_load_gate(const std::string& what, const GateSwitches& switches,
                              const SharedMaps& shared, bool direct_access, const auto& prepare) {
@@ -42,7 +42,8 @@ Result<Object> try_load_gate(const std::string& what, const GateSwitches& switch
   return object;
 }
 
-/// The verifier refuses packet pointers on machines that cannot read unaligned words.
+/// Loads with direct packet access first. The verifier refuses packet pointers on machines that
+/// cannot read unaligned words; there the second attempt succeeds.
 template <class Skeleton, class Object>
 Result<Object> load_gate(const std::string& what, const GateSwitches& switches,
                          const SharedMaps& shared, const auto& prepare) {

@@ -9,7 +9,7 @@
 
 namespace mlcca::enforce {
 
-/// Empty where the kernel refuses; errno says why.
+/// Maps the values. Empty if the kernel refuses; errno has the reason.
 template <class T>
 class Mapped {
  public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Thin over the bpf system call and the file system.
+// Thin wrappers of the bpf system call and the file system.
 #include "daemon/gates/pins.hpp"
 
 #include <bpf/bpf.h>
@@ -25,7 +25,7 @@ namespace {
 
 constexpr int kTries = 4;
 
-/// Where the mount unit of the service has it: --bpf-root without a word.
+/// The bpffs that the mount unit of the service makes, and the default of --bpf-root.
 constexpr std::string_view kUsualRoot = "/run/mlcca/bpf";
 
 bpf_map_info map_info(int fd) {
@@ -35,7 +35,7 @@ bpf_map_info map_info(int fd) {
   return info;
 }
 
-/// What the kernel calls the object of a descriptor: "bpf-map", "bpf-prog", …
+/// The kind of the object of a descriptor, as the kernel names it: "bpf-map", "bpf-prog", …
 std::string kind_of(int fd) {
   std::error_code error;
   const std::string target =
@@ -78,7 +78,7 @@ bool is_program(int fd) {
   return kind.empty() || kind == "bpf-prog";
 }
 
-/// Calls can fail for a moment: that proves nothing.
+/// Calls can fail temporarily, which says nothing about the object, so they are repeated.
 Result<Fd> open_own(const std::string& path, const std::function<bool(int)>& is_ours,
                     std::string& was) {
   int error = 0;
@@ -142,7 +142,7 @@ Result<std::string> pin_instead(int fd, const std::string& path) {
 std::expected<std::vector<std::string>, std::error_code> names_in(const std::string& directory) {
   std::vector<std::string> names;
   std::error_code error;
-  // A loop over the range would throw where a later entry cannot be read.
+  // A range-based for would throw if a later entry cannot be read.
   for (std::filesystem::directory_iterator at(directory, error);
        !error && at != std::filesystem::directory_iterator(); at.increment(error))
     names.push_back(at->path().filename());
@@ -178,7 +178,7 @@ void remove_pin_directory(const std::string& path) {
 
 namespace {
 
-/// What the kernel says first of a map, program or link.
+/// The first fields that the kernel states for a map, program or link alike.
 struct Object {
   std::uint32_t type = 0;
   std::uint32_t id = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Names in a bpffs that keep maps and programs alive when the daemon is not.
+// Pins: names in a bpffs that keep maps and programs alive without the daemon.
 #pragma once
 #include <cstdint>
 #include <expected>
@@ -14,55 +14,57 @@
 
 namespace mlcca::enforce {
 
-/// Makes `path` and what is missing above it. Error: it is not in a bpffs.
+/// Makes the directory `path` and its missing parents. The error: it is not in a bpffs.
 Result<void> make_pin_directory(const std::string& path);
 
-/// All names in a directory, without it, in no order. A list that is not complete is an error; a
-/// directory that is not there is the error ENOENT.
+/// All names in a directory, without the directory and in no order. An incomplete list is an error;
+/// a missing directory is the error ENOENT.
 std::expected<std::vector<std::string>, std::error_code> names_in(const std::string& directory);
 
-/// The object pinned there, or an empty Fd.
+/// The object that is pinned at `path`; an empty Fd if there is none.
 Fd open_pin(const std::string& path);
-/// Error EEXIST is reported as `false`.
+/// Pins an object. False if the name is in use (EEXIST).
 Result<bool> pin(int fd, const std::string& path);
-/// Puts a new object under a name at once, whether or not the name is in use. Error: as give_way().
+/// Moves a pin to another name in one step, whether or not that name is in use. Errors as
+/// give_way().
 Result<void> rename_pin(const std::string& from, const std::string& to);
 void remove_pin(const std::string& path);
 
 /// What has the name, for people: "a program", "a directory", "a map of type 1 …"; empty: nothing.
 std::string what_is_at(const std::string& path);
-/// What has the name, and does not belong there, loses it; gives what it was, as what_is_at().
-/// Error: a directory that is not empty, with what is to be done; a bpffs that is read-only.
+/// Removes what has the name and does not belong there. Returns what it was, as what_is_at(). The
+/// error: a directory that is not empty, with what to do about it; a bpffs that is read-only.
 Result<std::string> give_way(const std::string& path);
-/// The object that is pinned there, if it is one of ours: as `is_ours` says of its descriptor.
-/// Nothing where there is none, or where what was there has given way: `was`. Error: as give_way(),
-/// or it cannot be found out what it is; then it stays.
+/// The object that is pinned at `path`, if `is_ours` accepts its descriptor. An empty Fd if there
+/// is none, or if what was there was removed; then `was` says what it was. Errors as give_way(); or
+/// it cannot be found out what it is, and it stays.
 Result<Fd> open_own(const std::string& path, const std::function<bool(int)>& is_ours,
                     std::string& was);
-/// Gives this object the name, whatever else has it. Where that was something, gives what it was.
+/// Gives this object the name. Returns what had the name before and was replaced; empty if nothing
+/// had.
 Result<std::string> pin_instead(int fd, const std::string& path);
-/// Other objects have other numbers of their own: what says "type 2, id 7" of a map may do so of a
-/// program as well.
+/// Maps and programs have separate numbers, so "type 2, id 7" alone may describe a map as well as a
+/// program. These tell them apart.
 bool is_map(int fd);
 bool is_program(int fd);
-/// Removes all pins of the directory and the directory.
+/// Removes all pins of the directory, and the directory.
 void remove_pin_directory(const std::string& path);
 
-/// A map, program or link, and the name that keeps it.
+/// A map, program or link, and the path of the pin that keeps it.
 struct Pin {
   int fd = -1;
   std::string path;
 };
-/// The name leads to this very object.
+/// Whether the path leads to this very object.
 bool is_pinned(const Pin& kept);
-/// Pins again what has not its name any more, or whose name is another's now: the names of those,
-/// without directory, which is made where it is missing. Error: a bpffs that is read-only, or
-/// something else that stands in the way; nothing of that is listed as pinned again.
+/// Pins again the objects whose pin is missing or names another object. Returns their names without
+/// the directory, which is made if it is missing. The error: a read-only bpffs, or something else
+/// is in the way; then no names are returned.
 Result<std::vector<std::string>> keep_pinned(std::span<const Pin> pins);
 
-/// Value size, entries and kind of a map fit; maps that differ have another layout.
+/// Whether the kind, value size and entries of a map fit. Maps that differ have another layout.
 bool is_array(int map_fd, std::uint32_t value_size, std::uint32_t entries);
-/// The same of one that can be mapped.
+/// The same for a map that can be mapped into memory.
 bool is_mappable_array(int map_fd, std::uint32_t value_size, std::uint32_t entries);
 bool is_ring(int map_fd, std::uint32_t size);
 bool is_hash(int map_fd, std::uint32_t key_size, std::uint32_t value_size);

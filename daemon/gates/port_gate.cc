@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Puts the gate in place. At every moment either the old or the new program is there, and a crash
-// at any line leaves pins that the next start understands: a program is pinned under its next name
-// before it is attached and gets its own name after that.
+// Puts a gate in place. At every moment the old or the new program is there, and a crash at any
+// line leaves pins that the next start understands: a program is pinned under its next name before
+// it is attached, and gets its own name afterwards.
 #include "daemon/gates/port_gate.hpp"
 
 #include <fmt/format.h>
@@ -38,9 +38,9 @@ struct PortGate::State {
   SilenceTimers silence_timers;
   bool reused = false;
   bool was_put = false;
-  bool early = false;  ///< it was put in the driver
+  bool early = false;  ///< our program was put in the driver
 
-  /// This daemon holds the gate.
+  /// Marks the gate as held by this daemon.
   void own() const { publish(object->words().epoch, shared.epoch); }
   [[nodiscard]] std::vector<Pin> pins() const;
   [[nodiscard]] Result<void> pin_all() const;
@@ -50,7 +50,7 @@ struct PortGate::State {
   Result<void> go_first();
 };
 
-/// Programs last: what is attached is found by them.
+/// Programs come last, because what is attached is found by them.
 std::vector<Pin> PortGate::State::pins() const {
   std::vector<Pin> all;
   if (object->early_fd() >= 0) all.push_back({object->early_fd(), early_pin(place.directory)});
@@ -84,7 +84,7 @@ Result<void> PortGate::State::put_early() {
 
 Result<void> PortGate::State::put() {
   Result<void> done;
-  // The one that was in its place meanwhile may have changed the same table.
+  // A gate that was in this place meanwhile may have changed the same table.
   if (std::exchange(was_put, true)) done = object->read_again();
   if (done) done = pin_all();
   if (done) done = watch();
@@ -95,7 +95,7 @@ Result<void> PortGate::State::put() {
   return done;
 }
 
-/// A program can't be in the order of TCX twice: a copy of it takes its place.
+/// A program cannot be in the TCX list twice, so a copy of it takes its place.
 Result<void> PortGate::State::go_first() {
   auto copy = object->copy(shared);
   if (!copy) return std::unexpected(copy.error());
@@ -116,16 +116,17 @@ Result<PortGate> PortGate::load(const Config& config, GateKind& kind, const Cont
   if (!attached) return of_gate(config.name, attached.error());
   const bool is_there = std::ranges::any_of(
       *attached, [&](const MapIds& ids) { return kind.take(place.directory, ids); });
-  // An ifindex alone can have been given to another device, whose gate must start empty.
+  // The index alone does not suffice: it may have been given to another device, whose gate must
+  // start empty.
   if (!is_there) disown_gate(place.directory, *attached);
 
   bool reused = is_there && kind.fits();
   auto object = reused ? kind.load_over_taken(shared) : kind.load_new(shared);
-  // Maps that make no sense are not worth keeping: start closed.
+  // Maps that are damaged are not worth keeping: start closed.
   if (!object && std::exchange(reused, false)) object = kind.load_new(shared);
   if (!object) return of_gate(config.name, object.error());
   if (is_there && !kind.fits()) {
-    // Whoever was admitted goes on in the larger table.
+    // Grants stay in force in the larger table.
     if (const auto old = kind.load_over_taken(shared)) {
       SlotChanges moved;
       moved.add = (*old)->table().present();
@@ -133,7 +134,7 @@ Result<PortGate> PortGate::load(const Config& config, GateKind& kind, const Cont
         return of_gate(config.name, done.error());
     }
   }
-  // Timers that run already go on, by our program.
+  // Timers that run already continue, with our program.
   auto timers = (*object)->silence_timers(shared, silence_timers_pin(place.directory), reused);
   if (!timers) return of_gate(config.name, timers.error());
   return PortGate(std::make_unique<State>(State{.config = config,

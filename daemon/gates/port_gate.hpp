@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The gate of one port, whatever runs on its wire: two programs of ours in its hooks and the memory
-// they obey, from being loaded until the interface is gone. Closing the object leaves the gate in
-// the kernel as it is.
+// The gate of one port, whatever link it has: two programs in the hooks of the interface and the
+// memory that they obey, from loading until the interface is gone. Destroying the object leaves the
+// gate in the kernel as it is.
 #pragma once
 #include <cstdint>
 #include <expected>
@@ -32,80 +32,84 @@ class PortGate {
 
   [[nodiscard]] const std::string& name() const;
   [[nodiscard]] std::uint32_t ifindex() const;
-  /// The slots of the gate that was attached before were taken over: see present().
+  /// Whether the slots of the gate that was attached before were taken over: see present().
   [[nodiscard]] bool reused() const;
 
-  /// Puts what was loaded in place, or what another gate of this interface has displaced since: by
-  /// replacement where our programs are there already; those that an earlier daemon had in the
-  /// other hook go after that. After an error the other gate may have lost its place in part: its
-  /// reattach() gives it back.
+  /// Puts the loaded gate in place, or puts it back if another gate of this interface has replaced
+  /// it since. Replaces programs of ours that are there; then removes those that an earlier daemon
+  /// had in the other hook. After an error the other gate may have partly lost its place; its
+  /// reattach() restores it.
   Result<void> put();
-  /// Both programs are in their places now and are those of this object.
+  /// Whether both programs of this object are in their places.
   [[nodiscard]] Result<bool> attached() const;
-  /// Neither of them is in its place.
+  /// Whether neither of them is in its place.
   [[nodiscard]] Result<bool> is_taken_off() const;
-  /// Puts the same programs back after another program removed or replaced them; slots and counters
+  /// Puts the programs back after another program has removed or replaced them. Slots and counters
   /// stay.
   Result<void> reattach();
   [[nodiscard]] Hook hook() const;
-  /// TCX programs of others that may let frames pass before ours have seen them.
+  /// TCX programs of others that may let frames pass before our programs see them.
   [[nodiscard]] Result<std::vector<Ahead>> ahead() const;
-  /// The gate was marked as that of an interface that has left, which only unpin() may do, so that
-  /// everything passes: it judges again. False: it was not marked.
+  /// Undoes the mark of a gate whose interface has left, which lets everything pass and which only
+  /// unpin() may set. False if the gate was not marked.
   bool judge_again();
-  /// Another program has given the gate to another daemon, or to none, so that it was closed: it is
-  /// held by this one again. False: none has.
+  /// Takes the gate back after another program has given it to another daemon, or to none, so that
+  /// it was closed. False if none has.
   bool hold_again();
   /// Puts our programs before all others of their hook; see put_gate_first().
   Result<void> go_first();
-  /// Whatever leaves is counted; of Ethernet only what carries events is.
+  /// Whether all frames that leave are counted. An Ethernet gate counts only those that carry
+  /// events.
   [[nodiscard]] bool judges_everything() const;
 
-  /// Id of our program for the driver; 0: there is none of this kind of link.
+  /// The id of our XDP program; 0 if this kind of link has none.
   [[nodiscard]] std::uint32_t early() const;
-  /// The driver drops what is refused before anything else sees it.
+  /// Whether the driver drops what is refused, before anything else sees it.
   [[nodiscard]] bool drops_early() const;
-  /// It did, until our program was removed from there. Both filters hold all of it.
+  /// Whether our XDP program was in the driver and has been removed. The filters still enforce
+  /// everything.
   [[nodiscard]] bool lost_early() const;
-  /// Where no other program is: see drops_early().
+  /// Puts the XDP program back if no other program is there: see drops_early().
   Result<void> put_early_back();
 
-  /// See Table::apply(); then the timers of what is newly watched.
+  /// See Table::apply(). Then arms the timers of newly watched slots.
   Result<void> apply(const SlotChanges& changes);
   [[nodiscard]] std::vector<SlotSpec> present() const;
   [[nodiscard]] std::size_t size() const;
-  /// So many slots there can be.
+  /// The most slots that there can be.
   [[nodiscard]] std::size_t room() const;
-  /// The slot is found by a mask, and not by a key or subject.
+  /// Whether the slot is found by a mask, not by a key or subject.
   [[nodiscard]] bool is_masked(const SlotSpec& spec) const;
   void deny_all();
-  /// Unless it is pinned the next daemon begins with another gate, and timers end with this
-  /// process. Gives the names of what had to be pinned again; slots and frames are not touched.
+  /// Pins again what has lost its pin, and returns the names. Without pins the next daemon would
+  /// start with another gate, and timers would end with this process. Slots and frames are not
+  /// touched.
   [[nodiscard]] Result<std::vector<std::string>> keep_pinned() const;
 
-  /// Of the slot with this grant (verdict not compared); nothing where there is none.
+  /// The counters of the slot with this grant (the verdict is not compared); nullopt if there is
+  /// none.
   [[nodiscard]] std::optional<SlotCounters> counters(const SlotSpec& spec) const;
-  /// Number of the slot with this grant, as events name it.
+  /// The number of the slot with this grant, as events state it; nullopt if there is none.
   [[nodiscard]] std::optional<std::uint32_t> number_of(const SlotSpec& spec) const;
-  /// The same; nothing if it is not supervised.
+  /// The same; nullopt also if the slot is not supervised.
   [[nodiscard]] std::optional<std::uint32_t> watched_as(const SlotSpec& spec) const;
-  /// How the events of a watched slot have come. `now`: CLOCK_MONOTONIC.
+  /// How the events of a watched slot have come. `now`: CLOCK_MONOTONIC, ns.
   [[nodiscard]] Arrivals arrivals(std::uint32_t slot, std::uint64_t now) const;
-  /// If events of a watched slot are missing that is reported once more.
+  /// If events of a watched slot are missing, makes the kernel report it once more.
   [[nodiscard]] Result<void> report_again(std::uint32_t slot) const;
-  /// Slots whose events ought to be watched, beyond those that can be.
+  /// The number of slots that should be watched but have no watch.
   [[nodiscard]] std::size_t unwatched() const;
   [[nodiscard]] ReasonCounters reasons(Direction direction) const;
-  /// What audit mode has let through, by why it would have been dropped.
+  /// Frames that passed in audit mode, by the reason for which they would have been dropped.
   [[nodiscard]] ReasonCounters would_drop(Direction direction) const;
-  /// Frames without a slot, newest first.
+  /// The frames without a slot, the newest first.
   [[nodiscard]] std::vector<UnknownFrame> unknown() const;
 
-  /// Removes the pins, not the programs. Of an interface that is gone, to another network
-  /// namespace, they go on with it, and let everything pass; of one that is here they stay in
+  /// Removes the pins, not the programs. On an interface that has gone to another network
+  /// namespace, the programs stay with it and let everything pass. On one that is here they stay in
   /// force.
   void unpin();
-  /// Removes what is left of a gate that was taken off an interface which is here: its program in
+  /// Removes what is left of a gate that was taken off an interface that is here: its program in
   /// the driver, and the pins.
   void give_up();
 
@@ -117,7 +121,8 @@ class PortGate {
     PortGate* gate;
     Error error;
   };
-  /// See Table: one step for frames on all of them, CAN and Ethernet. They are of one Control.
+  /// See Table::apply_together(): one step for frames on all gates, CAN and Ethernet. All must have
+  /// the same Control.
   static std::expected<void, Refusal> apply_together(std::span<const Change> changes);
 
  protected:
@@ -127,10 +132,11 @@ class PortGate {
     std::optional<Hook> hook;
   };
 
-  /// All that takes memory: nothing is pinned or attached before put(). The slots and counters of
-  /// what is attached now are taken over when they are of this kind, the slots alone where it is
-  /// too small; otherwise the gate starts without slots, so that nothing stale passes. Pins live in
-  /// `control.directory()`/if<ifindex>. Acts in the calling thread's network namespace.
+  /// Does everything that takes memory; nothing is pinned or attached before put(). Takes over
+  /// slots and counters of the attached gate if that is of this kind, and only the slots if its
+  /// maps are too small. Otherwise the gate starts without slots, so that no stale grant passes.
+  /// Pins are in `control.directory()`/if<ifindex>. Acts in the network namespace of the calling
+  /// thread.
   static Result<PortGate> load(const Config& config, GateKind& kind, const Control& control);
   template <class Gate>
   static Result<Gate> put_new(Result<Gate> gate) {

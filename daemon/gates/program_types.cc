@@ -22,8 +22,8 @@ namespace {
 
 using Types = std::unique_ptr<btf, FreeWith<btf__free>>;
 
-/// Where libbpf takes the kernel for too old, it gives it functions that are not global: -EAGAIN.
-/// 0: there is one. Another error of errno: the kernel did not say.
+/// 0 if the types have a global function. -EAGAIN: libbpf takes the kernel for too old, and makes
+/// functions static. Another errno: the kernel did not answer.
 int check_global_function(int types_fd) {
   bpf_btf_info info{};
   std::uint32_t size = sizeof info;
@@ -48,7 +48,8 @@ int prepare(bpf_program* /*program*/, bpf_prog_load_opts* load, long /*cookie*/)
   return check_global_function(static_cast<int>(load->prog_btf_fd));
 }
 
-/// For the life of the process: objects keep pointers into libbpf's table of these.
+/// Registers handlers for the life of the process: objects keep pointers into libbpf's table of
+/// handlers.
 int register_once() {
   LIBBPF_OPTS(libbpf_prog_handler_opts, handler, .prog_prepare_load_fn = prepare);
   const int tc = libbpf_register_prog_handler("tc", BPF_PROG_TYPE_SCHED_CLS, {}, &handler);

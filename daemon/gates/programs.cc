@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Sets the switches of the gate's skeleton and loads it.
+// Sets the constants of the gate's skeleton, and loads it.
 #include "daemon/gates/programs.hpp"
 
 #include <bpf/libbpf.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The gate's object in the kernel: two programs and the maps they read.
+// The programs and maps of a CAN gate in the kernel.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -23,16 +23,16 @@ namespace mlcca::enforce {
 void destroy_programs(gate_bpf* object);
 
 std::uint32_t gate_profile_of(core::Profile profile);
-/// Its inverse; none for a number that is no profile.
+/// The inverse of gate_profile_of(); Profile::none for a number that is no profile.
 core::Profile core_profile_of(std::uint32_t profile);
 
-/// The per-interface maps; both or none.
+/// The maps of one interface: both are set, or none.
 struct GateMaps {
   Fd table;
   Fd cpus;
 };
-/// Those of the gate that is attached: see take_map(). Nothing where they are not there, or of
-/// another layout.
+/// The maps of the attached gate: see take_map(). nullopt if they do not exist or have another
+/// layout.
 std::optional<GateMaps> take_gate_maps(const std::string& directory, const MapIds& ids);
 
 struct ProgramConfig {
@@ -42,20 +42,21 @@ struct ProgramConfig {
   bool silent = false;
 };
 
+/// Loads the programs of a CAN gate, and owns them.
 class Programs {
  public:
-  /// Loads over `maps`, or over new ones where they are empty.
+  /// Loads the programs with `maps`, or with new ones if these are empty.
   static Result<Programs> load(const ProgramConfig& config, const SharedMaps& shared,
                                const GateMaps& maps);
 
   [[nodiscard]] int program_fd(Direction direction) const;
-  /// Of the maps that outlive a daemon.
+  /// The maps that outlive a daemon, with the paths of their pins.
   [[nodiscard]] std::vector<Pin> pins(const std::string& directory) const;
   [[nodiscard]] Result<GateMaps> share() const;
   [[nodiscard]] int table_fd() const;
   [[nodiscard]] int cpus_fd() const;
   [[nodiscard]] gate_table& table() const;
-  /// Of the control map.
+  /// The generation of the verdicts, in the control map.
   [[nodiscard]] std::uint32_t& generation() const;
 
  private:
@@ -64,17 +65,17 @@ class Programs {
   Object object_;
 };
 
-/// Whether a program can be preempted by another one on its CPU.
+/// Whether a BPF program can be preempted by another one on its CPU (PREEMPT_RT).
 bool is_preempt_rt();
 
-/// This machine shows the stores of a CPU to others in its order (x86: total store order).
+/// Whether other CPUs see the stores of one CPU in its order (x86: total store order).
 #if defined(__x86_64__) || defined(__i386__)
 inline constexpr bool kOrderedStores = true;
 #else
 inline constexpr bool kOrderedStores = false;
 #endif
 
-/// Possible CPUs of this machine: entries of the counters map.
+/// The number of possible CPUs of this machine, which is the number of entries of the counters map.
 std::uint32_t possible_cpus();
 
 }  // namespace mlcca::enforce

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A store that programs in the kernel see after everything that was stored before it.
+// A store that programs in the kernel see only after everything that was stored before it.
 #pragma once
 #include <atomic>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Tables are copied before they are read: a daemon may be at work on them.
+// Tables are copied before they are read, because a daemon may change them meanwhile.
 #include "daemon/gates/readback.hpp"
 
 #include <fmt/format.h>
@@ -30,9 +30,9 @@
 namespace mlcca::enforce {
 namespace {
 
-constexpr std::uint64_t kGraceSlack = 200'000'000;  // ns: two ticks of the slowest kernel, and more
+constexpr std::uint64_t kGraceSlack = 200'000'000;  // ns: more than two ticks of the slowest kernel
 
-/// A driver may have no place for ours: that it is not there is no problem.
+/// Checks the XDP program. A driver may not support XDP, so a missing one is no problem.
 void read_early(GateReading& gate, const std::string& directory) {
   const Fd pinned = open_pin(early_pin(directory));
   const std::uint32_t ours = pinned ? program_info(pinned.get()).id : 0;
@@ -82,8 +82,8 @@ void read_programs(GateReading& gate, const std::string& directory,
         fmt::format("TCX program {} runs before ours at {}", a.program, to_text(a.direction)));
 }
 
-/// Both halves say the same unless the daemon is just at it: what differs begins to count with the
-/// next change, whatever that is about.
+/// Checks the two verdicts of each slot. They are equal unless the daemon is changing them just
+/// now; a difference would take effect with the next change, whatever that is about.
 template <class Slot>
 void read_halves(GateReading& gate, std::span<const Slot> slots) {
   for (std::size_t n = GATE_FIRST_SLOT; n < slots.size(); ++n)
@@ -102,7 +102,7 @@ void take_slots(GateReading& gate, const Result<Table>& table) {
     gate.problems.push_back(table.error().text);
 }
 
-/// `epoch`: of the control word.
+/// Checks who holds the gate. `epoch` is that of the control word.
 void read_holding(GateReading& gate, const auto& table, std::uint32_t epoch) {
   if (table.retired != 0)
     gate.problems.emplace_back(
@@ -210,8 +210,8 @@ GateReading read_gate(const std::string& directory, std::uint32_t ifindex, const
   return gate;
 }
 
-/// ns that the daemon has been silent for, if it has beaten, and that is longer than its grace by
-/// what the timer may take, and as much again for a busy machine.
+/// ns since the last heart-beat, if the daemon has given one and this exceeds the grace period by
+/// twice the interval of the timer, which leaves room for a busy machine; otherwise nullopt.
 std::optional<std::uint64_t> silent_too_long(const gate_control& word) {
   timespec t{};
   clock_gettime(CLOCK_MONOTONIC, &t);
@@ -227,7 +227,8 @@ std::string seconds(std::uint64_t ns) {
   return ns == kForEver ? "for ever" : fmt::format("{} s", static_cast<double>(ns) / 1e9);
 }
 
-/// What the daemon has set is noted where no program can write, and the deadline follows from it.
+/// Compares the grace with the one that the daemon has noted where no program can write, and the
+/// deadline with both.
 void compare_grace(const std::string& directory, const gate_control& word, const Fd& control,
                    std::vector<std::string>& problems) {
   const auto noted = noted_grace(directory);
@@ -259,7 +260,7 @@ void compare_grace(const std::string& directory, const gate_control& word, const
                     seconds(*left), seconds(*noted)));
 }
 
-/// The gates close by themselves when the daemon is silent; this timer counts it.
+/// Checks the dead-man, which closes the gates when the daemon is silent, and its timer.
 std::vector<std::string> shared_problems(const std::string& directory, const gate_control& word,
                                          const Fd& control) {
   std::vector<std::string> problems;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is in force, read back from the pins and the kernel without the daemon. Changes nothing.
+// Reads what is in force from the pins and the kernel, without the daemon. Changes nothing.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -15,41 +15,43 @@
 
 namespace mlcca::enforce {
 
-/// The memory of an Ethernet gate that decides, as it was when the gate was read.
+/// The memory of an Ethernet gate that its decisions depend on, copied when the gate was read.
 struct EtherImage {
   EtherSizes sizes;
-  std::vector<ether_table> table;  ///< one
+  std::vector<ether_table> table;  ///< one element
   std::vector<std::uint64_t> buckets;
   std::vector<ether_prefilter_part> prefilters;
   std::vector<ether_slot> slots;
   std::vector<ether_contract> contracts;
 };
 
+/// What was read of one gate.
 struct GateReading {
   std::uint32_t ifindex = 0;
-  std::string interface;  ///< empty: there is none of this index in this network namespace
+  std::string interface;  ///< empty: this network namespace has no interface of this index
   Hook hook = Hook::clsact;
-  bool ethernet = false;                      ///< frames carry the subject; else CAN
-  bool wpan = false;                          ///< these are of IEEE 802.15.4
+  bool ethernet = false;                      ///< frames carry the subject; false: CAN
+  bool wpan = false;                          ///< the frames are those of IEEE 802.15.4
   std::uint32_t profile = GATE_PROFILE_NONE;  ///< CAN only
-  std::vector<std::string> problems;          ///< what is not as the daemon leaves it
-  bool readable = false;                      ///< `slots` are those that it has
+  std::vector<std::string> problems;          ///< what differs from what the daemon leaves
+  bool readable = false;                      ///< whether `slots` could be read
   std::vector<SlotSpec> slots;
-  /// What `slots` were read from: a daemon goes on to change the gate itself.
+  /// The memory from which `slots` were read, because a daemon may change the gate meanwhile.
   std::shared_ptr<const gate_table> can_image;
   std::shared_ptr<const EtherImage> ether_image;
 };
 
+/// What was read of all gates, and of the control word.
 struct Reading {
   bool open = false;
   bool lapsed = false;
   bool audit = false;
   std::uint32_t generation = 0;
-  std::vector<std::string> problems;  ///< of what all gates share
-  std::vector<GateReading> gates;     ///< by ifindex
+  std::vector<std::string> problems;  ///< problems of what all gates share
+  std::vector<GateReading> gates;     ///< sorted by ifindex
 };
 
-/// Errors: nothing is pinned there, no permission, another layout.
+/// Errors: nothing is pinned at `root`, no permission, another layout.
 Result<Reading> read_back(const std::string& root);
 
 }  // namespace mlcca::enforce

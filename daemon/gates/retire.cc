@@ -25,7 +25,7 @@ void change(const std::string& pin, auto&& change_table) {
   if (table) change_table(map_id(map.get()), table[0]);
 }
 
-/// The table of a gate, and of the one that is to be next.
+/// Applies `change_table` to the table of a gate, and to the one that is to replace it.
 void change_tables(const std::string& directory, auto&& change_table) {
   const std::string can = table_pin(directory);
   const std::string ether = ether_map_pin(directory, &EtherMaps::table);

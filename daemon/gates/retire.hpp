@@ -8,16 +8,16 @@
 
 namespace mlcca::enforce {
 
-/// Before the pins of a device that is gone are removed: our programs go on with it where it is
-/// now, and let everything pass there.
+/// To be called before the pins of a device that is gone are removed. Our programs stay with the
+/// device and let everything pass where it is now.
 void retire_gate(const std::string& directory);
 
-/// Before the pins of a gate are given to another one: what is pinned there and is none of these
-/// maps, which are attached to the device of this index, belongs to another device, that may have
-/// gone to another namespace. No daemon holds it any more: it is closed.
+/// To be called before the pins of a gate are given to another gate. Pinned maps that are not among
+/// `attached` (the maps at the device of this index) belong to another device, perhaps in another
+/// network namespace. No daemon holds that gate any more, so it is closed.
 void disown_gate(const std::string& directory, const std::vector<MapIds>& attached);
 
-/// The kernel knows no interface of that index in this network namespace.
+/// Whether the kernel knows no interface of that index in this network namespace.
 bool is_gone(std::uint32_t ifindex);
 
 }  // namespace mlcca::enforce

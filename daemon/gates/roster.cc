@@ -27,7 +27,7 @@ struct Kind {
   std::string_view name;
   bool may_pass = true;
 };
-// The dead-man and timers are attached nowhere.
+// The dead-man and the timers are not attached, so they are not listed.
 constexpr std::array kKinds{
     Kind{"gate_ingress"},         Kind{"gate_egress"}, Kind{"ether_ingress"},
     Kind{"ether_egress"},         Kind{"ether_early"}, Kind{"closed_ingress", false},
@@ -46,7 +46,7 @@ Result<std::map<std::uint32_t, bool>> programs_of_gates() {
   if (!list) return failure("list the programs of gates", errno);
   std::map<std::uint32_t, bool> programs;
   ssize_t size = 0;
-  // The kernel gives whole entries: less than a page of them at once.
+  // The kernel returns complete entries, less than a page at once.
   std::array<gate_program, 128> some{};
   while ((size = ::read(list.get(), some.data(), sizeof(some))) > 0) {
     if (size % static_cast<ssize_t>(sizeof(gate_program)) != 0)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Programs of gates in this kernel that no pin names any more: of a daemon that died and whose pins
-// were removed, of a gate that came back with its device.
+// Finds the programs of gates in this kernel, also those that no pin names: of a daemon that died
+// and whose pins were removed, or of a gate that came back with its device.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -9,11 +9,11 @@
 
 namespace mlcca::enforce {
 
-/// All programs of ours by their ids, of any gateway on this machine; true: it lets pass what is
-/// granted, false: it drops everything (`mlccad --close` puts those there). Takes some ms. Error:
-/// the kernel has no type information (BTF), or no privilege.
+/// All our programs by id, of any gateway on this machine. True: the program passes what is
+/// granted; false: it drops everything (those of `mlccad --close`). Takes some ms. The error: the
+/// kernel has no type information (BTF), or no privilege.
 Result<std::map<std::uint32_t, bool>> programs_of_gates();
-/// False where that cannot be found out.
+/// False also if that cannot be found out.
 bool is_of_a_gate(std::uint32_t program);
 
 }  // namespace mlcca::enforce

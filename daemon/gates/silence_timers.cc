@@ -20,12 +20,13 @@
 namespace mlcca::enforce {
 namespace {
 
-/// Milliseconds apart: the kernel takes no lock for the memory of a timer, and may have none now.
+/// The attempts are milliseconds apart: the kernel takes no lock for the memory of a timer, and may
+/// have none at this moment.
 constexpr int kTries = 100;
 
-/// Programs that have to do with timers give 0 or a negative errno, as does this.
+/// Runs a program of the timers. Programs and this function return 0 or a negative errno.
 int run(int program, std::uint32_t mark) {
-  std::array<std::uint8_t, 14> frame{};  // the least that a test run takes; not read
+  std::array<std::uint8_t, 14> frame{};  // the smallest frame that a test run takes; not read
   __sk_buff context{};
   context.mark = mark;
   LIBBPF_OPTS(bpf_test_run_opts, run);
@@ -69,7 +70,7 @@ Result<SilenceTimers> SilenceTimers::load(std::uint32_t ifindex, const WatchedMa
   object->rodata->ifindex = ifindex;
   const Fd timers = take_over ? open_pin(pin_path) : Fd();
   const auto failed = [&](const char* what, int error) -> Result<SilenceTimers> {
-    // What is pinned there may be no timers of ours; new ones do as well.
+    // What is pinned there may not be timers of ours; then new ones are made.
     if (timers)
       if (auto fresh = load<Skeleton>(ifindex, maps, pin_path, false)) return fresh;
     return complaints.error(what, error);

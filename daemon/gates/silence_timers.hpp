@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The timers that notice when a watched slot of one interface falls silent.
+// The kernel timers that notice when a watched slot of one interface becomes silent.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -12,29 +12,31 @@
 
 namespace mlcca::enforce {
 
-/// Maps of the gate and the gateway that timers read and write; they stay the caller's.
+/// The maps of gate and gateway that the timers use. The descriptors stay with the caller.
 struct WatchedMaps {
   int table = -1;
   int control = -1;
   int events = -1;
-  // Of an Ethernet gate, which has these apart:
+  // For an Ethernet gate, which has these in separate maps:
   int slots = -1;
   int watches = -1;
 };
 
+/// Loads the program of the timers of one interface, and arms them.
 class SilenceTimers {
  public:
-  /// `take_over`: the timers that are pinned there, which go on by the program that they have until
-  /// they are armed; otherwise, and where there are none, new ones. The caller pins them.
+  /// `take_over`: takes the timers that are pinned, which continue with their present program until
+  /// they are armed. Otherwise, or if there are none, makes new ones. The caller pins them.
   static Result<SilenceTimers> of_can(std::uint32_t ifindex, const WatchedMaps& maps,
                                       const std::string& pin_path, bool take_over);
   static Result<SilenceTimers> of_ethernet(std::uint32_t ifindex, const WatchedMaps& maps,
                                            const std::string& pin_path, bool take_over);
 
-  /// The timer of a watch that says what silence is. It ends by itself when the slot does not pass
-  /// any more, or silence is not supervised. What is missing already is reported once more.
+  /// Starts the timer of a watch that supervises silence. It ends by itself when the slot does not
+  /// pass any more, or silence is no longer supervised. If events are missing already, that is
+  /// reported once more.
   [[nodiscard]] Result<void> arm(std::uint32_t watch) const;
-  /// They end with the last descriptor or pin of their map.
+  /// The map of the timers. They end with its last descriptor or pin.
   [[nodiscard]] Pin pin() const { return {timers_.get(), pin_path_}; }
 
  private:
@@ -43,7 +45,7 @@ class SilenceTimers {
                                     const std::string& pin_path, bool take_over);
   SilenceTimers(Fd program, Fd timers, std::string pin_path)
       : program_(std::move(program)), timers_(std::move(timers)), pin_path_(std::move(pin_path)) {}
-  Fd program_;  ///< it holds the other maps
+  Fd program_;  ///< holds the other maps
   Fd timers_;
   std::string pin_path_;
 };

@@ -21,7 +21,7 @@ bool precedes(const SlotSpec& a, const SlotSpec& b) {
   return grant(a) < grant(b);
 }
 
-/// Without a copy of each.
+/// Sorted pointers, without copying the slots.
 std::vector<const SlotSpec*> sorted(std::span<const SlotSpec> specs) {
   std::vector<const SlotSpec*> out;
   out.reserve(specs.size());
@@ -30,7 +30,8 @@ std::vector<const SlotSpec*> sorted(std::span<const SlotSpec> specs) {
   return out;
 }
 
-/// Sorted. Two publishers with one grant share a slot; it passes when one of them may.
+/// Sorted, with equal grants joined: two publishers with the same grant share a slot, which passes
+/// if either may.
 std::vector<SlotSpec> joined(std::span<const SlotSpec> specs) {
   std::vector<SlotSpec> out(specs.begin(), specs.end());
   std::ranges::stable_sort(out, precedes);

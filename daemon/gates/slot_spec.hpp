@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What one slot of a gate admits, and how the slots of an interface are to change.
+// The content of one slot of a gate, and the changes of the slots of an interface.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -17,8 +17,8 @@ using core::Direction;
 static_assert(std::to_underlying(Direction::ingress) == GATE_INGRESS &&
               std::to_underlying(Direction::egress) == GATE_EGRESS);
 
-/// What one slot admits. A frame fits when (can_id & mask) == id, with the flags of <linux/can.h>.
-/// Its key is what the profile makes the subject: gate_key_mask().
+/// What one slot admits. A frame fits if (can_id & mask) == id, with the flags of <linux/can.h>.
+/// The key of the slot is what the profile makes the subject: gate_key_mask().
 struct SlotSpec {
   Direction direction = Direction::ingress;
   bool pass = false;
@@ -34,7 +34,7 @@ struct SlotSpec {
   std::uint32_t origin = 0;             ///< CAN, gate_has_origin(): see gate_origin()
   std::uint64_t station = 0;            ///< Ethernet: ether_station(), 0: the wildcard
   std::uint64_t subject = 0;
-  // How much passes, see gate_slot; all 0: not policed.
+  // The traffic that passes, see gate_slot; all 0: not policed.
   std::uint64_t per_frame = 0;
   std::uint64_t per_byte = 0;
   std::uint64_t tolerance = 0;
@@ -45,40 +45,41 @@ struct SlotSpec {
   std::uint64_t together = 0;
 
   bool operator==(const SlotSpec&) const = default;
-  /// The same traffic is admitted and expected.
+  /// Whether the same traffic is admitted and expected.
   [[nodiscard]] bool same_traffic(const SlotSpec& other) const;
-  /// Equal but for the verdict and the traffic.
+  /// Whether both are equal except for the verdict and the traffic.
   [[nodiscard]] bool same_grant(const SlotSpec& other) const;
 };
 
-/// A slot, and the interface that has it.
+/// A slot with its interface.
 struct PlacedSlot {
   std::uint32_t ifindex = 0;
   SlotSpec slot;
   bool operator==(const PlacedSlot&) const = default;
 };
 
-/// Changes of one interface. `close`, `remove` and `open` name slots by everything but the verdict
-/// and the traffic.
+/// Changes of the slots of one interface. `close`, `remove` and `open` identify slots by everything
+/// except the verdict and the traffic.
 struct SlotChanges {
   std::vector<SlotSpec> close;
-  std::vector<SlotSpec> add;  ///< opened at the end where `pass` is set
+  std::vector<SlotSpec> add;  ///< passes after the change if `pass` is set
   std::vector<SlotSpec> remove;
   std::vector<SlotSpec> open;
-  std::vector<SlotSpec> police;  ///< slots that stay, with the traffic that they get
+  std::vector<SlotSpec> police;  ///< slots that stay, with their new traffic
 
   [[nodiscard]] bool empty() const {
     return close.empty() && add.empty() && remove.empty() && open.empty() && police.empty();
   }
 };
 
-/// Orders slots by everything but the verdict and the traffic.
+/// Orders slots by everything except the verdict and the traffic.
 struct ByGrant {
   bool operator()(const SlotSpec& a, const SlotSpec& b) const;
 };
 
-/// What turns `present` into `wanted`. Slots that are in both with one verdict are not mentioned.
-/// What goes is denied in the step in which what comes opens: see Table::apply().
+/// The changes that turn `present` into `wanted`. Slots that are in both with the same verdict are
+/// not mentioned. What goes is denied in the same step in which what comes opens: see
+/// Table::apply().
 SlotChanges difference(std::span<const SlotSpec> present, std::span<const SlotSpec> wanted);
 
 /// Waits until no CPU runs a program that began before the call (one RCU grace period).

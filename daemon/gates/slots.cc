@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Edits chains of slots under a reader that never waits: a slot is filled before it is linked, and
-// is filled again only when no reader can still hold it.
+// Edits chains of slots while a reader never waits: a slot is filled before it is linked, and is
+// reused only when no reader can hold it any more.
 #include "daemon/gates/slots.hpp"
 
 #include <fmt/format.h>
@@ -35,7 +35,7 @@ std::string name(const SlotSpec& s) {
                      to_text(s.direction));
 }
 
-/// Bits that a mask must have so that the key leads to the slot.
+/// The bits that a mask must have so that the key leads to the slot.
 std::uint32_t whole_key(const SlotSpec& s, std::uint32_t profile) {
   const std::uint32_t key = gate_key_mask(profile, s.id);
   return (s.id & CAN_EFF_FLAG) != 0 ? key : key & (CAN_EFF_FLAG | CAN_SFF_MASK);
@@ -114,7 +114,7 @@ Result<SlotTable> SlotTable::read(const Memory& memory, std::uint32_t profile, b
   return slots;
 }
 
-/// Finds the used slots by the chains, the only truth there is, and the free ones by exclusion.
+/// Finds the used slots by following the chains, which alone say what is used. All others are free.
 Result<void> SlotTable::adopt(bool fresh, bool as_found) {
   std::vector<bool> seen(GATE_SLOTS, false);
   Result<void> sound;
@@ -231,7 +231,7 @@ Result<void> SlotTable::check(const SlotChanges& changes) const {
   return check_room(changes);
 }
 
-/// Of the state after the changes.
+/// Checks the state after the changes.
 Result<void> SlotTable::check_room(const SlotChanges& changes) const {
   if (used_ + changes.add.size() - changes.remove.size() > GATE_SLOTS - GATE_FIRST_SLOT)
     return fail(fmt::format("more than {} slots on one interface", GATE_SLOTS - GATE_FIRST_SLOT));
@@ -266,7 +266,6 @@ Result<void> SlotTable::check_room(const SlotChanges& changes) const {
   return {};
 }
 
-/// Old and new slots have room side by side, so that a successor opens before its forerunner goes.
 bool SlotTable::fits_at_once(const SlotChanges& changes) const {
   if (changes.add.size() > free_.size() + quarantine_.size()) return false;
   std::map<const std::uint16_t*, std::size_t> lengths;
@@ -327,7 +326,7 @@ void SlotTable::link(const SlotSpec& spec) {
   ++used_;
 }
 
-/// The slot keeps its `next`, so that a program which stands on it finds the rest of the chain.
+/// The slot keeps its `next`, so that a program that reads it finds the rest of the chain.
 void SlotTable::unlink(const SlotSpec& spec) {
   const auto slot = static_cast<std::uint16_t>(find(spec).value_or(0));
   std::uint16_t* before = head(spec);
@@ -338,7 +337,8 @@ void SlotTable::unlink(const SlotSpec& spec) {
   core::Progress::step();
 }
 
-/// One word after the other: a frame in between meets the old rate with the new tolerance at most.
+/// Changes one word after the other: a frame in between meets at most the old rate with the new
+/// tolerance.
 void SlotTable::set_traffic(const SlotSpec& spec) {
   const auto found = find(spec);
   if (!found) return;
@@ -349,7 +349,7 @@ void SlotTable::set_traffic(const SlotSpec& spec) {
   publish(slot.per_byte, __u64{spec.per_byte});
   publish(slot.tolerance, __u64{spec.tolerance});
   publish(slot.formats, formats_of(spec));
-  // Turns that were taken at the former rate say nothing of the new one.
+  // Turns that were reserved at the former rate have no meaning at the new one.
   if (other_rate) publish(slot.due, __u64{0});
   expect_events(table_->watches[*found], spec);
   note_watched(*found);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The slots of one interface, edited in the memory that the gate program reads at the same time.
-// Pure pointer logic: works on any gate_table, so that it is tested without a kernel.
+// The slots of one CAN interface, edited in memory that the gate program reads at the same time.
+// Pure pointer logic on any gate_table, so it is tested without a kernel.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -14,26 +14,27 @@
 
 namespace mlcca::enforce {
 
+/// The table of a CAN gate: chains of slots by key.
 class SlotTable final : public Table {
  public:
-  /// The table, and where the generation of the verdicts stands (gate_control). Several tables may
-  /// share one, and must then be changed by one thread.
+  /// The table, its counters, and the generation of the verdicts (in gate_control). Tables that
+  /// share a generation must be changed by one thread.
   struct Memory {
     gate_table& table;
     std::span<gate_cpu> cpus;
     std::uint32_t& generation;
   };
 
-  /// Takes the table as it is. `fresh`: no program can have seen its slots; otherwise free slots
+  /// Adopts the table as it is. `fresh`: no program can have seen its slots; otherwise free slots
   /// are reused only after a grace period. Errors: another layout or profile, broken chains.
   static Result<SlotTable> read(const Memory& memory, std::uint32_t profile, bool fresh,
                                 GracePeriod wait);
-  /// To be read only: slots may stand where their identifiers do not lead to.
+  /// For reading only: slots may be in chains to which their identifiers do not lead.
   static Result<SlotTable> read_as_found(const Memory& memory, std::uint32_t profile);
 
-  // Errors of apply(): a slot that the profile has no key for, is there twice or is not there;
-  // more than GATE_SLOTS - 2 slots, GATE_CHAIN of one key, GATE_WALK of one bucket, GATE_WALK
-  // masked ones of one direction.
+  // Errors of apply(): a slot that has no key in this profile, is present twice or not at all; more
+  // than GATE_SLOTS - 2 slots, GATE_CHAIN of one key, GATE_WALK of one bucket, or GATE_WALK masked
+  // ones of one direction.
 
   [[nodiscard]] std::vector<SlotSpec> present() const override;
   [[nodiscard]] std::size_t size() const override { return used_; }
@@ -41,7 +42,7 @@ class SlotTable final : public Table {
   [[nodiscard]] bool is_masked(const SlotSpec& spec) const override;
   [[nodiscard]] std::optional<std::uint32_t> find(const SlotSpec& spec) const override;
   [[nodiscard]] std::vector<std::uint16_t> watched() const override;
-  /// Each slot has its own.
+  /// Each slot has its own watch.
   [[nodiscard]] std::uint16_t watch_of(std::uint32_t slot) const override;
 
  private:
@@ -78,7 +79,7 @@ class SlotTable final : public Table {
   std::uint32_t profile_;
   GracePeriod wait_;
   std::size_t used_ = 0;
-  std::vector<std::uint16_t> free_;        ///< no program can hold them
+  std::vector<std::uint16_t> free_;        ///< no program can read them
   std::vector<std::uint16_t> quarantine_;  ///< a running program may still read them
 };
 

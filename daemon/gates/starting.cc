@@ -32,7 +32,7 @@ Result<Starting> Starting::begin(const Control& control, std::uint64_t limit, st
   if (!map) return std::unexpected(map.error());
   Mapped<std::uint64_t> began(map->get(), 1);
   if (!began) return failure("map the note of a start", errno);
-  // A time to come was not written with this clock.
+  // A time in the future was not written with this clock.
   if (began[0] == 0 || began[0] > now) began[0] = now;
   return Starting(std::move(*map), std::move(began), limit);
 }

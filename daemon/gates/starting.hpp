@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Keeps in force what the daemon before this one has left, while this one starts: for a stated
-// time, which goes on over starts that were not finished.
+// Keeps in force what an earlier daemon has left, while this one starts: for a limited time, which
+// is not extended by starts that do not finish.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -12,17 +12,18 @@
 
 namespace mlcca::enforce {
 
+/// Gives heart-beats during a start, up to a limit of time that is noted in a pinned map.
 class Starting {
  public:
-  /// Notes in a map that is pinned beside the control word, `control.directory()`/starting, that a
-  /// start has begun, unless one has begun that was not finished. `limit`: ns from that on in which
-  /// gates are kept. `now`: CLOCK_MONOTONIC, ns.
+  /// Notes in a map that is pinned at `control.directory()`/starting that a start has begun, unless
+  /// one has begun and not finished. `limit`: ns from that begin in which gates are kept open.
+  /// `now`: CLOCK_MONOTONIC, ns.
   static Result<Starting> begin(const Control& control, std::uint64_t limit, std::uint64_t now);
 
-  /// A heart-beat between two steps of the start, while the time lasts and the gates are open and
-  /// have not lapsed. False: there was none.
+  /// Gives a heart-beat between two steps of the start, if the time lasts and the gates are open
+  /// and have not lapsed. False if it gave none.
   bool beat(Control& control, std::uint64_t now);
-  /// The gates hold what this daemon has decided: whoever comes next starts over.
+  /// The gates hold what this daemon has decided: the next start gets its own time.
   void finish();
 
  private:

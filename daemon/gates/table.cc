@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The half of a verdict that the next generation reads is written for all tables, then the
-// generation, then the half that no program reads any more.
+// The order of a change: the verdicts of the next generation are written in all tables, then the
+// generation, then the verdicts that no program reads any more.
 #include "daemon/gates/table.hpp"
 
 #include <utility>

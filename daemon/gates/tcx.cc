@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The bpf system call itself: the library and the headers of Debian 12 are older than TCX. Layouts
-// are those of <linux/bpf.h> of Linux 6.6.
+// Calls the bpf system call itself, because the library and the headers of Debian 12 are older than
+// TCX. The layouts are those of <linux/bpf.h> of Linux 6.6.
 #include "daemon/gates/tcx.hpp"
 
 #include <bpf/bpf.h>
@@ -19,10 +19,10 @@ namespace {
 constexpr std::uint32_t kTcxIngress = 46;
 constexpr std::uint32_t kTcxEgress = 47;
 constexpr std::uint32_t kReplace = 1U << 2;  // BPF_F_REPLACE
-constexpr std::uint32_t kBefore = 1U << 3;   // BPF_F_BEFORE; of nothing: of all
+constexpr std::uint32_t kBefore = 1U << 3;   // BPF_F_BEFORE; without a relative program: before all
 constexpr std::uint32_t kAfter = 1U << 4;    // BPF_F_AFTER
 constexpr std::uint32_t kById = 1U << 5;     // BPF_F_ID
-constexpr std::size_t kMostPrograms = 64;    // the kernel's own limit
+constexpr std::size_t kMostPrograms = 64;    // the limit of the kernel
 
 struct Attach {
   std::uint32_t ifindex = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The kernel writes meanwhile: each number is read once and whole.
+// The kernel writes meanwhile, so each number is read once, in one load.
 #include "daemon/gates/watches.hpp"
 
 #include <cmath>
@@ -28,7 +28,7 @@ void forget_findings(gate_watch& watch) {
   for (__u64& gaps : watch.gaps) publish(gaps, __u64{0});
 }
 
-/// Without a period no frame writes.
+/// With a period of 0 no frame writes to the watch while it is changed.
 void expect_events(gate_watch& watch, const SlotSpec& spec) {
   if (watch.period != spec.period) {
     publish(watch.period, __u64{0});
@@ -56,7 +56,8 @@ Arrivals arrivals(const gate_watch& watch, std::uint64_t now) {
   out.silence = load(watch.silence);
   out.silent = load(watch.silent) != 0 && out.silence != 0;
   out.missing = load(watch.missing);
-  // As between two events half a period late is missing; once silence is too long no more is late.
+  // As between two events, half a period late counts as missing. After the timeout the time itself
+  // decides, because nothing can be late any more.
   if (last != 0 && period != 0 && out.since_last > period)
     out.missing +=
         out.silent ? out.since_last / period : (out.since_last + period / 2) / period - 1;

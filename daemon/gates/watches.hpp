@@ -8,26 +8,28 @@
 
 namespace mlcca::enforce {
 
-/// What was found under another period means nothing any more.
+/// Sets what is expected. Findings under another period are forgotten, because they have no meaning
+/// any more.
 void expect_events(gate_watch& watch, const SlotSpec& spec);
-/// As if nothing had come yet: silence begins now, also where no timer counts it.
+/// Forgets the findings as if nothing had come yet: silence begins now, also where no timer
+/// supervises it.
 void forget_findings(gate_watch& watch);
 
-/// What a watch has found so far. Times in ns.
+/// What a watch has found so far. Times are in ns.
 struct Arrivals {
   std::uint64_t events = 0;
-  std::uint64_t missing = 0;     ///< with those that are missing now
-  std::uint64_t since_last = 0;  ///< nothing came yet: since the slot was opened
-  std::uint64_t rate = 0;        ///< events in 1000 s, over all of the time; 0: unknown
-  std::uint64_t last_gap = 0;    ///< 0: not two events yet
+  std::uint64_t missing = 0;     ///< including those that are missing now
+  std::uint64_t since_last = 0;  ///< if nothing came yet: since the slot was opened
+  std::uint64_t rate = 0;        ///< events in 1000 s, over the complete time; 0: unknown
+  std::uint64_t last_gap = 0;    ///< 0: fewer than two events yet
   std::uint64_t shortest = 0;
   std::uint64_t longest = 0;
   std::uint64_t jitter = 0;
-  std::uint64_t silence = 0;  ///< after which it is silent; 0: never
+  std::uint64_t silence = 0;  ///< time after which it counts as silent; 0: never
   bool silent = false;
   std::uint64_t gaps[GATE_GAPS] = {};  // NOLINT(*-avoid-c-arrays): as in gate_watch
 };
-/// `now`: CLOCK_MONOTONIC.
+/// `now`: CLOCK_MONOTONIC, ns.
 [[nodiscard]] Arrivals arrivals(const gate_watch& watch, std::uint64_t now);
 
 }  // namespace mlcca::enforce
