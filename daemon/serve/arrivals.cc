@@ -18,7 +18,7 @@ Result<void> Arrivals::let_in(Turns::User user, std::uint64_t now) {
               " times at once and " + std::to_string(rate.per_second) + " times a second");
 }
 
-/// Forgets who has not connected lately.
+/// Forgets users who have not connected lately.
 void Arrivals::tidy(std::uint64_t now) {
   if (now - tidied_ < kTidyInterval) return;
   tidied_ = now;

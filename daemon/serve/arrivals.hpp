@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// How often a user may connect. No I/O: time comes in as argument, in nanoseconds of any steady
-// clock.
+// Limits how often a user may connect. No I/O: times are arguments, in ns of any steady clock.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -10,10 +9,12 @@
 
 namespace mlcca::serve {
 
+/// A token bucket of connections for each user.
 class Arrivals {
  public:
   Arrivals(Rate members, Rate others) : users_(members, others) {}
-  /// Why one more connection of this user is closed at once; otherwise it is counted.
+  /// Counts one more connection of this user. The error says why it is to be closed at once
+  /// instead.
   Result<void> let_in(Turns::User user, std::uint64_t now);
   [[nodiscard]] std::size_t users() const { return users_.size(); }
 

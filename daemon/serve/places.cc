@@ -14,7 +14,8 @@ constexpr std::size_t kMostBesideRoot = kMostPlaces - kPlacesOfRoot;
 
 using Concerns = std::function<bool(const Held&)>;
 
-/// Whose connections leave no place; nothing: there is one. A place among them is one among all.
+/// Which connections leave no place for one more of this standing; null if there is a place.
+/// Connections of the same standing are checked before all of them.
 Concerns who_fills_it(Standing standing, std::span<const Held> held) {
   const auto fills = [held](const Concerns& concerns, std::size_t most) {
     return std::cmp_greater_equal(std::ranges::count_if(held, concerns), most);
@@ -59,7 +60,7 @@ Place place_for(uid_t uid, Standing standing, std::span<const Held> held) {
     return std::tuple(~numbers.at(h.uid), h.uid, h.use, h.active);
   };
   for (const Held& h : held) {
-    // Afterwards he must not have fewer than the newcomer.
+    // After the closing, that user must not have fewer connections than the new one.
     if (!concerned(h) || h.use == Use::owns || numbers.at(h.uid) <= mine + 1) continue;
     if (closes == nullptr || rank(h) < rank(*closes)) closes = &h;
   }

@@ -44,7 +44,7 @@ class Connected final : public Process {
     char* name = nullptr;
     const int error = ::sd_pid_get_unit(pid_, &name);
     const std::unique_ptr<char, decltype(&std::free)> owned(name, std::free);
-    // What was read is of this process only if it has not ended meanwhile.
+    // What was read belongs to this process only if it has not ended meanwhile.
     if (!lives()) return fail("the process that connected has ended");
     if (error == -ENODATA) return std::string();
     if (error < 0)

@@ -20,13 +20,13 @@ class Process {
   virtual ~Process() = default;
 
   [[nodiscard]] virtual bool is_in(gid_t group) const = 0;
-  /// The unit of systemd that it runs in; empty: in none. Error: it has ended, so that nobody can
-  /// say any more.
+  /// The systemd unit that the process runs in; empty if in none. The error: it has ended, so the
+  /// unit cannot be found out any more.
   [[nodiscard]] virtual Result<std::string> unit() const = 0;
 };
 
-/// Who has connected the socket `fd`. Its groups and its identity are taken now; its number may be
-/// another process's later.
+/// The process that has connected the socket `fd`. Its groups and its pidfd are taken now, because
+/// its number may belong to another process later.
 [[nodiscard]] std::shared_ptr<const Process> process_of(int fd, pid_t pid, gid_t primary);
 
 }  // namespace mlcca::serve

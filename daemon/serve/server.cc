@@ -36,7 +36,7 @@ Standing standing_of(const Peer& peer) {
   return peer.may_change ? Standing::member : Standing::other;
 }
 
-/// Of a kind that only those know who ask for exact kinds.
+/// Whether the event has one of the kinds that only clients know which ask for exact kinds.
 bool is_withdrawal(const control::Event& event) {
   return event.kind == "revoked" || event.kind == "network-down" || event.kind == "removed";
 }
@@ -108,7 +108,8 @@ Result<Peer> Server::identify(int fd) const {
   return peer;
 }
 
-/// A connection of a user that has more may be closed for it.
+/// Makes a place for one more connection. A connection of a user that has more may be closed for
+/// it.
 Result<void> Server::make_place_for(const Peer& peer) {
   std::vector<Held> held;
   held.reserve(sessions_.size());
@@ -122,8 +123,8 @@ Result<void> Server::make_place_for(const Peer& peer) {
   return {};
 }
 
-/// Who comes and goes without end must neither fill the queue that others wait in to be accepted
-/// nor keep those from their turns who have connected.
+/// The budget of time limits clients that connect and leave without end: they must not fill the
+/// queue of connections, nor keep connected clients from their turns.
 void Server::accept_some() {
   const std::uint64_t end = monotonic_ns() + kArrivals;
   while (accept_one() && monotonic_ns() < end) {
@@ -131,12 +132,12 @@ void Server::accept_some() {
   accepted_ = monotonic_ns();
 }
 
-/// False when no connection waits to be accepted, or none can be. For lack of descriptors or memory
-/// the socket would stay readable, and the loop would turn without end: it tries again when a
-/// connection ends, and at the next sweep.
+/// Accepts one connection. False if none waits, or none can be accepted. Without descriptors or
+/// memory the socket would stay readable and the loop would never sleep, so accepting is suspended
+/// until a connection ends, or until the next sweep.
 bool Server::accept_one() {
   Fd socket(::accept4(listening_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
-  // One that is gone again.
+  // The connection has already been closed by the client.
   if (!socket && (errno == ECONNABORTED || errno == EINTR)) return true;
   if (!socket) {
     if (errno != EAGAIN) sd_event_source_set_enabled(source_.get(), SD_EVENT_OFF);
@@ -156,7 +157,7 @@ bool Server::accept_one() {
   if (!session) return true;
   Session& opened = *session;
   sessions_.emplace(fd, std::move(session));
-  // What it asks for is there, as a rule: it need not wait until the loop reports that.
+  // Usually its request is there already, and need not wait until the loop reports it.
   if (!opened.receive())
     drop(fd);
   else if (opened.can_step())
@@ -247,10 +248,11 @@ void Server::take_turns() {
   wake_when_due();
 }
 
-/// One user's share of a turn.
+/// Serves a session for its user's share of a turn.
 void Server::serve(Session& session, std::uint64_t now) {
   session.set_in_line(false);
-  // No reply is made for a client that has hung up; what a member has asked for may be a change.
+  // No reply is made for a client that has hung up. A request of a member may be a change, so it is
+  // carried out.
   if (!session.peer().may_change && has_hung_up(session.fd())) {
     drop(session.fd());
     return;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The control socket: accepts clients, knows who they are, keeps their requests in order.
+// The control socket: accepts clients, identifies them, and answers their requests in order.
 #pragma once
 #include <sys/types.h>
 #include <systemd/sd-event.h>
@@ -20,74 +20,78 @@
 
 namespace mlcca::serve {
 
-/// Who is at the other end, as the kernel says.
+/// The process at the other end of a connection, as the kernel identifies it.
 struct Peer {
   pid_t pid = 0;
   uid_t uid = 0;
-  bool may_change = false;                      ///< root, or in the control group
+  bool may_change = false;                      ///< root, or a member of the control group
   std::uint64_t session = 0;                    ///< number of the connection, never used twice
-  std::shared_ptr<const Process> process = {};  ///< nullptr: not known
+  std::shared_ptr<const Process> process = {};  ///< nullptr: unknown
 };
 
-/// A part of a reply, see Reply.more in control.proto.
+/// A part of a reply; see Reply.more in control.proto.
 struct Slice {
   decltype(control::Reply::body) body;
   bool more = false;
-  /// In place of `body`: what control::encode_body() gives, which is sent as it is. It must be all
-  /// of the reply where the reply may not come in slices.
+  /// Instead of `body`: the output of control::encode_body(), which is sent unchanged. If the reply
+  /// may not come in slices it must be the complete reply.
   std::string encoded{};
   std::uint64_t owned = 0;  ///< an admission whose events go to this connection from now on
 };
 
-/// Makes the next slice, in no more time than kSlice or one row takes. Nothing: it cannot be made
-/// yet, and Server::resume() follows when it can.
+/// Makes the next slice, within kSlice or the time of one row. nullopt: it cannot be made yet, and
+/// Server::resume() will follow.
 using NextSlice = std::function<std::optional<Slice>()>;
 
-/// What is answered, and what follows from it for the connection.
+/// The answer to a request, and what it means for the connection.
 struct Answer {
   control::Reply reply;
-  /// Not sent before release(): what it says is not on disk yet. If that fails, an error is sent in
-  /// its place.
+  /// Not sent before release(), because what it says is not on disk yet. If writing to disk fails,
+  /// an error is sent instead.
   bool held = false;
   std::uint64_t owned = 0;  ///< an admission whose events go to this connection from now on
-  std::optional<std::uint64_t> follows{};  ///< a subject of which the same holds
-  /// Where the reply comes in slices: makes them, and `reply` gives no more than the id.
+  std::optional<std::uint64_t>
+      follows{};  ///< a subject whose events go to this connection from now on
+  /// Makes the slices of a reply that comes in slices; then only the id of `reply` is used.
   NextSlice slices{};
-  std::size_t least_bytes = 0;  ///< that all slices have together, as far as that is known
+  std::size_t least_bytes = 0;  ///< the least size of all slices together, as far as known
 };
 
 class Session;
 
+/// Serves the clients of the control socket on the loop. Users take turns with a budget of time and
+/// a rate of requests, so no client can delay others or the heart-beat.
 class Server {
  public:
   using AnswerTo = std::function<Answer(const control::Request&, const Peer&)>;
   using Closed = std::function<void(std::uint64_t session)>;
 
-  /// A connection without a complete request for so long is closed, ns.
+  /// ns after which a connection without a complete request is closed.
   static constexpr std::uint64_t kMostIdle = 60'000'000'000;
 
-  /// Connections that wait to be accepted: as many as are accepted in one or two turns. Who comes
-  /// when there are more waits for one of them, and not behind thousands. As in mlccad.socket.
+  /// The most connections that wait to be accepted: as many as are accepted in one or two turns. A
+  /// client that comes when the queue is full waits for one place, not behind thousands. As in
+  /// mlccad.socket.
   static constexpr int kBacklog = 256;
 
-  /// Clients get so much time before the loop does something else, ns.
+  /// ns that clients get in one turn of the loop.
   static constexpr std::uint64_t kTurn = 5'000'000;
-  /// One user gets so much of it before the next one has his turn, ns.
+  /// ns of these that one user gets before the next one has a turn.
   static constexpr std::uint64_t kShare = 1'000'000;
-  /// So much before that is for those who connect, ns.
+  /// ns before that for accepting connections.
   static constexpr std::uint64_t kArrivals = 2'000'000;
-  /// What a slice of a reply may take, ns, and may have in bytes.
+  /// What a slice of a reply may take: ns, and bytes.
   static constexpr std::uint64_t kSlice = 500'000;
   static constexpr std::size_t kSliceBytes = std::size_t{64} << 10;
 
-  /// Requests and slices of one user.
+  /// The rate of requests and slices of one user.
   static constexpr Rate kMembersRate{20'000, 20'000};
   static constexpr Rate kOthersRate{2'000, 1'000};
-  /// Connections that one user begins.
+  /// The rate of connections that one user makes.
   static constexpr Rate kMembersArrivals{5'000, 2'500};
   static constexpr Rate kOthersArrivals{500, 250};
 
-  /// `group`: whose members may change; -1: root only.
+  /// `group` is the control group, whose members may change things; -1: only root may.
   static Result<std::unique_ptr<Server>> open(sd_event* loop, Fd listening, gid_t group,
                                               AnswerTo answer);
   Server(const Server&) = delete;
@@ -96,24 +100,25 @@ class Server {
   Server& operator=(Server&&) = delete;
   ~Server();
 
-  /// To every client that monitors, to those that own an admission of the event, and to those that
-  /// follow its subject. One that does not read loses events and gets their number.
+  /// Sends an event to every client that monitors, to those that own an admission of the event, and
+  /// to those that follow its subject. A client that does not read loses events, and gets their
+  /// number.
   void publish(const control::Event& event);
 
-  /// Sends what was held, or the error in its place.
+  /// Sends the answers that were held, or errors instead.
   void release(const Result<void>& done);
-  /// A reply to this session that had to wait goes on.
+  /// Continues a reply to this session that had to wait.
   void resume(std::uint64_t session);
-  /// The client has hung up, whether the loop has noticed it or not.
+  /// Whether the client has hung up, even if the loop has not noticed it yet.
   [[nodiscard]] bool is_gone(std::uint64_t session) const;
-  /// Closes connections that have been of no use for long, and forgets users who have none and have
-  /// asked for nothing lately. The server does it by itself every few seconds.
+  /// Closes connections that have not been used for long, and forgets users without connections and
+  /// recent requests. The server calls it itself every few seconds.
   void sweep(std::uint64_t now);
-  /// Called for every connection that ends.
+  /// Sets the function that is called for every connection that ends.
   void on_close(Closed closed) { closed_ = std::move(closed); }
 
   [[nodiscard]] std::size_t sessions() const { return sessions_.size(); }
-  /// Users of whom it is remembered how much they have asked for lately.
+  /// The number of users whose recent requests are remembered.
   [[nodiscard]] std::size_t users() const { return turns_.users(); }
 
  private:
@@ -125,7 +130,7 @@ class Server {
   void drop(int fd);
   [[nodiscard]] Result<void> make_place_for(const Peer& peer);
   void dismiss(int fd, const std::string& why);
-  /// There is something to do for a session: at once where no other session waits, or in its turn.
+  /// A session has work: it is done at once if no other session waits, or else in its turn.
   void ready(Session& session);
   void ready_later(Session& session);
   void line_up(Session& session);
@@ -146,10 +151,10 @@ class Server {
   Source source_;
   Arrivals arrivals_{kMembersArrivals, kOthersArrivals};
   Turns turns_{kMembersRate, kOthersRate};
-  std::uint64_t accepted_ = 0;  ///< when accepting was tried last
+  std::uint64_t accepted_ = 0;  ///< when accepting was last tried
   bool taking_turns_ = false;
-  Fd always_;    ///< can always be read: in line with the sockets when there is work left over
-  Source work_;  ///< of always_
+  Fd always_;    ///< always readable: queues behind the sockets while there is work left
+  Source work_;  ///< the event source of always_
   Source timer_;
   Source sweep_;
   std::unordered_map<int, std::unique_ptr<Session>> sessions_;

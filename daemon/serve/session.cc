@@ -24,7 +24,7 @@ std::optional<Slice> too_large() {
                               {}}};
 }
 
-/// What concerns every channel of the gateway.
+/// Whether the event concerns every channel of the gateway.
 bool concerns_all(const control::Event& event) {
   return event.subject == 0 && (event.kind == "lapsed" || event.kind == "mode" ||
                                 event.kind == "reload" || event.kind == "stopped");
@@ -53,14 +53,15 @@ int Session::on_io(sd_event_source*, int fd, std::uint32_t events, void* userdat
   Server& server = session.server_;
   bool alive = true;
   if ((events & EPOLLOUT) != 0) alive = session.flush();
-  // Who hangs up while something is made for it, or waits for it, does not want it any more.
+  // A client that hangs up while its reply is being made, or while it waits for something, does not
+  // want it any more.
   if (alive && (events & (EPOLLHUP | EPOLLERR)) != 0) alive = session.reads();
   if (alive && session.reads() && (events & (EPOLLIN | EPOLLHUP | EPOLLERR)) != 0)
     alive = session.receive();
   if (!alive)
     server.drop(fd);
   else if (session.can_step())
-    server.ready(session);  // which may end it
+    server.ready(session);  // may end the session
   else
     session.watch();
   return 0;
@@ -146,7 +147,8 @@ void Session::step_slice() {
   }
 }
 
-/// What another process has encoded costs the loop no more than its bytes.
+/// Passes on a slice that another process has encoded. It costs the loop no more than copying its
+/// bytes.
 void Session::pass_on(const Slice& slice) {
   out_ += control::with_id(rest_->id, slice.encoded);
   if (slice.more) return;
@@ -154,7 +156,7 @@ void Session::pass_on(const Slice& slice) {
   active_ = monotonic_ns();
 }
 
-/// False when it becomes too large.
+/// Adds a slice to the complete reply. False if it becomes too large.
 bool Session::Rest::take(control::Reply slice) {
   bytes += control::encode(slice).size();
   return bytes <= control::Reply::kMaxBytesUnsliced && control::join(whole, std::move(slice));
@@ -215,7 +217,7 @@ void Session::send_event(const std::string& encoded) {
     out_ += control::encode(control::Reply{0, lagged});
   }
   out_ += encoded;
-  // A failed write shows at the next event of the socket, where the session can end.
+  // A failed write shows at the next event of the socket, when the session can end.
   flush();
   watch();
 }

@@ -11,7 +11,7 @@ namespace mlcca::serve {
 void Bucket::fill(std::uint64_t now) {
   if (now <= filled_) return;
   const std::uint64_t most = rate_.burst * kSecond;
-  // Longer than it takes to fill it; the product cannot overflow below that.
+  // No more time counts than the bucket needs to fill up, so that the product cannot overflow.
   const std::uint64_t whole = rate_.per_second == 0 ? ~0ULL : most / rate_.per_second + 1;
   const std::uint64_t passed = std::min(now - filled_, whole);
   left_ = std::min(most, left_ + passed * rate_.per_second);
