@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// CRC-64/XZ: polynomial 0x42F0E1EBA9EA3693 (ECMA-182), reflected, all ones before and inverted
-// after; of "123456789" it is 0x995DC9BBDF1939FA. Finds every single burst of up to 64 bits, and
-// all but one in 2^64 of other damage. No protection against a program that may write the file.
+// CRC-64/XZ: polynomial 0x42F0E1EBA9EA3693 (ECMA-182), reflected, initial value all ones, output
+// inverted; its check value for "123456789" is 0x995DC9BBDF1939FA. Detects every single burst of up
+// to 64 bits, and all but one in 2^64 of other damage. It does not protect against a program that
+// may write the file.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -26,7 +27,7 @@ inline constexpr std::array<std::uint64_t, 256> kCrc64 = crc64_table();
 
 }  // namespace detail
 
-/// Of `former` (the checksum of what stands in front; 0: nothing does) and `bytes`.
+/// The checksum of `bytes` after what has the checksum `former` (0: nothing precedes).
 constexpr std::uint64_t crc64(std::string_view bytes, std::uint64_t former = 0) {
   std::uint64_t value = ~former;
   for (const char c : bytes)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The system calls that the journal makes, one to one, so that tests can fail each of them, stop
-// after each of them, and play a loss of power.
+// The system calls of the journal, one method for each, so that tests can fail each call, stop
+// after each call, and simulate a loss of power.
 #pragma once
 #include <sys/types.h>
 
@@ -11,7 +11,7 @@
 
 namespace mlcca::store {
 
-/// Results and errno as those of the calls of the same name.
+/// Results and errno are those of the calls of the same name.
 class Disk {
  public:
   Disk() = default;
@@ -21,7 +21,7 @@ class Disk {
   Disk& operator=(Disk&&) = delete;
   virtual ~Disk() = default;
 
-  /// `flags` as for open(2); O_CLOEXEC is added. A new file gets mode 0600.
+  /// `flags` as for open(2); O_CLOEXEC is added. A new file has mode 0600.
   virtual int open(const std::string& path, int flags) = 0;
   virtual void close(int fd) = 0;
   /// An exclusive flock(2) that does not wait.
@@ -30,17 +30,17 @@ class Disk {
   virtual ssize_t pread(int fd, char* to, std::size_t bytes, std::uint64_t offset) = 0;
   virtual ssize_t pwrite(int fd, const char* from, std::size_t bytes, std::uint64_t offset) = 0;
   virtual int truncate(int fd, std::uint64_t bytes) = 0;
-  /// Contents and size of a file.
+  /// Makes the contents and the size of a file durable.
   virtual int fdatasync(int fd) = 0;
-  /// Of a directory: which names it holds.
+  /// Makes the names in a directory durable.
   virtual int fsync(int fd) = 0;
   virtual int rename(const std::string& from, const std::string& to) = 0;
   virtual int unlink(const std::string& path) = 0;
-  /// False if `path` is for certain the name of something else, or of nothing.
+  /// False only if `path` certainly names another file than `fd`, or nothing.
   virtual bool names(const std::string& path, int fd) = 0;
 };
 
-/// The kernel's.
+/// The disk of the kernel.
 Disk& real_disk();
 
 /// Owns a descriptor of a Disk.

@@ -17,9 +17,9 @@
 namespace mlcca::store {
 namespace {
 
-// WAL and NORMAL: a crash loses the last decisions at most, never the database, and a flush waits
-// for the disk only when the log is copied back. 256 KiB of pages are kept: rows are added at the
-// end, and read by few.
+// WAL and NORMAL: a crash loses at most the latest decisions, never the database, and a flush waits
+// for the disk only when the write-ahead log is copied back. 256 KiB of pages are cached, because
+// rows are added at the end and rarely read.
 constexpr const char* kPragmas = R"(
   PRAGMA journal_mode = WAL;
   PRAGMA synchronous = NORMAL;
@@ -56,7 +56,7 @@ constexpr const char* kInsert =
     R"(INSERT INTO decision (unix_ns, kind, subject, channel, "from", "to", network, message,
                              uid, user, pid)
        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11))";
-/// Of a database from before decisions had an actor.
+/// For a database of a version whose decisions had no actor.
 constexpr const char* kAddActors = R"(
   BEGIN IMMEDIATE;
   ALTER TABLE decision ADD COLUMN uid INTEGER;
@@ -67,14 +67,14 @@ constexpr const char* kAddActors = R"(
 constexpr const char* kPruneOld =
     R"(DELETE FROM decision WHERE id IN (
          SELECT id FROM decision WHERE unix_ns < ?1 ORDER BY unix_ns LIMIT ?2))";
-// Ids are given in order and leave in about the same: their difference counts the rows, and never
-// too few of them.
+// Ids increase and rows are removed in about that order. So the difference of ids counts the rows,
+// and never too low.
 constexpr const char* kPruneMany =
     R"(DELETE FROM decision WHERE id IN (
          SELECT id FROM decision WHERE id <= (SELECT MAX(id) FROM decision) - ?1
          ORDER BY id LIMIT ?2))";
 
-/// A time or a number as the column can hold it.
+/// A time or number, limited to what the column can hold.
 std::int64_t bounded(std::uint64_t value) {
   return static_cast<std::int64_t>(
       std::min<std::uint64_t>(value, std::numeric_limits<std::int64_t>::max()));
@@ -110,7 +110,7 @@ bool matches(const Decision& d, const HistoryFilter& filter) {
          d.unix_ns <= filter.until_ns;
 }
 
-/// Only the conditions that are asked for: each has its index, and so have both together.
+/// Contains only the requested conditions. Each of them has an index, and so do both together.
 std::string query_text(const HistoryFilter& filter) {
   std::string text =
       R"(SELECT unix_ns, kind, subject, channel, "from", "to", network, message, uid, user, pid
@@ -121,14 +121,15 @@ std::string query_text(const HistoryFilter& filter) {
   return text + " ORDER BY unix_ns DESC, id DESC LIMIT ?5";
 }
 
-/// Codes that another try cannot mend: no database of ours. What the disk says is not among them.
+/// Codes that no further attempt can resolve: the file is not a usable database of ours. Errors of
+/// the disk are not among them.
 bool is_damage(int code) {
   return code == SQLITE_CORRUPT || code == SQLITE_NOTADB || code == SQLITE_ERROR ||
          code == SQLITE_FORMAT || code == SQLITE_MISMATCH;
 }
 
-/// The file system layer of SQLite, but for its sleep. Where a lock cannot be had, SQLite sleeps up
-/// to 10 s between its tries, and the daemon's heart-beat would wait for it. Null: there is none.
+/// SQLite's file system layer without its sleep. If SQLite cannot get a lock it sleeps up to 10 s
+/// between attempts, and the daemon's heart-beat would have to wait. nullptr if there is none.
 const char* layer_without_sleep() {
   static const bool registered = [] {
     const sqlite3_vfs* const usual = sqlite3_vfs_find(nullptr);
@@ -142,7 +143,7 @@ const char* layer_without_sleep() {
   return registered ? "without-sleep" : nullptr;
 }
 
-/// A name beside `path` that is not taken.
+/// A name beside `path` that is not in use.
 std::string free_name(const std::string& path) {
   for (unsigned i = 1;; ++i) {
     std::string name = path + ".damaged-" + std::to_string(i);
@@ -172,7 +173,7 @@ Result<void> History::run(const char* text) {
   return {};
 }
 
-/// Runs a statement that gives no rows and makes it ready for the next time.
+/// Runs a statement that returns no rows, and resets it for the next time.
 Result<void> History::finish(sqlite3_stmt* statement) {
   Result<void> done;
   if (sqlite3_step(statement) != SQLITE_DONE) done = failed();
@@ -304,7 +305,7 @@ Result<void> History::write(std::size_t count, std::uint64_t now_unix_ns) {
   }
   if (done) done = prune(count, now_unix_ns);
   if (done) done = run("COMMIT");
-  // Some failures have rolled back already; then there is nothing left to roll back.
+  // Some failures have already rolled back; then there is no transaction any more.
   if (!done && sqlite3_get_autocommit(database_.get()) == 0)
     sqlite3_exec(database_.get(), "ROLLBACK", nullptr, nullptr, nullptr);
   return done;

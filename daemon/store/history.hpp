@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The history of decisions and why, for people who ask later. It never stops the gateway: what
-// cannot be written is said once and counted, a damaged database is set aside and a new one begun.
+// The history of decisions and their reasons, for people, in an SQLite database. It never stops the
+// gateway: what cannot be written is reported once and counted, and a damaged database is set aside
+// and a new one begun.
 #pragma once
 #include <sqlite3.h>
 
@@ -19,6 +20,7 @@
 
 namespace mlcca::store {
 
+/// A row of the history.
 struct Decision {
   std::uint64_t unix_ns = 0;  ///< nanoseconds since 1970, UTC; at most 2^63-1
   std::string kind;           ///< granted, refused, withdrawn, switched, released, …
@@ -28,11 +30,11 @@ struct Decision {
   std::string to;
   std::string network;
   std::string message;                    ///< one line
-  std::optional<control::Actor> by = {};  ///< who asked for it
+  std::optional<control::Actor> by = {};  ///< who requested it; nullopt: the daemon itself
   bool operator==(const Decision&) const = default;
 };
 
-/// What to find. Empty texts match everything; others match exactly.
+/// A query. Empty texts match everything, others match exactly.
 struct HistoryFilter {
   std::string channel;
   std::string kind;
@@ -41,54 +43,58 @@ struct HistoryFilter {
   std::size_t limit = 100;
 };
 
+/// Older rows, and the oldest of more rows, are removed.
 struct HistoryLimits {
   std::uint64_t rows = 1'000'000;
   std::uint64_t age_ns = 90ULL * 24 * 3600 * 1'000'000'000;
 };
 
+/// Collects decisions in memory, and writes them in small transactions. Owns the connection to the
+/// database.
 class History {
  public:
-  /// Decisions that wait for flush(); of more, the oldest are lost and counted.
+  /// Decisions that wait for flush(). Of more, the oldest are lost and counted.
   static constexpr std::size_t kMaxPending = 10'000;
-  /// Decisions that flush_some() writes.
+  /// The most decisions that one flush_some() writes.
   static constexpr std::size_t kFlushStep = 64;
-  /// It removes at most as many rows as it adds and this many more, so that it stays short.
+  /// One flush_some() removes at most as many rows as it adds and this many more, so that it stays
+  /// short.
   static constexpr std::size_t kPruneStep = 64;
-  /// After a failure flush() tries again when this time has passed, nanoseconds.
+  /// ns after a failure before flush() tries again.
   static constexpr std::uint64_t kRetryNs = 5'000'000'000;
 
-  /// Opens or creates `directory`/history.db. Always usable, see take_troubles().
+  /// Opens or creates `directory`/history.db. The object is always usable; see take_troubles().
   static History open(const std::string& directory, HistoryLimits limits = {});
 
-  /// Into memory only.
+  /// Collects a decision in memory only.
   void append(Decision decision);
 
-  /// Writes the oldest of what was appended in one transaction, and removes some of what is too old
-  /// at `now_unix_ns` or too much. True when there is more to write, and that can be.
+  /// Writes the oldest waiting decisions in one transaction, and removes some rows that are too old
+  /// at `now_unix_ns` or too many. True if there is more to write, and writing is possible.
   bool flush_some(std::uint64_t now_unix_ns);
-  /// Everything that can be written.
+  /// Writes everything that can be written.
   void flush(std::uint64_t now_unix_ns) {
     while (flush_some(now_unix_ns)) {
     }
   }
 
-  /// The newest that match by their time, the newest first, whether or not they wait for flush();
-  /// of one time the later decision is first. An error says what the database said.
+  /// The newest matching decisions by time, the newest first, including those that wait for
+  /// flush(). Of equal times the later decision comes first. The error is that of the database.
   [[nodiscard]] Result<std::vector<Decision>> query(const HistoryFilter& filter);
 
-  /// Bytes that another part of the daemon wants to find again, by a name of its own: at once, in
-  /// place of what it has kept before.
+  /// Keeps bytes of another part of the daemon under a name, at once, replacing what was kept under
+  /// it.
   Result<void> keep_note(const std::string& name, const std::string& bytes);
-  /// Empty: nothing was kept.
+  /// The kept bytes; empty if nothing was kept.
   [[nodiscard]] Result<std::string> note(const std::string& name);
 
-  /// What the operator should know (a database set aside, a disk that is full, and when it is not
-  /// any more), each said once.
+  /// What the operator should know (a database that was set aside, a full disk, and when that has
+  /// ended), each reported once.
   std::vector<std::string> take_troubles();
 
-  /// Decisions that wait for flush().
+  /// The number of decisions that wait for flush().
   [[nodiscard]] std::size_t pending() const { return pending_.size(); }
-  /// Decisions that were never written, since open().
+  /// The number of decisions since open() that will never be written.
   [[nodiscard]] std::uint64_t lost() const { return lost_; }
   [[nodiscard]] const std::string& path() const { return path_; }
 
@@ -101,8 +107,8 @@ class History {
   Result<void> connect();
   Result<void> add_actors();
   void disconnect();
-  /// Runs `work` on the database, connecting where needed; on a damaged one a second time, with a
-  /// new database.
+  /// Runs `work` on the database, after connecting if necessary. If the database is damaged, runs
+  /// it a second time on a new one.
   template <class Work>
   auto with_database(const Work& work) -> decltype(work());
   void set_aside(const std::string& why);
@@ -121,7 +127,7 @@ class History {
   Statement insert_;
   Statement prune_old_;
   Statement prune_many_;
-  bool damaged_ = false;  ///< so the last failed() said
+  bool damaged_ = false;  ///< the last failed() was about damage
   std::deque<Decision> pending_;
   std::uint64_t lost_ = 0;
   bool failing_ = false;

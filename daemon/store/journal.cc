@@ -35,7 +35,7 @@ Result<std::string> read_all(Disk& disk, int fd, const std::string& path) {
   return bytes;
 }
 
-/// Writes and makes it last.
+/// Writes the bytes and makes them durable.
 Result<void> write_all(Disk& disk, int fd, std::string_view bytes, std::uint64_t offset,
                        const std::string& path) {
   while (!bytes.empty()) {
@@ -80,14 +80,14 @@ Result<Journal> Journal::open(const std::string& directory, Disk& disk) {
   journal.path_ = directory + "/journal";
   journal.directory_ = OpenFile(disk, disk.open(directory, O_RDONLY | O_DIRECTORY));
   if (!journal.directory_) return system_error(directory);
-  // Not the directory: whoever may read that could hold its lock.
+  // A lock file, not the directory: any process that may read the directory could hold its lock.
   journal.lock_ = OpenFile(disk, disk.open(directory + "/lock", O_RDWR | O_CREAT | O_NOFOLLOW));
   if (!journal.lock_) return system_error(directory + "/lock");
   if (disk.lock(journal.lock_.get()) < 0) {
     if (errno == EWOULDBLOCK) return fail(directory + ": in use by another process");
     return system_error(directory);
   }
-  disk.unlink(journal.path_ + ".new");  // of a crash while the file was written again
+  disk.unlink(journal.path_ + ".new");  // left by a crash during rewriting
 
   journal.file_ = OpenFile(disk, disk.open(journal.path_, O_RDWR));
   if (!journal.file_ && errno != ENOENT) return system_error(journal.path_);
@@ -96,7 +96,8 @@ Result<Journal> Journal::open(const std::string& directory, Disk& disk) {
   return journal;
 }
 
-/// There is no journal yet. What was granted before there were journals must not be lost silently.
+/// Begins a new journal. Grants of a version without a journal must not be lost silently, so their
+/// file is an error.
 Result<void> Journal::begin() {
   const std::string former = directory_path_ + "/admissions";
   const OpenFile file(*disk_, disk_->open(former, O_RDONLY));
@@ -120,13 +121,14 @@ Result<void> Journal::read() {
     if (*used == 0) break;
     end_ += *used;
   }
-  // The first batch was synced before the file got its name: no crash can have torn it.
+  // The first batch was synced before the file got its name, so no crash can have left it
+  // incomplete.
   if (expected == 0) return damaged(path_, end_, "its first batch");
   sequence_ = expected - 1;
   return cut_tail(bytes);
 }
 
-/// Applies the batch at the front and gives its size; 0 if there is no whole one.
+/// Applies the batch at the front and returns its size; 0 if there is no complete one.
 Result<std::uint64_t> Journal::read_batch(std::string_view bytes, std::uint64_t sequence) {
   const auto head = format::read_batch_head(bytes, salt_);
   if (!head) return 0;
@@ -149,8 +151,8 @@ Result<std::uint64_t> Journal::read_batch(std::string_view bytes, std::uint64_t 
   return format::kBatchHead + head->length;
 }
 
-/// Only one batch is ever on its way to the disk: what is not whole is the last one, torn, or it is
-/// damage, and then another batch follows.
+/// Cuts off an incomplete batch. Only one batch is written at a time, so an incomplete one is the
+/// last, torn by a crash. If another batch follows it, it is damage.
 Result<void> Journal::cut_tail(std::string_view bytes) {
   const std::string_view tail = bytes.substr(end_);
   if (tail.size() > format::kAlign && format::holds_batch_head(tail.substr(format::kAlign), salt_))
@@ -162,7 +164,8 @@ Result<void> Journal::cut_tail(std::string_view bytes) {
                  "machine stopped, and no answer had been given";
     if (disk_->truncate(file_.get(), end_) < 0) return system_error(path_);
   }
-  // What a killed daemon has written and not synced is used from now on: it must last.
+  // A killed daemon may have written this without syncing. It is used from now on, so it must be
+  // durable.
   if (disk_->fdatasync(file_.get()) < 0) return system_error(path_);
   if (disk_->fsync(directory_.get()) < 0) return system_error(directory_path_);
   return {};
@@ -170,7 +173,7 @@ Result<void> Journal::cut_tail(std::string_view bytes) {
 
 // --- changing ------------------------------------------------------------------------------------
 
-/// `back` is its inverse, and `bytes` what it takes on disk.
+/// Applies an entry. `back` is its inverse, `bytes` its size on disk.
 void Journal::change(const Entry& entry, const Entry& back, std::uint64_t bytes) {
   if (format::is_alive(entry)) live_ += bytes;
   live_ -= format::live_bytes(back);
@@ -220,7 +223,7 @@ void Journal::roll_back() {
   forget_batch();
 }
 
-/// A large batch, as that of a start, gives its memory back.
+/// Empties the batch. After a large one, such as that of a start, its memory is released.
 void Journal::forget_batch() {
   constexpr std::size_t keep_bytes = std::size_t{1} << 16U;
   batch_.clear();
@@ -269,7 +272,8 @@ Result<void> Journal::mend() {
     tail_unknown_ = false;
   }
   if (directory_unsynced_) {
-    // Until then a crash brings the former file back, which does not know what this one will hold.
+    // Until then a crash brings the former file back, which does not have what this one will
+    // contain.
     if (disk_->fsync(directory_.get()) < 0) return system_error(directory_path_);
     directory_unsynced_ = false;
   }
@@ -326,8 +330,8 @@ void Journal::adopt_fresh() {
   directory_unsynced_ = true;
 }
 
-/// After a renaming that failed: it may have been done all the same (network file systems), and
-/// what is written to a file without a name is lost.
+/// Finds out which file has the name after a failed rename, which may have succeeded nevertheless
+/// (network file systems). What is written to a file without a name is lost.
 Result<void> Journal::find_named() {
   const OpenFile named(*disk_, disk_->open(path_, O_RDONLY));
   if (!named) return system_error(path_);

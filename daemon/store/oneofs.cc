@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// As control/oneofs.cc, of the entries of the journal.
+// The same as control/oneofs.cc, for the entries of the journal.
 #include "daemon/store/messages.hpp"
 // After that.
 #include "daemon/store/oneofs.inc"

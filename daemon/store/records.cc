@@ -14,7 +14,7 @@ using enforce::Direction;
 using enforce::PlacedSlot;
 using enforce::SlotSpec;
 
-// Whoever adds what a slot says adds it to its record.
+// If SlotSpec gets another field, its record needs it as well.
 static_assert(sizeof(SlotSpec) == 104);
 
 Slot record_of(const PlacedSlot& placed) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What entries keep encoded: the grants of a channel, and the slots that its gates were
-// to hold.
+// Encodes what journal entries contain as bytes: the grants of a channel, and the slots that its
+// gates were to hold.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -14,14 +14,14 @@
 
 namespace mlcca::store {
 
-/// A Grants message; empty: nothing is granted.
+/// An encoded Grants message; empty if nothing is granted.
 [[nodiscard]] std::string record_of(const core::Grants& grants);
-/// Nothing for bytes that are none of ours.
+/// nullopt if the bytes are no such message.
 [[nodiscard]] std::optional<core::Grants> grants_in(std::string_view record);
 
-/// A Slots message, in which the subject is not; empty: no slots.
+/// An encoded Slots message, without the subject; empty if there are no slots.
 [[nodiscard]] std::string record_of(std::span<const enforce::PlacedSlot> slots);
-/// Nothing for bytes that are none of ours.
+/// nullopt if the bytes are no such message.
 [[nodiscard]] std::optional<std::vector<enforce::PlacedSlot>> slots_in(std::string_view record,
                                                                        std::uint64_t subject);
 
