@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// One piece of work that goes on beside the loop, as an interface: a thread (Reading), or a fake.
+// An interface for one piece of work that runs beside the loop: a thread (Reading), or a fake.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -15,17 +15,17 @@ class Background {
   Background& operator=(Background&&) = delete;
   virtual ~Background() = default;
 
-  /// Runs `work` beside the loop, which must share nothing with anyone, then `done` in the loop;
-  /// false when it cannot be had or the former piece goes on.
+  /// Runs `work`, which must share no data with others, beside the loop, and then `done` in the
+  /// loop. False if that is not possible, or a former piece of work still runs.
   virtual bool begin(std::function<void()> work, std::function<void()> done) = 0;
-  /// What is under way is not waited for any more: its `done` is not called. It goes on, and
-  /// nothing else can begin until it ends.
+  /// Gives up waiting for the work: its `done` is not called. The work continues, and nothing else
+  /// can begin until it ends.
   virtual void forget() = 0;
-  /// `done` is still to be called.
+  /// Whether `done` is still to be called.
   [[nodiscard]] virtual bool waits() const = 0;
-  /// When it began, CLOCK_MONOTONIC, ns.
+  /// When the work began: CLOCK_MONOTONIC, ns.
   [[nodiscard]] virtual std::uint64_t begun() const = 0;
-  /// Work is under way, forgotten or not.
+  /// Whether work is running, forgotten or not.
   [[nodiscard]] virtual bool busy() const = 0;
 };
 

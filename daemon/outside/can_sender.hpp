@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What sends single frames on CAN interfaces: a socket of CAN, or a fake.
+// An interface for sending single frames on CAN interfaces: a CAN socket, or a fake.
 #pragma once
 #include <linux/can.h>
 
@@ -17,9 +17,10 @@ class CanSender {
   CanSender& operator=(CanSender&&) = delete;
   virtual ~CanSender() = default;
 
-  /// Does not wait. False: it will be able to send soon. A frame that cannot be sent is lost.
+  /// Sends without waiting. False: not now, but it will be possible soon. A frame that cannot be
+  /// sent is lost.
   virtual bool send(std::uint32_t ifindex, const can_frame& frame) = 0;
-  /// Why frames cannot be sent; empty: the latest one could, or none has been sent.
+  /// Why frames cannot be sent; empty if the latest one was sent, or none has been tried.
   [[nodiscard]] virtual const std::string& problem() const = 0;
 };
 

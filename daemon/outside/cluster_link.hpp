@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The way to the store that gateways share: mlcca-cluster behind a socket, or a fake.
+// An interface for the connection to the store that gateways share: mlcca-cluster at the other end
+// of a socket, or a fake.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -11,11 +12,11 @@
 
 namespace mlcca {
 
-/// A snapshot of what is followed begins: what was known before is replaced when it has ended.
+/// The begin of a snapshot of the followed keys. What was known before is replaced at its end.
 struct ClusterSnapshot {
   std::int64_t revision = 0;
 };
-/// It has ended. What follows are the changes after it, each revision as one batch.
+/// The end of the snapshot. The changes after it follow, one batch for each revision.
 struct ClusterSynced {
   std::int64_t revision = 0;
 };
@@ -32,14 +33,14 @@ class ClusterLink {
   ClusterLink& operator=(ClusterLink&&) = delete;
   virtual ~ClusterLink() = default;
 
-  /// As whom mlcca-cluster gets to know this gateway, with the next connection.
+  /// Sets the cluster and gateway that mlcca-cluster learns with the next connection.
   virtual void introduce(std::string cluster, std::string gateway) = 0;
-  /// Each is answered by one TxnResult, never within this call.
+  /// Sends a transaction. It is answered by one TxnResult, never during this call.
   virtual void send(const core::cluster::Txn& txn) = 0;
-  /// Keys with one of these prefixes, from now on: a snapshot follows.
+  /// Follows the keys with these prefixes from now on. A snapshot comes first.
   virtual void follow(std::vector<std::string> prefixes) = 0;
   virtual void on_message(std::function<void(ClusterMessage)> call) = 0;
-  /// Before the loop runs: waits for something to happen, for so many ns at most.
+  /// For the time before the loop runs: waits at most `ns` nanoseconds until something happens.
   virtual void wait(std::uint64_t ns) = 0;
 };
 

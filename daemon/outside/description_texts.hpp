@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Descriptions that a cluster has had in force, or is to have, as an interface: files, or a fake.
+// An interface for the texts of descriptions that a cluster has had or will have in force: files,
+// or a fake.
 #pragma once
 #include <functional>
 #include <optional>
@@ -11,10 +12,10 @@
 
 namespace mlcca {
 
-/// A description that was kept.
+/// The result of reading a kept description.
 struct KeptText {
-  std::optional<std::string> text;  ///< of the digest that was asked for
-  std::string damage;               ///< why it is not that, although it is there
+  std::optional<std::string> text;  ///< the text with the requested digest; nullopt: there is none
+  std::string damage;               ///< why an existing text cannot be used; empty: no damage
 };
 
 class DescriptionTexts {
@@ -29,11 +30,11 @@ class DescriptionTexts {
   DescriptionTexts& operator=(DescriptionTexts&&) = delete;
   virtual ~DescriptionTexts() = default;
 
-  /// It outlives a loss of power from then on. Refused where the digest is another one.
+  /// Keeps a text durably, also over a loss of power. Refused if the text has another digest.
   virtual Result<void> keep(const Digest& digest, const std::string& text) = 0;
-  /// Reads, on any thread, also after the daemon has let go of it.
+  /// A function that reads texts, on any thread, also after this object is gone.
   [[nodiscard]] virtual Reader reader() const = 0;
-  /// Others are not needed any more.
+  /// Removes all other texts.
   virtual void keep_only(const std::set<Digest>& digests) = 0;
 };
 

@@ -11,12 +11,12 @@
 
 namespace mlcca {
 
-/// The control word that all gates of the kernel read, and the ring that they report to.
+/// The control word that all gates in the kernel read, and the ring to which they report.
 class KernelGateControl final : public GateControl {
  public:
   explicit KernelGateControl(enforce::Control control) : control_(std::move(control)) {}
 
-  /// For whoever attaches gates to it.
+  /// For the code that attaches gates to it.
   [[nodiscard]] enforce::Control& control() { return control_; }
 
   void open() override { control_.open(); }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a gateway knows of the interfaces of its machine, as an interface: net::Links of rtnetlink,
-// or a fake.
+// An interface for what a gateway knows about the interfaces of its machine: net::Links, which uses
+// rtnetlink, or a fake.
 #pragma once
 #include <string>
 
@@ -17,16 +17,17 @@ class LinkMonitor {
   LinkMonitor& operator=(LinkMonitor&&) = default;
   virtual ~LinkMonitor() = default;
 
-  /// Readable when something has changed.
+  /// Readable if something has changed.
   [[nodiscard]] virtual int fd() const = 0;
-  /// Reads all interfaces again. True: they differ from what was known, or one has gone. After an
+  /// Reads all interfaces again. True if they differ from what was known, or one has gone. After an
   /// error what was known stays.
   virtual Result<bool> refresh() = 0;
-  /// Why what is known may be out of date: refresh() soon. Empty: it could be read.
+  /// Why the known state may be out of date, so that refresh() is to be called soon; empty if it
+  /// could be read.
   [[nodiscard]] virtual const std::string& problem() const = 0;
-  /// Of an interface, or its index where it is unknown.
+  /// The name of an interface; its index in digits if it is unknown.
   [[nodiscard]] virtual std::string name_of(int ifindex) const = 0;
-  /// A filter or a queueing discipline has come, changed or gone since the last call.
+  /// Whether a filter or a queueing discipline has appeared, changed or gone since the last call.
   [[nodiscard]] virtual bool take_tc_changed() = 0;
 };
 
