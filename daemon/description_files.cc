@@ -81,14 +81,14 @@ KeptText kept_in(const std::string& directory, const Sha256::Digest& digest) {
 
 }  // namespace
 
-/// Under another name first, so that one of this name is complete.
+/// Writes to another name first, so that a file with this name is always complete.
 Result<void> DescriptionFiles::keep(const Digest& digest, const std::string& text) {
   if (description::digest_of(text) != digest)
     return fail("a description of another digest is not kept");
   const std::string path = path_of(directory_, digest);
   const Fd directory(::open(directory_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!directory) return failed_with(directory_);
-  // What is there may have got there without having been on the disk.
+  // An existing file may not have been synced to disk yet.
   if (kept_in(directory_, digest).text == text) {
     const Fd file = open_kept(path);
     if (file && ::fsync(file.get()) == 0 && ::fsync(directory.get()) == 0) return {};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Descriptions of a cluster as files in the state directory, each named by its digest, for its user
-// only.
+// Keeps descriptions of a cluster as files in the state directory. Each file is named by its
+// digest, and only its user may read it.
 #pragma once
 #include <set>
 #include <string>

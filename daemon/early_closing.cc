@@ -27,7 +27,8 @@ constexpr int kBadInput = 2;
 constexpr int kTries = 3;
 constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 250'000'000};
 
-/// What root pins here must be the service user's: it is the owner of the bpffs.
+/// Acts as the owner of the bpffs, the user of the service, so that pins that root makes here
+/// belong to it.
 void pin_as_owner_of(const std::string& root) {
   struct stat owner{};
   if (::geteuid() != 0 || ::stat(root.c_str(), &owner) < 0) return;
@@ -35,12 +36,12 @@ void pin_as_owner_of(const std::string& root) {
   ::setfsuid(owner.st_uid);
 }
 
-/// The next one is closed also where nobody reads what is said of this one.
+/// Reports without waiting for a reader, so that the next interface is closed in any case.
 void say(const std::string& name, const std::string& text) {
   write_at_once(STDERR_FILENO, name + ": " + text + '\n');
 }
 
-/// False: it may be open.
+/// False if the interface may be open.
 bool close_one(const std::string& name, const std::string& root) {
   if (::if_nametoindex(name.c_str()) == 0) {
     if (errno == ENODEV) {
@@ -68,8 +69,8 @@ int close_all(const std::vector<std::string>& names, const std::string& root) {
   return status;
 }
 
-/// In a process of its own: libbpf keeps for the life of a process that a probe of the kernel has
-/// failed once.
+/// Runs in a child process, because libbpf keeps the failure of a probe of the kernel for the life
+/// of a process.
 int close_all_apart(const std::vector<std::string>& names, const std::string& root) {
   const pid_t child = ::fork();
   if (child < 0) return close_all(names, root);
@@ -88,7 +89,8 @@ int close_with_patience(const std::vector<std::string>& names, const std::string
   }
 }
 
-/// Where a file has a mistake it is not known which are named: then all that were asked for are.
+/// The interfaces to close. If a file has a mistake, it is not known which ones it names; then all
+/// requested ones are closed.
 std::vector<std::string> meant(const Options& options, const InterfaceFiles& files) {
   std::vector<std::string> names = options.close;
   if (!options.named_in) return names;

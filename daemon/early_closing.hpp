@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlccad --close: what closes interfaces at boot, and when they appear, before mlccad runs.
+// mlccad --close: closes interfaces at boot and when they appear, before mlccad runs.
 #pragma once
 #include "daemon/options.hpp"
 
 namespace mlcca {
 
-/// The exit status: 0 where each of them is closed or does not exist; 1 where one may be open,
-/// which was tried three times within a second; 2 where a file that names them has a mistake, and
-/// what could be read of it is closed.
+/// Returns the exit status. 0: each interface is closed or does not exist. 1: one may be open,
+/// after three attempts within a second. 2: a file that names interfaces has a mistake; what could
+/// be read is closed.
 int close_early(const Options& options);
 
 }  // namespace mlcca

@@ -38,14 +38,14 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
 }
 
-/// As a log may show it.
+/// The word without control characters and shortened, for the log.
 std::string shown(std::string_view word) {
   std::string text(word.substr(0, kShownCharacters));
   std::ranges::replace_if(text, [](char c) { return c < ' ' || c > '~'; }, '?');
   return text + (word.size() > kShownCharacters ? "…" : "");
 }
 
-/// Nothing where there is no such file. A FIFO or a device might be waited for without end.
+/// The text of a file; nullopt if it does not exist. Opening must not wait for a FIFO or a device.
 Result<std::optional<std::string>> text_of(const std::string& path) {
   const Fd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   if (!file) {
@@ -70,7 +70,7 @@ Result<std::optional<std::string>> text_of(const std::string& path) {
   return text;
 }
 
-/// Nothing where a word can be the name of an interface.
+/// Why a word cannot be the name of an interface; nullopt if it can.
 std::optional<std::string> fault_of_name(std::string_view word) {
   if (word == "." || word == ".." || !std::ranges::all_of(word, is_of_interface_name))
     return "is no name of an interface (names stand between spaces)";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which interfaces an operator has named to be closed before there is any decision: in gate.conf
-// and in the files *.conf of conf.d beside it.
+// The interfaces that an operator has named for closing before any decision: in gate.conf and the
+// files conf.d/*.conf beside it.
 #pragma once
 #include <cstddef>
 #include <string>
@@ -11,13 +11,15 @@ namespace mlcca {
 
 struct NamedInterface {
   std::string name;
-  std::string place;  ///< file:line
+  std::string place;  ///< file:line of the name
 };
 
+/// The result of reading these files.
 struct InterfaceFiles {
-  /// What one file names no other one takes away; each name once, where it was named first.
+  /// All names of all files, each once, where it occurs first.
   std::vector<NamedInterface> named;
-  /// As file:line: reason. With one of them it is not known which others are meant.
+  /// As "file:line: reason". If there is a mistake, it is not known which other interfaces are
+  /// meant.
   std::vector<std::string> mistakes;
 
   [[nodiscard]] bool names(std::string_view interface) const;
@@ -27,7 +29,7 @@ inline constexpr std::size_t kInterfaceFileBytes = std::size_t{1} << 16U;
 inline constexpr std::size_t kInterfaceFiles = 256;
 inline constexpr std::size_t kNamedInterfaces = 1024;
 
-/// gate.conf of the directory, then conf.d/*.conf in the order of their names. What is not there
+/// Reads gate.conf of the directory, then conf.d/*.conf in the order of their names. A missing file
 /// names nothing.
 [[nodiscard]] InterfaceFiles read_interface_files(const std::string& directory);
 

@@ -10,14 +10,14 @@
 
 namespace mlcca {
 
-/// A local socket of `type` (SOCK_STREAM, SOCK_SEQPACKET) that listens at `path`, in place of one
-/// that a former process left behind. Does not block. `mode`: who may connect, where it is not as
-/// the umask says; `backlog`: how many may wait to be accepted.
+/// A local socket of `type` (SOCK_STREAM, SOCK_SEQPACKET) that listens at `path`, replacing a
+/// socket that a former process has left. Non-blocking. `mode` says who may connect; 0: as the
+/// umask says. `backlog`: how many connections may wait to be accepted.
 [[nodiscard]] Result<Fd> listen_at(const std::string& path, int type, mode_t mode = 0,
                                    int backlog = SOMAXCONN);
 
-/// The one socket of `type` that systemd has made, listening and not blocking; -1: it has made
-/// none.
+/// The one socket of `type` that systemd has passed, listening and non-blocking; an empty Fd if it
+/// has passed none.
 [[nodiscard]] Result<Fd> handed_over(int type);
 
 }  // namespace mlcca

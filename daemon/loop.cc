@@ -42,7 +42,7 @@ Result<Loop> Loop::open(sd_event* raw, Controller& gateway, const RealOutside& o
   if (e >= 0) e = sd_event_add_signal(raw, nullptr, SIGHUP, on_hangup, s);
   if (e >= 0) e = sd_event_add_io(raw, nullptr, outside.links_fd(), EPOLLIN, on_links, s);
   if (e >= 0) e = sd_event_add_io(raw, nullptr, outside.reports_fd(), EPOLLIN, on_events, s);
-  // The heart-beat comes before whatever clients want.
+  // The heart-beat has priority over requests of clients.
   sd_event_source* beat = nullptr;
   if (e >= 0) e = sd_event_add_time_relative(raw, &beat, CLOCK_MONOTONIC, 0, kAccuracy, on_beat, s);
   if (e >= 0) e = sd_event_source_set_priority(beat, SD_EVENT_PRIORITY_IMPORTANT);
@@ -58,7 +58,8 @@ Result<Loop> Loop::open(sd_event* raw, Controller& gateway, const RealOutside& o
   s->work.reset(work);
   if (e >= 0) e = sd_event_source_set_enabled(work, SD_EVENT_OFF);
   if (e >= 0) e = sd_event_add_post(raw, nullptr, after_turn, s);
-  // sd_event_set_watchdog() waits while no process reads the socket of the service manager.
+  // sd_event_set_watchdog() is not used, because it waits if no process reads the socket of the
+  // service manager.
   if (e >= 0 && sd_watchdog_enabled(0, &s->watchdog) > 0) {
     s->watchdog /= 2;
     e = sd_event_add_time_relative(raw, nullptr, CLOCK_MONOTONIC, 0, kAccuracy, on_watchdog, s);
@@ -66,7 +67,8 @@ Result<Loop> Loop::open(sd_event* raw, Controller& gateway, const RealOutside& o
   if (e < 0)
     return fail(std::string("event loop: ") + std::strerror(-e));  // NOLINT(concurrency-mt-unsafe)
 
-  // Without udev (a container, an early boot) names and aliases still identify interfaces.
+  // Without udev (in a container, or in early boot) interfaces are still identified by names and
+  // aliases.
   sd_device_monitor* monitor = nullptr;
   if (sd_device_monitor_new(&monitor) >= 0) {
     s->udev.reset(monitor);
@@ -96,8 +98,8 @@ int Loop::on_watchdog(sd_event_source* source, std::uint64_t, void* self) noexce
 
 int Loop::on_links(sd_event_source*, int, std::uint32_t, void* self) noexcept {
   static_cast<Sources*>(self)->links_dirty = true;
-  // The notifications are taken off the socket after the turn: until then it stays readable, and
-  // the turn ends with this handler.
+  // The notifications are read from the socket after the turn. Until then it stays readable; that
+  // does no harm, because the turn ends with this handler.
   return 0;
 }
 
@@ -136,7 +138,8 @@ int Loop::on_work(sd_event_source* source, int, std::uint32_t, void* self) noexc
   return 0;
 }
 
-/// At once, or when what is reserved is given back; who asks twice does not wait for that.
+/// Ends at once, or when what is reserved has been given back. A second signal does not wait for
+/// that.
 int Loop::on_end(sd_event_source*, const signalfd_siginfo*, void* self) noexcept {
   auto& s = *static_cast<Sources*>(self);
   if (std::exchange(s.ends, true) || s.gateway.begin_stop()) sd_event_exit(s.event, 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The one event loop: signals, interfaces, udev, timers. Handlers only mark what is dirty; a post
-// handler acts once a turn.
+// The only event loop: signals, interfaces, udev, timers. Handlers only mark what has changed; a
+// post handler acts once a turn.
 #pragma once
 #include <systemd/sd-device.h>
 #include <systemd/sd-event.h>
@@ -16,32 +16,34 @@
 namespace mlcca {
 
 using EventLoop = std::unique_ptr<sd_event, FreeWith<sd_event_unref>>;
-/// Null when there is no memory.
+/// nullptr if there is no memory.
 [[nodiscard]] EventLoop new_event_loop();
 
+/// The event sources of the gateway on the loop.
 class Loop {
  public:
-  /// Adds what the gateway needs to `raw`, which must outlive this.
+  /// Adds the sources of the gateway to `raw`, which must outlive this object.
   static Result<Loop> open(sd_event* raw, Controller& gateway, const RealOutside& outside);
 
-  /// Until SIGTERM or SIGINT. The exit status of the program.
+  /// Runs until SIGTERM or SIGINT. Returns the exit status of the program.
   [[nodiscard]] int run() const;
 
  private:
   using Source = std::unique_ptr<sd_event_source, FreeWith<sd_event_source_unref>>;
   struct Sources {
     Sources(sd_event* e, Controller& g) : event(e), gateway(g) {}
-    /// What the gateway does; that it is ready, too, until the service manager has taken it.
+    /// Reports the state of the gateway to the service manager, including READY=1 until the manager
+    /// has taken it.
     void notify_manager();
     sd_event* event;
     Controller& gateway;
     bool links_dirty = false;
     bool identities_dirty = false;
     bool ready_sent = false;
-    bool ends = false;           ///< it was asked to
-    std::uint64_t watchdog = 0;  ///< µs between signs of life for the service manager; 0: none
-    Fd always;                   ///< can always be read: in line with the sockets of clients
-    Source work;                 ///< of always: a part of a round in each turn that it is on
+    bool ends = false;           ///< it was asked to end
+    std::uint64_t watchdog = 0;  ///< µs between the signs of life for the service manager; 0: none
+    Fd always;                   ///< always readable: queues behind the sockets of clients
+    Source work;  ///< the event source of always: does a part of a round in each turn
     std::unique_ptr<sd_device_monitor, FreeWith<sd_device_monitor_unref>> udev;
   };
   explicit Loop(std::unique_ptr<Sources> sources) : sources_(std::move(sources)) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlccad: reads the command line, puts the parts together and runs one event loop.
+// mlccad: reads the command line, connects the parts, and runs the event loop.
 #include <fmt/format.h>
 #include <grp.h>
 #include <malloc.h>
@@ -43,11 +43,12 @@ namespace {
 
 using namespace mlcca;  // NOLINT(google-build-using-namespace): the program itself
 
-// Exit statuses; mlccad.service does not restart after kBadInput.
+// The exit statuses. mlccad.service does not restart after kBadInput.
 constexpr int kFailed = 1;
 constexpr int kBadInput = 2;
 
-/// What a gate cannot hold, of any gateway.
+/// Whether the gates of every gateway can hold what the description needs; reports the reason if
+/// not.
 bool has_room(const core::System& system, const std::string& description) {
   const core::State state(system);
   for (std::size_t g = 0; g < system.gateways.size(); ++g)
@@ -58,7 +59,8 @@ bool has_room(const core::System& system, const std::string& description) {
   return true;
 }
 
-/// The machine that checks need not be one of the gateways.
+/// Whether the description has the gateway. The machine that checks it need not be one of the
+/// gateways.
 bool has_gateway(const core::System& system, const Options& options) {
   const auto& gateways = system.gateways;
   if (options.gateway.empty()
@@ -89,7 +91,7 @@ int check_description(const Options& options) {
   return kBadInput;
 }
 
-/// The socket that systemd hands over, or one of our own.
+/// The socket that systemd has passed, or a new one.
 Result<Fd> control_socket(const Options& options) {
   auto given = handed_over(SOCK_STREAM);
   if (!given || *given) return given;
@@ -100,10 +102,10 @@ constexpr std::uint64_t kGroupLimit = 5'000'000'000;  // ns
 
 struct ControlGroup {
   gid_t id = static_cast<gid_t>(-1);
-  bool hangs = false;  ///< a thread waits for the look-up without end
+  bool hangs = false;  ///< a thread waits for the look-up without limit
 };
 
-/// Its members are read as well, and may be many.
+/// Looks up a group. The entry contains its members, who may be many, so the buffer grows.
 Result<gid_t> group_named(const std::string& name) {
   constexpr std::size_t most_bytes = std::size_t{1} << 26U;
   std::vector<char> buffer(1024);
@@ -120,7 +122,7 @@ Result<gid_t> group_named(const std::string& name) {
                           std::strerror(error)));  // NOLINT(concurrency-mt-unsafe)
 }
 
-/// Heart-beats go on during the look-up.
+/// Looks up the control group while heart-beats continue.
 ControlGroup control_group(const Options& options, const SystemLog& journal, Controller& gateway) {
   const auto found = in_time([name = options.group] { return group_named(name); }, kGroupLimit,
                              [&gateway] { gateway.beat(); });
@@ -144,7 +146,7 @@ int give_up(const SystemLog& journal, const std::string& line) {
   return kFailed;
 }
 
-/// Gates that an earlier daemon has left cannot be commanded: then they are closed.
+/// Closes gates that an earlier daemon has left, because this one cannot command them, and ends.
 int close_and_give_up(const SystemLog& journal, const std::string& why) {
   const auto closed = enforce::close_unpinned();
   if (!closed)
@@ -162,8 +164,8 @@ int close_and_give_up(const SystemLog& journal, const std::string& why) {
   return give_up(journal, why);
 }
 
-/// A port takes some 25 descriptors: the limit that programs which use select(2) are given is
-/// for 30.
+/// Raises the limit of descriptors: a port takes about 25, and the default limit, which suits
+/// select(2), is enough for about 30 ports.
 void allow_many_descriptors() {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) < 0) return;
@@ -171,8 +173,8 @@ void allow_many_descriptors() {
   ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-/// Nothing is half done then: what was answered is on disk, the gates hold for the grace, and the
-/// next start takes them over (docs/adr/0026).
+/// Ends at once. Nothing is left incomplete: what was answered is on disk, the gates stay as they
+/// are for the grace period, and the next start takes them over (docs/adr/0026).
 [[noreturn]] void out_of_memory() {
   static constexpr std::string_view line =
       "mlccad: out of memory: ended at once; the gates stay as they are for the grace\n";
@@ -180,8 +182,8 @@ void allow_many_descriptors() {
   std::abort();
 }
 
-/// Exceptions of libraries (libnl has no memory) that no callback catches. The library's own
-/// handler would wait for whoever reads its lines.
+/// Reports an exception of a library that no callback catches (libnl has no memory). The default
+/// handler would wait for the reader of its output.
 [[noreturn]] void ended_by_an_exception() {
   try {
     if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);
@@ -227,7 +229,7 @@ int run(const Options& options) {
   if (const auto problem = gateway.start()) {
     for (const std::string& line : problem->lines)
       journal.write({Kind::trouble, 3, line, 0, {}, {}, {}, {}});
-    // Another daemon may run on another bpffs, and its gates are open then.
+    // Another daemon may run with another bpffs, whose gates are open.
     journal.write({Kind::stopped,
                    3,
                    fmt::format("not started: the gates of {} deny everything, and no others were "
@@ -271,17 +273,18 @@ int run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // What a thread has read is the loop's then: memory that is given back to an arena of that thread
-  // could not be used by others, which is up to a fifth of all memory (docs/reference/limits.md).
+  // The loop uses what a thread has read. With separate arenas, memory that is returned to the
+  // arena of a thread could not be used by others, up to a fifth of all memory
+  // (docs/reference/limits.md).
   ::mallopt(M_ARENA_MAX, 1);
   std::set_new_handler(out_of_memory);
   std::set_terminate(ended_by_an_exception);
-  // A file that must not grow is an error of the write, not the end of the gateway.
+  // A file that must not grow makes the write fail, and must not end the gateway.
   // NOLINTBEGIN(cert-err33-c): they cannot fail for a known signal
   ::signal(SIGXFSZ, SIG_IGN);
   ::signal(SIGPIPE, SIG_IGN);  // a log without a reader
   // NOLINTEND(cert-err33-c)
-  ::umask(S_IRWXG | S_IRWXO);  // what it makes is for its user only, unless stated otherwise
+  ::umask(S_IRWXG | S_IRWXO);  // new files are for their user only, unless stated otherwise
   const Parsed parsed = parse_options(argc, argv);
   if (parsed.exit) return parsed.status;
   if (parsed.options.close_mode) return close_early(parsed.options);

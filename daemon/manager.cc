@@ -26,15 +26,15 @@ Fd opened_again(int fd) {
   return Fd(::open(path.data(), O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
 }
 
-/// What is ready takes PIPE_BUF bytes at once, unless another writer comes first: that matters
-/// where a pipe cannot be opened again (the sandbox of mlcca-sources).
+/// Writes at most PIPE_BUF bytes, which a ready pipe takes without waiting unless another writer is
+/// faster. Needed where a pipe cannot be opened again (in the sandbox of mlcca-sources).
 ssize_t write_where_ready(int fd, std::string_view text) {
   pollfd ready{.fd = fd, .events = POLLOUT, .revents = 0};
   if (::poll(&ready, 1, 0) != 1 || ready.revents != POLLOUT) return -1;
   return ::write(fd, text.data(), std::min<std::size_t>(text.size(), PIPE_BUF));
 }
 
-/// `write` some of it until all is written. False: it would write no more.
+/// Calls `write` for the rest until everything is written. False if it writes no more.
 bool write_all(std::string_view text, auto write) {
   while (!text.empty()) {
     const ssize_t n = write(text);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a gateway sees of the world, as it is: the kernel's interfaces and gates, the machine's
-// clocks and disk.
+// The real implementations of what a gateway sees of the world: interfaces and gates of the kernel,
+// clocks and disk of the machine.
 #pragma once
 #include <systemd/sd-event.h>
 
@@ -22,18 +22,19 @@
 
 namespace mlcca {
 
+/// Owns these objects, and passes references to the controller as an Outside.
 class RealOutside {
  public:
-  /// `loop` must outlive this.
+  /// `loop` must outlive this object.
   RealOutside(Options options, SystemLog log, enforce::Control control, net::Links links,
               net::FactsOf facts_of, sd_event* loop);
 
-  /// Before outside(): the way to the store, where this gateway is one of a cluster.
+  /// To be called before outside(): connects to the store if this gateway is in a cluster.
   [[nodiscard]] Result<void> start_cluster();
-  /// For one controller.
+  /// The references for one controller.
   [[nodiscard]] Outside outside();
   [[nodiscard]] EventLog& log() { return log_; }
-  /// To be watched by the loop; the second one once the controller has started.
+  /// Descriptors for the loop to watch; reports_fd() is valid after the controller has started.
   [[nodiscard]] int links_fd() const { return links_.fd(); }
   [[nodiscard]] int reports_fd() const { return control_.reports_fd(); }
 

@@ -23,7 +23,7 @@ struct KindInfo {
   const char* name;
   const char* message_id;
 };
-// Indexed by Kind. The ids are forever: operators filter by them.
+// Indexed by Kind. The ids must never change, because operators filter by them.
 constexpr std::array kKinds{
     KindInfo{"started", "14b643dd05dc43898c7b5b35e1589983"},
     KindInfo{"stopped", "f43723b89f424375a34f886fc34794e7"},
@@ -54,7 +54,8 @@ constexpr std::array kKinds{
     KindInfo{"trouble", "11436d69f9dc477a90d4c483ce53572b"},
 };
 
-/// JOURNAL_STREAM names device and inode of the stream that systemd gave us as stderr.
+/// Whether stderr is a journal stream: JOURNAL_STREAM has the device and inode of the stream that
+/// systemd has given.
 bool stderr_is_journal() {
   const char* stream = std::getenv("JOURNAL_STREAM");  // NOLINT(concurrency-mt-unsafe)
   struct stat here{};
@@ -81,10 +82,11 @@ const char* verdict_of(Kind kind) {
   }
 }
 
-/// One field of the native protocol of journald (systemd.io/JOURNAL_NATIVE_PROTOCOL), whose value
-/// may have any octets.
+/// Adds one field in the native protocol of journald (systemd.io/JOURNAL_NATIVE_PROTOCOL). Its
+/// value may contain any bytes.
 void add_field(std::string& fields, std::string_view name, std::string_view value) {
-  constexpr std::size_t most = 32UL * 1024;  // of a value: a datagram takes all of them
+  constexpr std::size_t most =
+      32UL * 1024;  // bytes of a value, so that all fields fit in a datagram
   value = cut(value, most);
   fields.append(name).push_back('\n');
   for (std::uint64_t size = value.size(), i = 0; i < 8; ++i, size >>= 8)
@@ -115,7 +117,7 @@ SystemLog SystemLog::automatic() {
   return stderr_is_journal() ? to_journald("/run/systemd/journal/socket") : to_stderr();
 }
 
-/// Opened now: later there may be no descriptor left for it.
+/// Opens the descriptor now, because later there may be none left.
 SystemLog SystemLog::to_stderr() {
   SystemLog log({});
   log.own_ = std::make_shared<Fd>(opened_at_once(STDERR_FILENO));
@@ -124,7 +126,7 @@ SystemLog SystemLog::to_stderr() {
 
 bool SystemLog::send(const Note& note, const std::string& message) const {
   if (path_.empty())
-    // A line that was lost may have been taken in part: it ends here.
+    // A lost line may have been written in part; the line break ends it.
     return write_at_once(own_ && *own_ ? own_->get() : STDERR_FILENO,
                          (*lost_ == 0 ? "" : "\n") + message + '\n');
   std::string fields;

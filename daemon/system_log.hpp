@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the operator reads: one line an event with structured fields, in the journal or on stderr.
+// The log for the operator: one line per event with structured fields, in the systemd journal or on
+// stderr.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -14,7 +15,7 @@
 
 namespace mlcca {
 
-/// Kinds of events; each has a MESSAGE_ID of its own (docs/man/mlccad.8 lists them).
+/// The kinds of events. Each has its own MESSAGE_ID; docs/man/mlccad.8 lists them.
 enum class Kind : std::uint8_t {
   started,
   stopped,
@@ -23,67 +24,70 @@ enum class Kind : std::uint8_t {
   withdrawn,
   revoked,       ///< withdrawn by an operator
   network_down,  ///< withdrawn because a network is not available
-  removed,       ///< was granted, and the description has it no more
+  removed,       ///< was granted, and the description does not have it any more
   switched,
-  rerouted,  ///< a delivery that is granted takes another way
+  rerouted,  ///< a granted delivery takes another route
   released,
-  reinstated,  ///< an operator takes it back that a channel was withdrawn
+  reinstated,  ///< an operator has undone the withdrawal of a channel
   dropping,
   excess,
   missing,
   restored,
   late,  ///< a program that carries events took longer than the gateway states
   interface,
-  gateway,  ///< another gateway has failed, or is back; or this one gives way to it
+  gateway,  ///< another gateway has failed or is back, or this one gives way to it
   mode,
   reload,
   lapsed,
-  drift,    ///< the kernel is not as it was set up
+  drift,    ///< the kernel differs from what was set up
   bypass,   ///< frames were sent past a gate
-  binding,  ///< the broker of a FAMOUSO bus has dealt a tag that is not as it was
-  rollout,  ///< of a description, to all gateways of a cluster
+  binding,  ///< the broker of a FAMOUSO bus has dealt a tag differently
+  rollout,  ///< of a description to all gateways of a cluster
   trouble,
 };
 
-/// "granted", as in events of the control protocol for who wants exact kinds.
+/// The name of a kind, for example "granted", as in events of the control protocol for clients that
+/// want exact kinds.
 [[nodiscard]] const char* name_of(Kind kind);
 [[nodiscard]] std::optional<Kind> kind_named(std::string_view name);
-/// "started, stopped, …"
+/// All names: "started, stopped, …".
 [[nodiscard]] std::string kind_names();
-/// 32 hex digits.
+/// The MESSAGE_ID: 32 hexadecimal digits.
 [[nodiscard]] const char* message_id_of(Kind kind);
 
-/// "by alice, uid 1000, process 4242"
+/// A text such as "by alice, uid 1000, process 4242".
 [[nodiscard]] std::string by_line(const control::Actor& actor);
 
+/// One event, with everything that the log has about it.
 struct Note {
   Kind kind = Kind::trouble;
-  int priority = 6;  ///< as in syslog: 3 error, 4 warning, 5 notice, 6 information
+  int priority = 6;  ///< as in syslog: 2 critical, 3 error, 4 warning, 5 notice, 6 information
   std::string message = {};
   std::uint64_t subject = 0;  ///< 0: not about a subject
   std::string channel = {};
-  std::string network = {};    ///< or gateway; of a delivery the place that it leads to
-  std::string from = {};       ///< of a delivery: the place of its publisher
-  std::string publisher = {};  ///< of a delivery or of frames: its name; empty: several, or none
-  std::vector<std::uint64_t> admissions = {};  ///< run-time admissions that it concerns
-  std::uint64_t silent_ns = 0;                 ///< of missing and restored: how long nothing came
-  std::uint64_t missing = 0;                   ///< and how many events that are
-  std::uint64_t frames = 0;                    ///< of dropping and excess: since the last report
-  std::uint64_t late = 0;                      ///< of late: events since the last report
-  std::uint64_t longest_ns = 0;                ///< and the longest time of one of them
-  std::string network_down = {};          ///< of network_down: the network that is not available
-  std::optional<control::Actor> by = {};  ///< the client that asked for it
+  std::string network = {};  ///< or gateway; of a delivery: the place to which it leads
+  std::string from = {};     ///< of a delivery: the place of its publisher
+  std::string publisher =
+      {};  ///< of a delivery or of frames: the publisher's name; empty: several, or none
+  std::vector<std::uint64_t> admissions = {};  ///< the run-time admissions that it concerns
+  std::uint64_t silent_ns = 0;            ///< of missing and restored: how long nothing has come
+  std::uint64_t missing = 0;              ///< the number of events missing in that time
+  std::uint64_t frames = 0;               ///< of dropping and excess: since the last report
+  std::uint64_t late = 0;                 ///< of late: events since the last report
+  std::uint64_t longest_ns = 0;           ///< the longest time of one of these events
+  std::string network_down = {};          ///< of network_down: the unavailable network
+  std::optional<control::Actor> by = {};  ///< the client that requested it
 };
 
-/// Nothing here waits for whoever reads: the gates matter more than the log. A line that cannot be
-/// taken at once is lost, and the next one that is taken says how many were. Copies write to the
-/// same place.
+/// Writes notes without ever waiting for the reader, because the gates matter more than the log. A
+/// line that cannot be written at once is lost; the next written line says how many were lost.
+/// Copies write to the same place.
 class SystemLog {
  public:
-  /// To journald when this process's stderr is a journal stream, else to stderr.
+  /// Writes to journald if stderr of this process is a journal stream, otherwise to stderr.
   static SystemLog automatic();
   static SystemLog to_stderr();
-  /// In the native protocol of journald, to a datagram socket of that path.
+  /// Writes in the native protocol of journald to the datagram socket at `path`.
   static SystemLog to_journald(std::string path) { return SystemLog(std::move(path)); }
 
   void write(const Note& note) const;
@@ -93,9 +97,9 @@ class SystemLog {
       : path_(std::move(path)), lost_(std::make_shared<std::uint64_t>(0)) {}
   [[nodiscard]] bool send(const Note& note, const std::string& message) const;
 
-  std::string path_;  ///< of journald's socket; empty: stderr
+  std::string path_;  ///< the path of journald's socket; empty: stderr
   std::shared_ptr<std::uint64_t> lost_;
-  std::shared_ptr<Fd> own_;  ///< stderr once more, which never waits; none: it cannot be had
+  std::shared_ptr<Fd> own_;  ///< a non-blocking descriptor of stderr; empty: there is none
 };
 
 }  // namespace mlcca

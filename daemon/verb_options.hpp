@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What programs take that are verbs of mlccactl and ask no daemon.
+// The options of programs that are verbs of mlccactl and need no daemon.
 #pragma once
 #include <fmt/core.h>
 
@@ -15,14 +15,15 @@ struct VerbOptions {
   std::string unused;
   bool no_color = false;
 
-  /// Before or behind the name of the verb, as mlccactl takes them; this must outlive the parsing.
+  /// Adds the options before and after the name of the verb, as mlccactl takes them. This object
+  /// must outlive the parsing.
   void add_to(CLI::App& app, CLI::App& verb) {
     app.set_version_flag("--version", fmt::format("mlccactl {}", kVersion), "print the version");
     app.set_help_flag("-h,--help", "print this help");
     app.require_subcommand(1, 1);
     for (auto* at : {&app, &verb}) {
       at->add_flag("--json", as_json, "print JSON");
-      // Of mlccactl, which take no part here.
+      // Options of mlccactl that have no effect here.
       at->add_flag("--no-color", no_color, "nothing here has colour")->group("");
       for (const char* option : {"--socket", "--timeout"})
         at->add_option(option, unused, "no daemon is asked")->group("");
