@@ -15,9 +15,10 @@
 namespace mlcca::net {
 namespace {
 
-// Frames go to the bus and not to local listeners of that interface, where they would count as
-// frames of that bus; and they may go where an interface of the same index in another network
-// namespace (vxcan) has sent them from. A frame cannot come back to where it was: the gates know.
+// The flag lets a frame leave by the interface index on which it came in: an interface with the
+// same index in another network namespace (vxcan) may have sent it. Local listeners of the egress
+// interface do not get these frames, which they would take for frames from that bus. The gates keep
+// a frame from returning to where it came from.
 constexpr std::uint16_t kFlags = CGW_FLAGS_CAN_IIF_TX_OK;
 
 using Attributes = std::array<nlattr*, CGW_MAX + 1>;
@@ -28,7 +29,7 @@ std::unexpected<Error> refused(const std::string& call, const Refusal& why) {
   return why.when(call);
 }
 
-/// Frame and FD frame alike begin with the identifier, and end with what is changed of them.
+/// Both frames and FD frames begin with the identifier, and end with the kind of change.
 template <class Change>
 bool put_change(nl_msg* message, int type, std::uint32_t can_id) {
   Change change{};
@@ -75,7 +76,7 @@ std::uint64_t number(const nlattr* attribute) {
   return value;
 }
 
-/// The identifier of a change that changes nothing else.
+/// The identifier of a change that changes nothing else. False for any other change.
 template <class Change>
 bool read_id(const nlattr* attribute, std::uint32_t& id) {
   Change change{};

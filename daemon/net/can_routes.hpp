@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The rules of can-gw (rtnetlink, family AF_CAN): how ours are written and known again, and what is
-// there.
+// The rules of can-gw (rtnetlink, family AF_CAN): how our rules are made and recognised, and which
+// rules exist.
 #pragma once
 #include <linux/netlink.h>
 
@@ -13,21 +13,21 @@
 
 namespace mlcca::net {
 
-/// As we make it.
+/// A rule as we make it.
 [[nodiscard]] CanRuleThere ours(const CanRule& rule, std::uint32_t uid);
 
 // --- messages: no I/O ----------------------------------------------------------------------------
 
-/// Both of a rule of ours: the kernel finds it by all that it was made with. To remove interface 0
-/// would mean all rules there are: refused.
+/// Both messages are for a rule of ours: the kernel finds a rule by everything that it was made
+/// with. Interface index 0 is refused, because it would remove all rules.
 [[nodiscard]] Result<Message> message_to_add(const CanRuleThere& rule);
 [[nodiscard]] Result<Message> message_to_remove(const CanRuleThere& rule);
-/// Appends the rule of a message; anything else is passed over.
+/// Appends the rule of a message. Messages of other kinds are skipped.
 void read_rule(const nlmsghdr& message, std::vector<CanRuleThere>& to);
 
 // --- the kernel ----------------------------------------------------------------------------------
 
-/// What carries frames between CAN interfaces. A test has its own.
+/// The interface to can-gw, which carries frames between CAN interfaces. Tests have a fake.
 class CanRules {
  public:
   CanRules() = default;
@@ -35,12 +35,13 @@ class CanRules {
   CanRules& operator=(const CanRules&) = delete;
   virtual ~CanRules() = default;
 
-  /// All rules of this network namespace; none where the kernel has no can-gw.
+  /// All rules of this network namespace; empty if the kernel has no can-gw.
   [[nodiscard]] virtual Result<std::vector<CanRuleThere>> read() = 0;
   virtual Result<void> add(const CanRuleThere& rule) = 0;
   virtual Result<void> remove(const CanRuleThere& rule) = 0;
 };
 
+/// can-gw of the kernel.
 class KernelCanRules : public CanRules {
  public:
   [[nodiscard]] Result<std::vector<CanRuleThere>> read() override;

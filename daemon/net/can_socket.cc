@@ -27,7 +27,7 @@ int option_of(const Fd& socket, int option) {
 Result<void> make_sender(const Fd& socket) {
   if (option_of(socket, SO_DOMAIN) != AF_CAN || option_of(socket, SO_TYPE) != SOCK_RAW)
     return fail("not a raw socket of CAN");
-  // A socket of another protocol of CAN does not know the option.
+  // Sockets of other CAN protocols do not have this option.
   if (::setsockopt(socket.get(), SOL_CAN_RAW, CAN_RAW_FILTER, nullptr, 0) != 0)
     return system_error("CAN_RAW_FILTER");
   if (::fcntl(socket.get(), F_SETFL, O_NONBLOCK) != 0) return system_error("O_NONBLOCK");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A socket by which a frame can be sent on any CAN interface, and that receives none. The unit of
-// mlccad lets it open no such socket: mlcca-can@.service opens one and hands it over.
+// A socket that sends frames on any CAN interface, and receives none. The unit of mlccad may not
+// open such a socket, so mlcca-can@.service opens it and passes it on.
 #pragma once
 #include <linux/can.h>
 
@@ -14,12 +14,13 @@
 
 namespace mlcca::net {
 
+/// Gets the socket from mlcca-can when a frame is first sent, without waiting.
 class CanSocket final : public CanSender {
  public:
-  /// `helper`: where mlcca-can is reached.
+  /// `helper` is the path of the socket of mlcca-can.
   explicit CanSocket(std::string helper = "/run/mlcca/can") : helper_(std::move(helper)) {}
 
-  /// False: mlcca-can has been asked for a socket and has not answered yet.
+  /// False: mlcca-can was asked for a socket and has not answered yet.
   bool send(std::uint32_t ifindex, const can_frame& frame) override;
   [[nodiscard]] const std::string& problem() const override { return problem_; }
 
@@ -29,12 +30,12 @@ class CanSocket final : public CanSender {
   State note_missing(std::string why);
 
   std::string helper_;
-  Fd way_;     ///< to mlcca-can, which has been asked
-  Fd socket_;  ///< nothing: not yet
+  Fd way_;     ///< the connection to mlcca-can, which was asked
+  Fd socket_;  ///< empty until it was received
   std::string problem_;
 };
 
-/// What another process hands over is of CAN, and receives nothing from here on.
+/// Checks that a socket from another process is a raw CAN socket, and sets it to receive nothing.
 Result<void> make_sender(const Fd& socket);
 
 }  // namespace mlcca::net

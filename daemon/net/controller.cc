@@ -21,7 +21,7 @@
 namespace mlcca::net {
 namespace {
 
-/// Empty where the kernel has no name for it.
+/// Empty if the kernel has no name for it.
 std::string driver_of(std::string_view interface) {
   const Fd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   ethtool_drvinfo info{};
@@ -52,7 +52,7 @@ Result<void> take_queue(Rtnl& kernel, Controller& out) {
   return with_root_queue(kernel, out.ifindex, [&out](rtnl_qdisc* root, rtnl_tc* tc) {
     const char* kind = rtnl_tc_get_kind(tc);
     out.queue = kind == nullptr ? "" : kind;
-    // The bands of prio are made with such a limit each.
+    // Each band of prio has a limit of the same size.
     if (out.queue == "pfifo_fast" || out.queue == "prio") out.queue_limit = out.queue_length;
     if (out.queue != "pfifo") return;
     const int limit = rtnl_qdisc_fifo_get_limit(root);

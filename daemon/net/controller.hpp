@@ -1,6 +1,5 @@
-// SPDX-License-Identifier: BSD-2-Clause
-// Everything the kernel says of one CAN controller, its driver and its queue: more than the daemon
-// needs at each change, and changing by itself.
+// Everything that the kernel reports about one CAN controller, its driver and its queue. This is
+// more than the daemon reads at each change, and some of it changes without notice.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -16,23 +15,24 @@ struct ErrorCounters {
   bool operator==(const ErrorCounters&) const = default;
 };
 
+/// The state of one controller, when it was read.
 struct Controller {
   int ifindex = 0;
-  std::string driver;                   ///< empty: not said
-  bool echoes = false;                  ///< IFF_ECHO: the driver gives back what was sent
-  bool fd = false;                      ///< takes FD frames now
-  std::uint32_t modes = 0;              ///< CAN_CTRLMODE_*
-  std::uint32_t sample_point = 0;       ///< of 1000, 0: unknown
+  std::string driver;              ///< empty: not reported
+  bool echoes = false;             ///< IFF_ECHO: the driver returns the frames that it has sent
+  bool fd = false;                 ///< accepts FD frames at present
+  std::uint32_t modes = 0;         ///< CAN_CTRLMODE_*
+  std::uint32_t sample_point = 0;  ///< in 1/1000; 0: unknown
   std::uint32_t data_sample_point = 0;  ///< the same
   std::uint32_t clock = 0;              ///< Hz, 0: unknown
-  std::uint32_t restart_ms = 0;         ///< 0: a bus-off stays
-  std::optional<ErrorCounters> errors;  ///< nothing: the driver has none
-  std::string queue;                    ///< kind of the discipline at the root; empty: none
-  std::uint32_t queue_limit = 0;        ///< frames of one priority that it holds, 0: unknown
+  std::uint32_t restart_ms = 0;         ///< 0: does not restart after bus-off
+  std::optional<ErrorCounters> errors;  ///< nullopt: the driver reports none
+  std::string queue;                    ///< kind of the root queueing discipline; empty: none
+  std::uint32_t queue_limit = 0;        ///< frames of one priority that fit; 0: unknown
   std::uint32_t queue_length = 0;       ///< txqueuelen
 };
 
-/// Asks the kernel now.
+/// Reads the state from the kernel.
 [[nodiscard]] Result<Controller> read_controller(int ifindex);
 
 }  // namespace mlcca::net

@@ -26,7 +26,7 @@ void collect(const nlmsghdr& message, std::vector<Filter>& list) {
     return;
   if (attributes[TCA_CHAIN] != nullptr && number_in(*attributes[TCA_CHAIN]) != 0) return;
   const auto* tc = static_cast<const tcmsg*>(nlmsg_data(&message));
-  // A classifier of some kinds is listed before its filters, with no handle.
+  // Some kinds of classifier are listed before their filters, without a handle.
   if (tc->tcm_handle == 0) return;
   Filter filter;
   filter.priority = tc->tcm_info >> kPriorityShift;

@@ -95,8 +95,8 @@ Result<bool> Links::refresh() {
   return changed;
 }
 
-/// Who came and what changed is read from the table; who went is taken from here alone, and asked
-/// for where something was lost.
+/// New and changed interfaces are read from the table. Interfaces that have gone are taken only
+/// from these notifications, and asked for if any were lost.
 void Links::receive() {
   constexpr std::size_t most_of_one = std::size_t{256} << 10;
   constexpr int most_in_a_row = 4096;  // what is left keeps the socket readable
@@ -111,7 +111,8 @@ void Links::receive() {
     if (size < 0 && errno == EINTR) continue;
     if (size >= 0 && sender.nl_pid != 0) continue;  // not the kernel
     if (size < 0 || static_cast<std::size_t>(size) > received_.size()) {
-      // An overflow (ENOBUFS), or whatever else: what was lost may have been of traffic control.
+      // An overflow (ENOBUFS) or another loss: the lost notifications may have been about traffic
+      // control.
       tc_changed_ = true;
       if (size < 0 && errno != ENOBUFS) return;
       continue;
@@ -130,13 +131,13 @@ void Links::take_notices(const char* notices, std::size_t size) {
     if (type != RTM_DELLINK) continue;
     if (head->nlmsg_len < NLMSG_LENGTH(sizeof(ifinfomsg))) continue;
     const auto* info = static_cast<const ifinfomsg*>(NLMSG_DATA(head));
-    if (info->ifi_family != AF_UNSPEC) continue;  // it has left a bridge, and is still there
+    if (info->ifi_family != AF_UNSPEC) continue;  // it has left a bridge, and still exists
     gone_.insert(info->ifi_index);
     const auto attribute = [head](int type_of_it) {
       return nlmsg_find_attr(const_cast<nlmsghdr*>(head), sizeof(ifinfomsg), type_of_it);
     };
     auto* name = attribute(IFLA_IFNAME);
-    // By the message alone: the table may have been read when the link was already gone.
+    // Only the message is used, because the table may have been read after the link had gone.
     if (name != nullptr && attribute(IFLA_NEW_NETNSID) != nullptr)
       moved_.push_back({info->ifi_index, text_in(*name)});
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The interfaces as the kernel has them (rtnetlink), and the few things we set on them.
+// The interfaces of the kernel (rtnetlink), and the few settings that we change.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -15,6 +15,7 @@
 
 namespace mlcca::net {
 
+/// One interface.
 struct Link {
   int ifindex = 0;
   std::string name;
@@ -23,7 +24,7 @@ struct Link {
   bool is_can = false;             ///< ARPHRD_CAN
   bool is_ethernet = false;        ///< ARPHRD_ETHER
   bool is_wpan = false;            ///< ARPHRD_IEEE802154
-  bool up = false;                 ///< administratively
+  bool up = false;                 ///< administratively up
   std::string can_state;           ///< "error-active", "error-warning", "error-passive", "bus-off",
                                    ///< "stopped", "sleeping"; empty: the driver has none
   std::uint32_t bitrate = 0;       ///< bit/s, 0: unknown
@@ -32,7 +33,7 @@ struct Link {
   bool operator==(const Link&) const = default;
 };
 
-/// Counters of an interface since it was made.
+/// Counters of an interface since it was created.
 struct Traffic {
   std::uint64_t sent_frames = 0;
   std::uint64_t sent_bytes = 0;
@@ -41,52 +42,54 @@ struct Traffic {
   std::uint64_t send_drops = 0;  ///< frames
 };
 
-/// By ifindex.
+/// The interfaces by index.
 using LinkTable = std::map<int, Link>;
 
-/// What the kernel says when it is asked for one interface by its number.
+/// The kernel's answer to a request for one interface by its index.
 enum class Presence : std::uint8_t {
   there,
-  gone,     ///< no interface of this network namespace has the number
-  unknown,  ///< it has not answered
+  gone,     ///< this network namespace has no interface with this index
+  unknown,  ///< the kernel has not answered
 };
 
+/// A table of all interfaces, which follows the notifications of rtnetlink.
 class Links final : public LinkMonitor {
  public:
-  /// Joins the groups of links and of traffic control first and reads the table then, so that no
+  /// Joins the groups of links and of traffic control first and then reads the table, so that no
   /// change is missed.
   static Result<Links> open();
 
-  /// Readable when something changed.
+  /// Readable if something has changed.
   [[nodiscard]] int fd() const override { return notices_.get(); }
-  /// Takes the notifications off the socket and reads the table again. True if it differs, or an
-  /// interface has gone. After an error the table is what it was.
+  /// Reads the notifications and the table again. True if it differs, or an interface has gone.
+  /// After an error the table is unchanged.
   Result<bool> refresh() override;
-  /// Why the table may not be what is there: refresh() soon. Empty: it could be read.
+  /// Why the table may be out of date, so that refresh() is to be called soon; empty if it could be
+  /// read.
   [[nodiscard]] const std::string& problem() const override { return problem_; }
   [[nodiscard]] const LinkTable& table() const { return table_; }
-  /// Of an interface, or its index where it is unknown.
+  /// The name of an interface; its index in digits if it is unknown.
   [[nodiscard]] std::string name_of(int ifindex) const override {
     const auto known = table_.find(ifindex);
     return known != table_.end() ? known->second.name : std::to_string(ifindex);
   }
-  /// A filter or a queueing discipline came, changed or went since the last call.
+  /// Whether a filter or a queueing discipline has appeared, changed or gone since the last call.
   [[nodiscard]] bool take_tc_changed() override { return std::exchange(tc_changed_, false); }
   struct Moved {
-    int ifindex = 0;  ///< that it had here
+    int ifindex = 0;  ///< that it had in this namespace
     std::string name;
   };
-  /// Links that went to another network namespace since the last call.
+  /// The interfaces that have moved to another network namespace since the last call.
   [[nodiscard]] std::vector<Moved> take_moved() { return std::exchange(moved_, {}); }
-  /// Interfaces that have gone since the last call, as the kernel has reported of each; another one
-  /// may have such a number now.
+  /// The interfaces that have gone since the last call, as the kernel has reported for each.
+  /// Another interface may have such an index now.
   [[nodiscard]] std::set<int> take_gone() { return std::exchange(gone_, {}); }
 
-  /// Asks the kernel now.
+  /// Asks the kernel for one interface.
   [[nodiscard]] Presence presence(int ifindex);
   [[nodiscard]] Result<Traffic> traffic(int ifindex);
 
-  /// Bit rates in bit/s, 0 leaves one alone. The interface must be down.
+  /// Sets bit rates in bit/s; 0 leaves a rate unchanged. The interface must be down.
   Result<void> set_bitrates(int ifindex, std::uint32_t bitrate, std::uint32_t data_bitrate);
   Result<void> set_up(int ifindex, bool up);
 

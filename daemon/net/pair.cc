@@ -17,7 +17,7 @@ namespace {
 
 static_assert(int{VXCAN_INFO_PEER} == int{VETH_INFO_PEER});
 
-/// Of the other end.
+/// The attributes of the other end.
 bool put_end(nl_msg* message, const End& end) {
   ifinfomsg head{};
   head.ifi_index = end.ifindex;
@@ -38,7 +38,8 @@ bool put_pair(nl_msg* message, const char* kind, const End& near, const End& far
   return true;
 }
 
-/// Not while it is made: an end cannot be up before its other end is there.
+/// Brings an end up after the pair was made, because an end cannot be up before its other end
+/// exists.
 std::expected<void, Refusal> bring_up(Rtnl& kernel, const End& end) {
   ifinfomsg head{};
   head.ifi_index = end.ifindex;

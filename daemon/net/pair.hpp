@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A pair of virtual interfaces: what leaves by one arrives at the other.
+// A pair of virtual interfaces: frames that leave by one arrive at the other.
 #pragma once
 #include <string>
 
@@ -12,8 +12,8 @@ struct End {
   int ifindex = 0;
 };
 
-/// In this network namespace, both ends up. `kind`: "vxcan" or "veth". Error: the kernel has no
-/// such devices, or one of the names or indices is taken.
+/// Makes a pair in this network namespace and brings both ends up. `kind` is "vxcan" or "veth". The
+/// error: the kernel has no such devices, or a name or index is in use.
 Result<void> make_pair(const char* kind, const End& near, const End& far);
 
 }  // namespace mlcca::net

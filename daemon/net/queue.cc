@@ -25,7 +25,7 @@ std::unexpected<Error> netlink_error(const std::string& call, int error) {
   return fail(call + ": " + nl_geterror(error));
 }
 
-/// The discipline at the root is ours.
+/// Whether the root discipline is ours.
 Result<bool> is_there(Rtnl& kernel, int ifindex) {
   bool ours = false;
   const auto read = with_root_queue(kernel, ifindex, [&ours](rtnl_qdisc*, rtnl_tc* tc) {

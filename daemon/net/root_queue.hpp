@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The queueing discipline at the root of an interface.
+// The root queueing discipline of an interface.
 #pragma once
 #include <linux/pkt_sched.h>
 #include <linux/rtnetlink.h>
@@ -10,7 +10,7 @@
 
 namespace mlcca::net {
 
-/// Not called where there is none.
+/// Calls `take` with the discipline; does not call it if there is none.
 template <class Take>
 Result<void> with_root_queue(Rtnl& kernel, int ifindex, Take&& take) {
   tcmsg head{};

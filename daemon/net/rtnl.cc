@@ -21,13 +21,13 @@ namespace {
 
 constexpr std::size_t kFirstBuffer = std::size_t{64} << 10;
 constexpr const char* kTooLate = "the kernel has not answered in time";
-constexpr std::size_t kMostBuffer = std::size_t{4} << 20;  // one datagram
+constexpr std::size_t kMostBuffer = std::size_t{4} << 20;  // bytes of one datagram
 
 constexpr int kMostErrno = 4095;
 
 std::string text_of(int error) { return std::strerror(error); }  // NOLINT(concurrency-mt-unsafe)
 
-/// Of a message that ends a question: 0 or an errno; nothing where it has none.
+/// The result in a message that ends an answer: 0 or an errno; nullopt if it has none.
 std::optional<int> verdict_of(const nlmsghdr& message) {
   int error = 0;
   if (message.nlmsg_len < NLMSG_LENGTH(sizeof error)) return std::nullopt;
@@ -72,8 +72,9 @@ void Answers::add(const nlmsghdr& message) {
 
 namespace {
 
-/// libnl reads what such a link is without checking whether the kernel has reported it. Of two
-/// attributes of one type it takes the last one, as here.
+/// Whether a CAN link has no data. libnl would read the data without checking whether the kernel
+/// has reported it. Of two attributes of one type libnl uses the last one, and so does this
+/// function.
 bool is_can_without_data(nlmsghdr* link) {
   std::array<nlattr*, IFLA_MAX + 1> all{};
   std::array<nlattr*, IFLA_INFO_MAX + 1> info{};
@@ -89,8 +90,9 @@ bool has_options(const Message& discipline) {
   return nlmsg_find_attr(nlmsg_hdr(discipline.get()), sizeof(tcmsg), TCA_OPTIONS) != nullptr;
 }
 
-/// Of some disciplines libnl reads the options without checking whether there are any. False: it
-/// would not find those that are added, behind what cannot be read.
+/// Adds empty options to a discipline without options, because libnl reads the options of some
+/// disciplines without checking whether they exist. False if libnl would not find the added ones,
+/// after something that cannot be read.
 bool give_options(const Message& discipline) {
   if (has_options(discipline)) return true;
   const std::size_t size = nlmsg_hdr(discipline.get())->nlmsg_len;
@@ -187,7 +189,7 @@ std::expected<void, Refusal> Rtnl::send(const Message& request, unsigned flags) 
   return {};
 }
 
-/// True: it was the last one.
+/// Takes one message; true if it was the last one.
 std::expected<bool, Refusal> Rtnl::take(const nlmsghdr& message, Read& read) {
   if (message.nlmsg_seq != sequence_) return give_up("an answer to another question");
   read.interrupted = read.interrupted || (message.nlmsg_flags & NLM_F_DUMP_INTR) != 0;
@@ -202,7 +204,7 @@ std::expected<bool, Refusal> Rtnl::take(const nlmsghdr& message, Read& read) {
   const auto said = verdict_of(message);
   if (!said) return give_up("an answer without an end");
   if (*said != 0) return std::unexpected(Refusal{*said, text_of(*said)});
-  // A list ends as a list does, and everything else is acknowledged.
+  // A list ends with NLMSG_DONE; everything else is acknowledged.
   if (read.is_list != (type == NLMSG_DONE)) return give_up("the answer ended too early");
   return true;
 }
@@ -217,7 +219,7 @@ std::expected<std::size_t, Refusal> Rtnl::receive(Time end, unsigned& late) {
     datagram.msg_namelen = sizeof sender;
     datagram.msg_iov = &room;
     datagram.msg_iovlen = 1;
-    // What is there is taken, however late this process comes to it.
+    // Datagrams that are there are read first, however late this process is.
     const ssize_t size = ::recvmsg(socket_.get(), &datagram, MSG_DONTWAIT);
     if (size == 0) return give_up("rtnetlink has hung up");
     if (size < 0) {
@@ -229,14 +231,15 @@ std::expected<std::size_t, Refusal> Rtnl::receive(Time end, unsigned& late) {
       return give_up("an answer is longer than the room for it");
     }
     const bool from_kernel = sender.nl_pid == 0;
-    // What comes without end must not put it off, and what others send not at all.
+    // An unlimited sequence of answers must not extend the limit, and messages of other processes
+    // not at all.
     const bool in_time = std::chrono::steady_clock::now() < end;
     if (!in_time && (!from_kernel || ++late > kMostLate)) return give_up(kTooLate);
     if (from_kernel) return static_cast<std::size_t>(size);
   }
 }
 
-/// Waits until something comes, where nothing was there to be received.
+/// Waits until something comes, after nothing was there.
 std::expected<void, Refusal> Rtnl::wait(int error, Time end) {
   if (error != EAGAIN && error != EINTR) return give_up("receiving from rtnetlink", error);
   const auto left = std::max(

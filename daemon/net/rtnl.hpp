@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Conversations with rtnetlink: the only place where this program asks it for something. An answer
-// is complete or an error, no call waits without end, and a socket on which anything failed is not
-// used again: messages that are still under way there belong to no question.
+// Requests to rtnetlink; no other file of this program makes any. An answer is either complete or
+// an error, and no call waits without limit. A socket on which anything has failed is not used
+// again, because messages that are still in it belong to no request.
 #pragma once
 #include <linux/netlink.h>
 
@@ -28,21 +28,22 @@ struct FreeMessage {
 };
 using Message = std::unique_ptr<nl_msg, FreeMessage>;
 
-/// The fixed part of a request, to which attributes are added. Throws where there is no memory.
+/// A request with its fixed part, to which attributes are added. Throws std::bad_alloc if there is
+/// no memory.
 [[nodiscard]] Message new_message(int type, int flags, const void* head, std::size_t size);
 
-/// What an attribute has, however long it is: the text up to its end, the number or 0.
+/// The value of an attribute of any length: the text up to its end; the number, or 0.
 [[nodiscard]] std::string text_in(const nlattr& attribute);
 [[nodiscard]] std::uint32_t number_in(const nlattr& attribute);
 
 struct Refusal {
-  int said = 0;  ///< errno that the kernel has answered with, 0: it has not answered
+  int said = 0;  ///< the errno of the kernel's answer; 0: it has not answered
   std::string text;
-  /// "reading the interfaces: …"
+  /// The error for an operation: "reading the interfaces: …".
   [[nodiscard]] std::unexpected<Error> when(const std::string& doing) const;
 };
 
-/// Messages one after another, without the end of a dump and the acknowledgement.
+/// The messages of an answer, without the end of a dump and the acknowledgement.
 class Answers {
  public:
   void add(const nlmsghdr& message);
@@ -56,7 +57,7 @@ class Answers {
       at += NLMSG_ALIGN(message.nlmsg_len);
     }
   }
-  /// Those of one type (RTM_NEWLINK, …), which libnl makes one kind of object of.
+  /// Calls `take` with the libnl object of each message of one type (RTM_NEWLINK, …).
   template <class Take>
   void each_object(int type, Take&& take) const {
     each([type, &take](const nlmsghdr& message) {
@@ -75,24 +76,28 @@ class Answers {
   std::vector<char> octets_;
 };
 
+/// A connection to rtnetlink for requests that wait for their answers.
 class Rtnl {
  public:
-  /// A whole conversation, with all that is asked again.
+  /// The limit for a complete request, including repetitions.
   static constexpr std::chrono::milliseconds kLimit{2000};
-  /// Datagrams of an answer that are there when it is over, since this process had no processor.
+  /// The most datagrams of an answer that are still read after the limit, because this process had
+  /// no processor time.
   static constexpr unsigned kMostLate = 64;
-  /// So often is asked what changed while it was read, or got lost on the way.
+  /// Attempts, if a list has changed while it was read, or something was lost.
   static constexpr int kTries = 5;
-  static constexpr std::size_t kMostOctets = std::size_t{64} << 20;  ///< of all answers
+  static constexpr std::size_t kMostOctets = std::size_t{64}
+                                             << 20;  ///< of all messages of an answer
 
-  /// A list as it was at one moment.
+  /// A list that is consistent at one moment.
   std::expected<Answers, Refusal> dump(const Message& request);
-  /// What is asked changes nothing, so that it can be asked again.
+  /// A request that changes nothing, so that it can be repeated.
   std::expected<Answers, Refusal> get(const Message& request);
-  /// Acknowledged; after an error without an answer it may have been done all the same.
+  /// A change, which is acknowledged. After an error without an answer (Refusal::said is 0) it may
+  /// have been made.
   std::expected<void, Refusal> change(const Message& request);
 
-  /// Sockets that were given up, for tests.
+  /// The number of sockets that were given up, for tests.
   [[nodiscard]] unsigned replaced() const { return replaced_; }
 
  private:

@@ -27,7 +27,7 @@ std::optional<genl::Attributes> attributes_of(genl::Octets octets, std::uint8_t 
   return message->attributes;
 }
 
-/// The hard interface of this number; nothing if it went meanwhile.
+/// The hard interface with this index; nullptr if it has gone meanwhile.
 const HardInterface* interface_of(const Seen& seen, std::uint32_t index) {
   const auto it = std::ranges::find(seen.interfaces, index, &HardInterface::index);
   return it == seen.interfaces.end() ? nullptr : &*it;
@@ -37,10 +37,10 @@ std::uint64_t time_before(std::uint64_t now, std::uint32_t millis) {
   return now - std::min(now, millis * kNanosPerMilli);
 }
 
-using Way = std::pair<std::string, std::uint32_t>;  ///< to a neighbour, by an interface
+using Way = std::pair<std::string, std::uint32_t>;  ///< a neighbour, and the interface to it
 
-/// TQ is the share of packets that get through and are answered, both directions together: the loss
-/// of one direction is not greater, 1e-9.
+/// TQ is the share of packets that get through and are answered, for both directions together. So
+/// the loss of one direction is not greater; in 1e-9.
 std::map<Way, Value> losses_of(const Seen& seen) {
   std::map<Way, Value> out;
   for (const Originator& direct : seen.originators)
@@ -70,7 +70,7 @@ std::optional<Neighbour> read_neighbour(genl::Octets message) {
   if (!interface || !last_seen || !mac) return {};
   Neighbour out{
       .mac = std::move(*mac), .interface = *interface, .throughput = {}, .last_seen = *last_seen};
-  // kbit/s here, other than in the gateway list and in the override, where it is 100 kbit/s.
+  // kbit/s here, unlike the gateway list and the override, which use 100 kbit/s.
   if (const auto kbits = attributes->u32(BATADV_ATTR_THROUGHPUT))
     out.throughput = Value{*kbits} * 1000;
   return out;
@@ -105,8 +105,8 @@ core::mesh::Snapshot view(const Seen& seen, std::uint64_t now) {
     const auto loss = losses.find({neighbour.mac, neighbour.interface});
     if (loss != losses.end()) sample.loss = loss->second;
     sample.taken = time_before(now, neighbour.last_seen);
-    // What was heard of it came over the other direction. What that carries only the neighbour
-    // knows.
+    // What was received from the neighbour came over the other direction. Only the neighbour knows
+    // the rate of that.
     core::mesh::Sample back;
     back.from = sample.to;
     back.to = sample.from;
@@ -141,7 +141,7 @@ class BatmanSource : public KernelSource {
                });
   }
 
-  /// A dump of which `read` makes an entry of `into` out of each message.
+  /// Requests a dump. `read` turns each message into an entry of `into`.
   template <class T>
   void ask(Conversation& kernel, std::uint16_t family, std::uint8_t command,
            std::optional<T> (*read)(genl::Octets), std::vector<T>& into,
@@ -158,7 +158,7 @@ class BatmanSource : public KernelSource {
 
   void ask_all(Conversation& kernel, std::uint16_t family) {
     const auto refused = [this](int error) {
-      // Without one, the kernel has no neighbours to list (ENOENT).
+      // Without a hard interface the kernel has no neighbours to list (ENOENT).
       if (error == ENOENT && seen_.interfaces.empty()) {
         report_problem(interface_ + " has no interface below it");
         return;

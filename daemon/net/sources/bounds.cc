@@ -21,7 +21,7 @@ bool is_right(const NextHop& h) {
   return is_address(h.from) && is_address(h.to) && is_address(h.via);
 }
 
-/// 0: between described nodes, 2: between nodes that are not described.
+/// 0: between described nodes, … 2: between nodes that are not described.
 int undescribed_ends(const Sample& s, const Described& described) {
   return int{!described.contains(s.from)} + int{!described.contains(s.to)};
 }
@@ -29,7 +29,7 @@ int undescribed_ends(const NextHop& h, const Described& described) {
   return int{!described.contains(h.from)} + int{!described.contains(h.to)};
 }
 
-/// False: some were left out.
+/// False if facts were removed.
 template <class Fact>
 bool keep_within_bounds(std::vector<Fact>& facts, const Described& described) {
   if (facts.size() <= kMaxFacts) return true;
@@ -39,7 +39,7 @@ bool keep_within_bounds(std::vector<Fact>& facts, const Described& described) {
   return false;
 }
 
-/// False: a number was out of its range.
+/// Corrects numbers out of range; false if there were any.
 bool correct(Sample& s, std::uint64_t now) {
   bool right = true;
   const auto limit = [&right](auto& field, auto most, auto otherwise) {

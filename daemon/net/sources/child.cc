@@ -19,13 +19,14 @@
 namespace mlcca::net {
 namespace {
 
-/// Killed, not collected yet.
+/// The children that were killed, and not waited for yet.
 std::vector<pid_t>& ended() {
   static std::vector<pid_t> all;
   return all;
 }
 
-/// What a process that we start is to find as it would find it from a shell.
+/// The environment of a child: it finds signals and descriptors as it would when started from a
+/// shell.
 class StartAs {
  public:
   explicit StartAs(int input) {
@@ -46,7 +47,7 @@ class StartAs {
     posix_spawn_file_actions_destroy(&files_);
     posix_spawnattr_destroy(&attributes_);
   }
-  /// errno
+  /// 0 or an errno.
   int start(const std::string& program, pid_t& pid) const {
     std::string name = program;
     std::array<char*, 2> arguments{name.data(), nullptr};

@@ -11,7 +11,7 @@
 
 namespace mlcca::net {
 
-/// A process of ours; it is killed with its owner and collected later, without waiting.
+/// A child process. It is killed with its owner, and waited for later without blocking.
 class Child {
  public:
   Child() = default;
@@ -26,9 +26,9 @@ class Child {
   Child& operator=(const Child&) = delete;
   ~Child() { end(); }
 
-  /// 0: none of ours.
+  /// 0: not a child of ours.
   [[nodiscard]] pid_t pid() const { return pid_; }
-  /// Collects those that have ended.
+  /// Waits for those children that have ended.
   static void collect();
 
  private:
@@ -37,16 +37,17 @@ class Child {
   pid_t pid_ = 0;
 };
 
+/// A connection to mlcca-sources.
 struct Peer {
-  Fd socket;    ///< SOCK_SEQPACKET, does not block
-  Child child;  ///< none where systemd started it
+  Fd socket;    ///< SOCK_SEQPACKET, non-blocking
+  Child child;  ///< empty if systemd started it
 };
 
-/// Connects to a socket of that unit, at which systemd listens.
+/// Connects to the socket of a systemd unit.
 [[nodiscard]] Result<Peer> connect_to_helper(const std::string& path, const std::string& unit);
 /// Starts the program with the other end of a socket as its standard input.
 [[nodiscard]] Result<Peer> start_helper(const std::string& program);
-/// Where mlcca-sources is, if it is named so.
+/// The path of mlcca-sources, if a program of that name is found.
 [[nodiscard]] std::string find_helper();
 
 }  // namespace mlcca::net

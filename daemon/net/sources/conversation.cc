@@ -23,7 +23,8 @@ genl::Octets octets_of(nl_msg* message) {
                 header->nlmsg_len));
 }
 
-/// How often libnl may still read in this turn: by itself it reads a dump to its end in one call.
+/// The reads that libnl may still make in this turn. By itself it would read a dump to its end in
+/// one call.
 thread_local int reads_left = 0;
 
 int read_within_turn(nl_sock* socket, sockaddr_nl* from, unsigned char** octets, ucred** who) {
@@ -32,7 +33,7 @@ int read_within_turn(nl_sock* socket, sockaddr_nl* from, unsigned char** octets,
   return nl_recv(socket, from, octets, who);
 }
 
-/// The errno that the end of a dump carries; 0: none.
+/// The errno at the end of a dump; 0 if there is none.
 int error_of_end(nl_msg* message) {
   const nlmsghdr* const header = nlmsg_hdr(message);
   int code = 0;
@@ -59,7 +60,8 @@ Result<std::unique_ptr<Conversation>> Conversation::open(sd_event* loop, int pro
   if (e >= 0) e = nl_socket_set_nonblocking(socket);
   if (e < 0) return fail(std::string("netlink socket: ") + nl_geterror(e));
 
-  // The callbacks only take notes: the conversation may not be destroyed below nl_recvmsgs().
+  // The callbacks only take notes, because the conversation may not be destroyed within
+  // nl_recvmsgs().
   Conversation* const self = made.get();
   nl_cb* const callbacks = nl_socket_get_cb(socket);
   nl_cb_overwrite_recv(callbacks, read_within_turn);
@@ -146,7 +148,7 @@ void Conversation::send_first() {
   nl_msg* const request = asked_.front().request.get();
   errno = 0;
   if (request != nullptr && nl_send_auto(socket_.get(), request) >= 0) return;
-  // Reported from the loop like every other end.
+  // Reported from the loop, like every other end.
   error_ = request == nullptr ? ENOMEM : (errno != 0 ? errno : EIO);
   sd_event_source_set_enabled(send_failed_.get(), SD_EVENT_ONESHOT);
 }
@@ -158,7 +160,7 @@ int Conversation::note_end(int error) {
 }
 
 void Conversation::receive() {
-  // Also when nothing is asked: what is not taken off the socket keeps it readable, and so does the
+  // Reads even if nothing is requested: what is not read keeps the socket readable, for example the
   // rest of an answer that is too long for one turn.
   if (asked_.empty()) {
     ended_ = false;
@@ -179,7 +181,7 @@ void Conversation::finish(int error) {
   const Asked done = std::move(asked_.front());
   asked_.pop_front();
   if (!asked_.empty()) send_first();
-  done.end(error);  // last: it may destroy this object
+  done.end(error);  // last, because it may destroy this object
 }
 
 void Conversation::find_family(const std::string& name, OnFamily found) {

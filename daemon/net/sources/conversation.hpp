@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Questions to the kernel by netlink that are answered on the event loop: nothing here ever waits.
+// Netlink requests that are answered on the event loop, without ever waiting.
 #pragma once
 #include <systemd/sd-event.h>
 
@@ -18,7 +18,7 @@ struct nl_sock;
 
 namespace mlcca::net {
 
-/// One socket, over which requests go one after the other.
+/// One socket, on which one request follows another.
 class Conversation {
  public:
   /// A request under construction (libnl).
@@ -27,12 +27,12 @@ class Conversation {
   };
   using Request = std::unique_ptr<nl_msg, FreeRequest>;
   using OnMessage = std::function<void(genl::Octets)>;
-  /// 0, or the errno that the request ended with. EINTR: what was listed changed meanwhile, and
-  /// some of it may be missing.
+  /// Gets 0, or the errno with which the request ended. EINTR: what was listed changed meanwhile,
+  /// so parts may be missing.
   using OnEnd = std::function<void(int error)>;
   using OnFamily = std::function<void(Result<std::uint16_t>)>;
 
-  /// Of one answer. A longer one ends with EMSGSIZE.
+  /// The most messages of one answer. A longer one ends with EMSGSIZE.
   static constexpr std::size_t kMaxMessages = 16384;
 
   /// `protocol`: NETLINK_GENERIC or NETLINK_ROUTE.
@@ -43,16 +43,15 @@ class Conversation {
   Conversation& operator=(Conversation&&) = delete;
   ~Conversation();
 
-  /// An rtnetlink request of this type without anything behind its header. `flags`: 0 or
-  /// NLM_F_DUMP.
+  /// An rtnetlink request of this type with nothing after its header. `flags`: 0 or NLM_F_DUMP.
   [[nodiscard]] static Request route_request(std::uint16_t type, int flags);
-  /// A request to the generic netlink family of this number.
+  /// A request to the generic netlink family with this number.
   [[nodiscard]] static Request generic_request(std::uint16_t family, std::uint8_t command,
                                                int flags);
 
-  /// Sends it when those before it are answered. `each` gets every message of the answer, `end` its
-  /// end; both come from the loop. `end` may destroy the conversation: what was asked later is then
-  /// never answered.
+  /// Sends the request when earlier ones have been answered. `each` gets every message of the
+  /// answer, `end` its end; both are called from the loop. `end` may destroy the conversation;
+  /// later requests are then never answered.
   void ask(Request request, OnMessage each, OnEnd end);
   /// Looks up the number of a generic netlink family.
   void find_family(const std::string& name, OnFamily found);
@@ -76,8 +75,8 @@ class Conversation {
   EventSource readable_;
   EventSource send_failed_;
   std::deque<Asked> asked_;
-  int error_ = 0;             ///< of the first in asked_
-  std::size_t messages_ = 0;  ///< of its answer
+  int error_ = 0;             ///< of the first request in asked_
+  std::size_t messages_ = 0;  ///< number of messages of its answer
   bool interrupted_ = false;  ///< its list changed while it was made
   bool ended_ = false;        ///< its last message has come
 };

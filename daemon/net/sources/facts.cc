@@ -21,7 +21,7 @@ using core::mesh::Snapshot;
 enum class Kind : std::uint8_t { none = 0, nodes = 1, watch = 2, links = 3, hops = 4, end = 5 };
 
 constexpr std::size_t kMaxText = 1024;                     // of any text: paths are longest
-constexpr std::size_t kRoom = kMaxMessage - 4 * kMaxText;  // a fact more still fits
+constexpr std::size_t kRoom = kMaxMessage - 4 * kMaxText;  // room for one more fact
 
 class Writer : public OctetWriter {
  public:
@@ -42,7 +42,7 @@ class Reader : public OctetReader {
   }
 };
 
-/// Messages of one kind, each with as many facts as fit.
+/// Packs facts into messages of one kind, each with as many facts as fit.
 template <class Fact, class Write>
 void pack(Kind kind, const std::vector<Fact>& all, Write write, std::vector<Message>& into) {
   for (std::size_t next = 0; next < all.size();) {
@@ -98,7 +98,7 @@ NextHop read_hop(Reader& from) {
   return hop;
 }
 
-/// False: more facts than there may be.
+/// False if there are more facts than allowed.
 template <class Fact>
 bool unpack(Reader& from, std::vector<Fact>& into, Fact (*read)(Reader&), std::size_t most) {
   const auto count = from.number(2);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The conversation of mlccad with mlcca-sources over a SOCK_SEQPACKET socket, one process for each
-// source that untrusted peers write: mlccad sends what to watch, the process sends facts. No I/O
-// here.
+// The conversation of mlccad with mlcca-sources over a SOCK_SEQPACKET socket. There is one process
+// for each source that untrusted peers write. mlccad sends what to watch, and the process sends
+// facts. No I/O here.
 //
-// A message is an octet for its kind and its content; integers are little endian, a text is its
-// length in two octets and its bytes, what may be missing is an octet 0 or 1 before it.
+// A message is one octet for its kind, and its content. Integers are little-endian. A text is its
+// length in two octets, and its bytes. An octet 0 or 1 precedes what may be missing.
 //   to mlcca-sources  nodes   count 2, {name, address}     as many messages as it takes, then
 //                     watch   source kind 1, metric 1, interface, endpoint
 //   to mlccad         links   count 2, {from, to, rate 8, kind 1, loss?8, channel?4, busy?4,
@@ -31,31 +31,31 @@ inline constexpr std::size_t kMaxNodes = 4096;
 using Message = std::string;
 using Octets = std::span<const char>;
 
-/// What to watch, in order.
+/// The messages that say what to watch, in order.
 [[nodiscard]] std::vector<Message> question(const core::mesh::Source& source,
                                             const core::mesh::Mesh& mesh);
-/// All that one snapshot says, in order.
+/// The messages of one snapshot, in order.
 [[nodiscard]] std::vector<Message> answer(const core::mesh::Snapshot& snapshot);
 
 struct Question {
   core::mesh::Source source;
-  core::mesh::Mesh mesh;  ///< its nodes only
+  core::mesh::Mesh mesh;  ///< only its nodes
 };
 
-/// Puts a question together.
+/// Assembles a question from its messages.
 class QuestionReader {
  public:
-  /// Nothing: more is to come. An error: it is no message of mlccad's.
+  /// nullopt: more messages are to come. The error: it is not a message of mlccad.
   Result<std::optional<Question>> take(Octets message);
 
  private:
   Question question_;
 };
 
-/// Puts answers together, no larger than bounds.hpp says.
+/// Assembles snapshots from messages, within the limits of bounds.hpp.
 class AnswerReader {
  public:
-  /// Nothing: more is to come. An error: who sends such a message is not to be believed.
+  /// nullopt: more messages are to come. The error: the sender is not trustworthy.
   Result<std::optional<core::mesh::Snapshot>> take(Octets message);
 
  private:

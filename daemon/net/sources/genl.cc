@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kAddressOctets = 6;
 
-/// What is behind the header, if the message is as long as it says.
+/// The content after the header; nullopt if the message is shorter than its stated length.
 std::optional<Octets> payload_of(Octets octets, nlmsghdr& header) {
   if (octets.size() < sizeof header) return {};
   std::memcpy(&header, octets.data(), sizeof header);

@@ -20,8 +20,8 @@ namespace {
 
 constexpr std::uint64_t kInterval = kPollInterval * 1000;  // ns between polls
 constexpr std::uint64_t kSoon = 100'000'000;               // ns
-constexpr int kNotices = 256;                              // in a turn
-constexpr std::uint64_t kAfterNotice = 50'000'000;         // ns between polls that notices ask for
+constexpr int kNotices = 256;                              // in one turn
+constexpr std::uint64_t kAfterNotice = 50'000'000;  // ns between polls that are caused by notices
 
 }  // namespace
 
@@ -54,7 +54,7 @@ Result<void> KernelSource::join_notices() {
 }
 
 void KernelSource::take_notices() {
-  // The next poll reads what has changed, so that the content of a notice is not used; an overflow
+  // The next poll reads what has changed, so the content of a notice is not used. An overflow
   // (ENOBUFS) counts as a notice.
   std::array<char, 1024> sink{};
   const int fd = nl_socket_get_fd(notices_.get());

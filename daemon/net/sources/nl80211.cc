@@ -82,7 +82,7 @@ class Nl80211Source : public KernelSource {
           if (auto read = nl80211::read_survey(octets)) seen_.surveys.push_back(*read);
         },
         [this](int error) {
-          // Not every driver counts how busy its channel is.
+          // Some drivers do not count how busy their channel is.
           if (error != 0 && error != EOPNOTSUPP) {
             report_refusal("survey of " + interface_, error);
             return;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Stations, mesh paths and survey of a radio of this machine, from nl80211.
+// Stations, mesh paths and survey of a radio of this machine, read from nl80211.
 #pragma once
 #include <memory>
 
@@ -7,8 +7,8 @@
 
 namespace mlcca::net {
 
-/// Polls each second the interface `source.interface`, which may come later. Mesh paths need
-/// CAP_NET_ADMIN.
+/// Polls the interface `source.interface` each second. The interface may appear later. Mesh paths
+/// need CAP_NET_ADMIN.
 [[nodiscard]] Result<std::unique_ptr<LinkSource>> open_nl80211(const core::mesh::Source& source,
                                                                sd_event* loop,
                                                                LinkSource::Report report);

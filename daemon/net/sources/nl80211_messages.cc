@@ -8,14 +8,15 @@
 namespace mlcca::net::nl80211 {
 namespace {
 
-// The family's number differs from boot to boot; who asked knows that it is nl80211's.
+// The number of the family differs from boot to boot. The caller knows that the message is from
+// nl80211.
 std::optional<genl::Attributes> attributes_of(genl::Octets octets, std::uint8_t command) {
   auto message = genl::read_message(octets);
   if (!message || message->command != command) return {};
   return message->attributes;
 }
 
-/// The 16-bit rate cannot state more than 6.5 Gbit/s, so the 32-bit one is preferred.
+/// The 16-bit rate cannot express more than 6.5 Gbit/s, so the 32-bit one is preferred.
 std::optional<Value> read_bitrate(const genl::Attributes& rate) {
   std::optional<std::uint32_t> hundred_kbits = rate.u32(NL80211_RATE_INFO_BITRATE32);
   if (!hundred_kbits) hundred_kbits = rate.u16(NL80211_RATE_INFO_BITRATE);

@@ -16,7 +16,7 @@ using core::mesh::RateKind;
 using core::mesh::Sample;
 
 constexpr std::size_t kLossPolls = 10;
-constexpr std::uint64_t kLossPackets = 20;  // fewer say nothing about a share
+constexpr std::uint64_t kLossPackets = 20;  // fewer packets do not give a meaningful share
 constexpr std::uint64_t kLossScale = 1'000'000'000;
 constexpr unsigned kDoubts = 3;
 constexpr std::size_t kBusyPolls = 2;
@@ -30,7 +30,7 @@ bool is_peer(const Station& station, bool mesh) {
   return !mesh || station.plink_state == std::optional<std::uint8_t>(NL80211_PLINK_ESTAB);
 }
 
-/// The metric of a path is that of a link only if the path is the link.
+/// The metric of a path is that of a link only if the path consists of that link.
 std::map<std::string_view, std::uint32_t> metrics_of_links(const Seen& seen) {
   std::map<std::string_view, std::uint32_t> out;
   for (const MeshPath& path : seen.paths)
@@ -77,9 +77,9 @@ View::Rate View::judge(const Station& station, Memory& memory) {
     memory.slower = false;
     return expected;
   }
-  // More cannot get through than is sent. Where rates are pinned by hand, the rate control goes on
-  // expecting what it learned before. But a slow frame may just have tried a rate out: several in a
-  // row, each sent after the one before, are believed.
+  // No more can get through than is sent. If rates are fixed manually, the rate control still
+  // expects what it learned before. But a single slow frame may only have tested a rate, so several
+  // in a row are required, each sent after the one before.
   const std::uint32_t packets = station.tx_packets.value_or(0);
   if (!memory.slower && memory.doubted != packets) {
     memory.doubted = packets;
@@ -97,7 +97,7 @@ std::optional<std::uint32_t> View::busy_of(const Seen& seen) {
   }
   if (!busy_ || surveyed_ != used->frequency) busy_.emplace(kBusyPolls);
   surveyed_ = used->frequency;
-  // What this radio sends is reserved: it must not count again as taken by others.
+  // What this radio sends is reserved, so it must not count as busy time of others.
   busy_->add(*used->time, *used->busy - std::min(*used->busy, used->sent.value_or(0)));
   const auto share = busy_->share(kBusyTime, core::mesh::kWhole);
   if (!share) return {};
@@ -118,8 +118,8 @@ core::mesh::Snapshot View::update(const Seen& seen, std::uint64_t now) {
       if (const auto path = metrics.find(station.mac); path != metrics.end())
         rate = {.rate = rate_of_metric(path->second).value_or(0), .kind = RateKind::derived};
     }
-    // A peer that stops sending stays a station for long: its age is the time since it was received
-    // last.
+    // A peer that stops sending remains a station for a long time. The age of the sample is the
+    // time since something was received from it.
     const std::uint64_t inactive = station.inactive.value_or(0) * kNanosPerMilli;
     Sample there;
     there.from = own;

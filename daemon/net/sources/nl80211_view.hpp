@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// From what a radio reports, poll by poll, to samples of links. No socket, no clock.
+// Turns the reports of a radio, poll by poll, into samples of links. No socket, no clock.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -14,16 +14,17 @@
 
 namespace mlcca::net::nl80211 {
 
-/// Two counters that only grow, of which one counts a part of what the other counts.
+/// Two increasing counters, one of which counts a part of the other.
 class GrowingPart {
  public:
   /// Compares the latest poll with the one `polls` before it.
   explicit GrowingPart(std::size_t polls) : polls_(polls) {}
 
-  /// A counter that is smaller than before was restarted, and so is this.
+  /// Adds the counters of a poll. If one is smaller than before it was restarted, and the
+  /// comparison restarts too.
   void add(std::uint64_t whole, std::uint64_t part);
-  /// By how much of `whole` the part grew, in 1/`scale`, rounded up, at most `scale`. Nothing if
-  /// the whole grew by less than `least` (1 or more).
+  /// The growth of the part relative to that of the whole, in 1/`scale`, rounded up, at most
+  /// `scale`. nullopt if the whole grew by less than `least` (1 or more).
   [[nodiscard]] std::optional<std::uint64_t> share(std::uint64_t least, std::uint64_t scale) const;
 
  private:
@@ -35,7 +36,7 @@ class GrowingPart {
   std::deque<Counters> seen_;
 };
 
-/// One poll of an interface.
+/// The reports of one poll of an interface.
 struct Seen {
   Interface interface;
   std::vector<Station> stations;
@@ -43,18 +44,19 @@ struct Seen {
   std::vector<Survey> surveys;
 };
 
-/// bit/s of a link with this 802.11s airtime metric, which is 1 + 8192 / (rate in Mbit/s) in Linux
-/// (mac80211, airtime_link_metric_get()). Nothing for 0, 1 and the largest value, "no link".
+/// The rate in bit/s of a link with this 802.11s airtime metric, which is 1 + 8192 / (rate in
+/// Mbit/s) in Linux (mac80211, airtime_link_metric_get()). nullopt for 0, 1, and the largest value,
+/// which means "no link".
 [[nodiscard]] std::optional<Value> rate_of_metric(std::uint32_t metric);
 
-/// Remembers what counters and doubts need from poll to poll.
+/// Keeps what counters and doubtful rates require from poll to poll.
 class View {
  public:
-  /// `now`: CLOCK_MONOTONIC ns of the poll.
+  /// The snapshot after one poll. `now`: CLOCK_MONOTONIC ns of the poll.
   core::mesh::Snapshot update(const Seen& seen, std::uint64_t now);
 
-  /// The latest poll saw a station send slower than what is expected to get through. Whether that
-  /// will last is known after a further poll, which comes soon.
+  /// Whether a station in the latest poll sent more slowly than the throughput that is expected to
+  /// get through. A further poll shortly afterwards shows whether this lasts.
   [[nodiscard]] bool doubtful() const { return doubtful_; }
 
  private:
@@ -62,7 +64,7 @@ class View {
     GrowingPart given_up;
     std::optional<std::uint32_t> doubted;  ///< packets sent at the latest doubtful poll
     unsigned doubts = 0;                   ///< doubtful polls in a row
-    bool slower = false;                   ///< it sends slower than what is expected to get through
+    bool slower = false;                   ///< it sends more slowly than the expected throughput
   };
   struct Rate {
     Value rate = 0;

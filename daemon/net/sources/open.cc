@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which adapter a described source gets. What only the kernel says is read here; what untrusted
-// peers write is read by a process of its own.
+// Chooses the adapter of a described source. What only the kernel reports is read in this process;
+// what untrusted peers write is read by a separate one.
 #include <utility>
 
 #include "daemon/net/sources/batman.hpp"

@@ -19,12 +19,13 @@
 namespace mlcca::net {
 namespace {
 
-constexpr int kTurn = 16;                            // messages that are taken before others
+constexpr int kTurn = 16;                            // messages that are handled in one turn
 constexpr std::uint64_t kLongestPause = 32'000'000;  // µs
-constexpr std::uint64_t kStable = 60'000'000'000;    // ns after which a failure is the first
-constexpr std::uint64_t kRest = kLeastPause / 2;     // µs at least between two snapshots
-// After a snapshot the sources of a mesh rest for so many times as long as it took to read and
-// report it, but not longer than kLongestRest: all of them together take a tenth of the time.
+constexpr std::uint64_t kStable =
+    60'000'000'000;  // ns after which a failure counts as the first one
+constexpr std::uint64_t kRest = kLeastPause / 2;  // µs at least between two snapshots
+// After a snapshot the sources of a mesh rest for this many times as long as it took to read and
+// report it, but at most kLongestRest. So all of them together take a tenth of the time.
 constexpr std::uint64_t kRestPerWork = 10;
 constexpr std::uint64_t kLongestRest = 1'000'000;  // µs
 
@@ -107,13 +108,13 @@ class Remote final : public LinkSource {
     listen();
   }
 
-  /// What is still to be sent has been sent, or a rest is over.
+  /// Sets which events of the socket are awaited, when everything was sent or a rest has ended.
   void listen() {
     if (io_)
       sd_event_source_set_io_events(io_.get(), to_send_.empty() ? EPOLLIN : EPOLLIN | EPOLLOUT);
   }
 
-  /// True: a snapshot was whole, and was reported.
+  /// Reads messages; true if a snapshot was completed and reported.
   bool receive() {
     for (int i = 0; i < kTurn && io_; ++i) {
       const auto size = ::recv(peer_.socket.get(), buffer_.data(), buffer_.size(), MSG_TRUNC);
@@ -127,14 +128,14 @@ class Remote final : public LinkSource {
     return false;
   }
 
-  /// Whatever it does, there are no more snapshots than the loop has time for.
+  /// Rests, so that the process cannot cause more snapshots than the loop has time for.
   void rest() {
     sd_event_source_set_io_events(io_.get(), 0);
     const std::uint64_t work = std::exchange(worked_, 0) / 1000;
     rest_.set(std::clamp(work * kRestPerWork * sources_, kRest, kLongestRest));
   }
 
-  /// True: with this message a snapshot was whole, and was reported.
+  /// Takes one message; true if it has completed a snapshot, which was reported.
   bool take(std::size_t size) {
     auto read = size > buffer_.size() ? fail("it sent a message that is too long")
                                       : reader_.take({buffer_.data(), size});
@@ -170,14 +171,14 @@ class Remote final : public LinkSource {
   Report report_;
   std::size_t sources_;  ///< of the mesh
   Helper helper_;
-  std::uint64_t pause_;  ///< µs before the next one
+  std::uint64_t pause_;  ///< µs before the next process
   Peer peer_;
   std::deque<facts::Message> to_send_;
   facts::AnswerReader reader_;
   std::array<char, facts::kMaxMessage> buffer_{};
   std::uint64_t begun_ = 0;     ///< ns
-  std::uint64_t worked_ = 0;    ///< ns, since the latest rest
-  std::uint64_t received_ = 0;  ///< ns: the latest snapshot
+  std::uint64_t worked_ = 0;    ///< ns of work since the latest rest
+  std::uint64_t received_ = 0;  ///< ns: time of the latest snapshot
   EventSource io_;
   Timer timer_;
   Timer rest_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// One interface for everything that knows the state of links.
+// The common interface of everything that knows the state of links.
 #pragma once
 #include <systemd/sd-event.h>
 
@@ -12,9 +12,10 @@
 
 namespace mlcca::net {
 
-/// Watches one source on the daemon's event loop until it is destroyed. It reports what it knows
-/// after each poll, also when nothing changed (the samples are younger then), and reports a problem
-/// (lost connection, missing interface) as a snapshot without links; it tries again by itself.
+/// Watches one source on the daemon's event loop until it is destroyed. Reports what it knows after
+/// each poll, also if nothing has changed, because the samples are younger then. A problem (lost
+/// connection, missing interface) is reported as a snapshot without links; the source tries again
+/// by itself.
 class LinkSource {
  public:
   using Report = std::function<void(core::mesh::Snapshot)>;
@@ -27,8 +28,8 @@ class LinkSource {
   virtual ~LinkSource() = default;
 };
 
-/// `to` is called from the loop only, never from here. An error says what is wrong with the
-/// configuration; what may come and go is reported as a problem instead.
+/// Opens the described source. `to` is called only from the loop, never during this call. The error
+/// concerns the configuration; a temporary fault is reported as a problem instead.
 [[nodiscard]] Result<std::unique_ptr<LinkSource>> open_source(const core::mesh::Source& source,
                                                               const core::mesh::Mesh& mesh,
                                                               sd_event* loop,

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What every source does with the event loop: keeps handles, asks the time, polls again after a
-// while.
+// Helpers of sources for the event loop: handles, time, and polling at intervals.
 #pragma once
 #include <systemd/sd-event.h>
 
@@ -14,22 +13,22 @@
 
 namespace mlcca::net {
 
-/// Of an event source: it is over with its owner, even in the middle of its own handler.
+/// An event source that ends with its owner, even within its own handler.
 using EventSource = std::unique_ptr<sd_event_source, FreeWith<sd_event_source_disable_unref>>;
 
 inline constexpr std::uint64_t kPollInterval = 1'000'000;  ///< µs after which sources poll again
 inline constexpr std::uint64_t kLeastPause = 100'000;      ///< µs between two snapshots of a source
 
-/// ns, CLOCK_MONOTONIC, when this turn of the loop began.
+/// CLOCK_MONOTONIC, ns, at which this turn of the loop began.
 [[nodiscard]] std::uint64_t time_of(sd_event* loop);
 
-/// Gives every link of the snapshot the same age.
+/// Gives every link of the snapshot the same time.
 void stamp(core::mesh::Snapshot& snapshot, std::uint64_t taken);
 
-/// "WHAT: words of the error".
+/// The text "WHAT: words of the error".
 [[nodiscard]] std::string error_words(const std::string& what, int error);
 
-/// Calls a function from the loop, once for each time that it is set.
+/// Calls a function from the loop, once for each call of set().
 class Timer {
  public:
   Timer() = default;
@@ -39,9 +38,9 @@ class Timer {
   Timer& operator=(Timer&&) = delete;
   ~Timer() = default;
 
-  /// Fires at the first turn.
+  /// Starts the timer. It first fires in the next turn.
   [[nodiscard]] Result<void> start(sd_event* loop, std::function<void()> call);
-  /// `micros` from now; replaces an earlier setting.
+  /// Fires `micros` µs from now. Replaces an earlier setting.
   void set(std::uint64_t micros);
 
  private:
@@ -51,8 +50,8 @@ class Timer {
   std::function<void()> call_;
 };
 
-/// Calls a function when asked to, but not more often than every kLeastPause: who asks earlier is
-/// served then, once.
+/// Calls a function when asked to, but not more often than every kLeastPause. Earlier requests are
+/// served together when that time has passed.
 class Pace {
  public:
   [[nodiscard]] Result<void> start(sd_event* loop, std::function<void()> call);

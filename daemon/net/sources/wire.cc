@@ -31,7 +31,8 @@ std::optional<Interface> read_interface(genl::Octets message) {
   auto mac = attributes->mac(IFLA_ADDRESS);
   if (!mac) return {};
   ifinfomsg fixed{};
-  std::memcpy(&fixed, message.data() + NLMSG_HDRLEN, sizeof fixed);  // read_route_message saw it
+  std::memcpy(&fixed, message.data() + NLMSG_HDRLEN,
+              sizeof fixed);  // read_route_message has checked the size
   return Interface{.mac = std::move(*mac),
                    .index = static_cast<std::uint32_t>(fixed.ifi_index),
                    .running = (fixed.ifi_flags & IFF_RUNNING) != 0};
@@ -44,7 +45,7 @@ std::optional<LinkModes> read_link_modes(genl::Octets message) {
   const auto speed = read->attributes.u32(ETHTOOL_A_LINKMODES_SPEED);
   if (speed && *speed != 0 && *speed != static_cast<std::uint32_t>(SPEED_UNKNOWN))
     out.speed = *speed * kMegabit;
-  // An unknown duplex is taken for the one that carries less.
+  // An unknown duplex counts as half duplex, which carries less.
   out.half_duplex =
       read->attributes.u8(ETHTOOL_A_LINKMODES_DUPLEX) != std::optional<std::uint8_t>(DUPLEX_FULL);
   return out;
@@ -123,7 +124,7 @@ class WireSource : public KernelSource {
           if (auto modes = wire::read_link_modes(octets)) modes_ = *modes;
         },
         [this](int error) {
-          // A driver without link modes: the wire is there, how fast it is stays unknown.
+          // A driver without link modes: the wire exists, and its speed is unknown.
           if (error != 0 && error != EOPNOTSUPP) {
             report_refusal("speed of " + interface_, error);
             return;
