@@ -6,7 +6,7 @@
 
 namespace mlcca {
 
-/// Gives an interface that is described as managed the bit rates of its port, and brings it up.
+/// Sets the bit rates of a port on an interface that is described as managed, and brings it up.
 Result<void> bring_up(const net::Link& link, const core::Port& port, net::Links& links);
 
 }  // namespace mlcca

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What came and left by the slots of a delivery.
+// Sums up what the slots of a delivery have counted.
 #pragma once
 #include <functional>
 #include <optional>
@@ -12,15 +12,15 @@
 
 namespace mlcca {
 
-/// What the slot of a rule has counted; nothing where there is none.
+/// The counters of the slot of a rule; nullopt if there is none.
 using CountersOf = std::function<std::optional<enforce::SlotCounters>(const core::GateRule& rule)>;
 
-/// A frame that leaves has passed once: it is counted where it leaves, or, where that entry is one
-/// of those `shared` with others (sorted), where it came in.
+/// Sums up the counters of `rules`. A frame that leaves is counted once: where it leaves; or, if
+/// that entry is among those `shared` with other deliveries (sorted), where it came in.
 [[nodiscard]] Frames delivery_frames(const core::GateState& rules,
                                      const std::vector<core::GateEntry>& shared,
                                      const CountersOf& counters_of);
-/// By the gates of these ports.
+/// The same with the counters of the gates of these ports.
 [[nodiscard]] Frames delivery_frames(const core::GateState& rules,
                                      const std::vector<core::GateEntry>& shared,
                                      const GatedPorts& ports);

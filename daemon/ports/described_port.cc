@@ -117,7 +117,7 @@ void DescribedPort::judge(const net::Link& link) {
                            link.name, network_);
 }
 
-/// Error-active is as it should be; bus-off is reported with what it withdraws.
+/// Error-active is the normal state. Bus-off is reported with the withdrawals that it causes.
 void DescribedPort::report_can_state(const net::Link& link, const ReportLine& report) {
   const bool warns = link.can_state == "error-warning" || link.can_state == "error-passive";
   const std::string now = warns ? link.can_state : "";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A port of the description: which interface it is now, and whether it can be used.
+// A port of the description: which interface it is at present, and whether it can be used.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -16,10 +16,13 @@
 
 namespace mlcca {
 
+/// Finds the interface by the identity of the port, keeps its queue, and judges whether the port
+/// can be used.
 class DescribedPort {
  public:
   DescribedPort(const core::System& system, const core::Port& port);
-  /// It was described before, as another of these: it still is the interface that it was.
+  /// Whether `former` is the same port in an earlier description, so that its interface can be
+  /// taken over.
   [[nodiscard]] bool is_same(const DescribedPort& former) const;
   void take_over(const DescribedPort& former);
 
@@ -29,42 +32,43 @@ class DescribedPort {
   [[nodiscard]] bool is_can() const { return kind_ == core::NetworkKind::can; }
   [[nodiscard]] core::Profile profile() const { return profile_; }
   [[nodiscard]] bool needs_gate() const { return profile_ != core::Profile::none; }
-  /// There is a gate that it needs for interfaces of this kind.
+  /// Whether a kind of gate exists that the port needs for this interface.
   [[nodiscard]] bool can_have_gate(const net::Link& link) const;
 
-  /// 0: the interface is not there.
+  /// 0 if the interface is not there.
   [[nodiscard]] int ifindex() const { return ifindex_; }
-  /// As it is listed; none: it is not.
+  /// The entry of the interface in `links`; nullptr if it is not listed.
   [[nodiscard]] const net::Link* link(const net::LinkTable& links) const;
-  /// "eth0 has no Ethernet frames, …": why there is none for this interface.
+  /// Why there is no gate for this interface, for example "eth0 has no Ethernet frames, …".
   [[nodiscard]] std::string lacks_framing(const net::Link& link) const;
-  /// Name of the interface now, or what it is recognised by.
+  /// The present name of the interface, or else the property by which it is recognised.
   [[nodiscard]] std::string interface_name(const net::LinkTable& links) const;
-  /// Why it cannot be used; empty: it can.
+  /// Why the port cannot be used; empty if it can.
   [[nodiscard]] const std::string& problem() const { return problem_; }
   void set_problem(std::string problem) { problem_ = std::move(problem); }
-  /// Says whether its network can be used, and by which timing.
+  /// Writes into the condition of its network whether it can be used, and its timing.
   void state_in(core::Condition& network, const net::LinkTable& links) const;
 
-  // Whenever interfaces have changed: match(), then its gate, then raise() and settle().
+  // After a change of interfaces: match(), then the gate, then raise() and settle().
 
-  /// Looks for the interface. Gives the one that it was before where that is another one, 0: none.
-  /// Both may hold what was granted to another port.
+  /// Finds the interface. If it is another one than before, returns the former index (0: there was
+  /// none). Then both interfaces may hold grants of another port.
   [[nodiscard]] std::optional<int> match(const net::LinkTable& links, const net::FactsOf& facts_of);
   void report_match(const net::LinkTable& links, const ReportLine& report) const;
-  /// Its interface is described as managed, and was not brought up since it appeared.
+  /// Whether the interface is described as managed, and was not brought up since it appeared.
   [[nodiscard]] bool is_to_be_raised() const { return port_.managed && !raised_; }
-  /// Sets bit rates and brings it up. True if that changed the interface.
+  /// Sets the bit rates and brings the interface up. True if that changed it.
   bool raise(net::Links& links, const ReportLine& report);
-  /// Its queue, and whether it can be used as the interface is now.
+  /// Sets up the queue, and judges whether the port can be used with the interface as it is.
   void settle(const net::LinkTable& links, const ReportLine& report);
-  /// As the analysis assumes it: a queue that another program replaced is put back.
+  /// Puts back a queue that another program has replaced, because the analysis assumes it.
   void keep_queue(const net::LinkTable& links, const ReportLine& report);
-  /// It has a queue to be put back.
+  /// Whether it has a queue that is to be put back.
   [[nodiscard]] bool lacks_queue() const;
 
-  /// It differs from what settle() has seen, or that may be. The identity of the port decides, not
-  /// the content of a notification: so nothing is missed where some were lost.
+  /// Whether the interface differs, or may differ, from what settle() has seen. The identity of the
+  /// port decides, not the content of a notification, so nothing is missed if notifications were
+  /// lost.
   [[nodiscard]] bool is_outdated(const net::LinkTable& links, const net::FactsOf& facts_of) const;
 
  private:
@@ -76,16 +80,16 @@ class DescribedPort {
   std::string network_;
   core::NetworkKind kind_;
   core::Profile profile_;
-  std::uint32_t network_bitrate_;  ///< as described
+  std::uint32_t network_bitrate_;  ///< as described, bit/s
   int ifindex_ = 0;
   std::string problem_;
   bool raised_ = false;
   std::optional<net::Link> settled_;  ///< the interface as settle() has judged it
-  bool unsettled_ = false;            ///< what is wrong may be otherwise the next time
+  bool unsettled_ = false;            ///< the problem may be gone the next time
   std::string can_state_;             ///< as last reported
 };
 
-/// Those of one gateway, in the order of the description.
+/// The ports of one gateway, in the order of the description.
 [[nodiscard]] std::vector<DescribedPort> ports_of(const core::System& system, std::size_t gateway);
 
 }  // namespace mlcca

@@ -16,7 +16,7 @@
 namespace mlcca {
 namespace {
 
-/// What runs before our programs, in words; empty: nothing does.
+/// What runs before our programs, in words; empty if nothing does.
 Result<std::string> before(int ifindex, const enforce::PortGate& gate) {
   std::string text;
   const auto add = [&](bool ingress, const std::string& what) {
@@ -39,8 +39,8 @@ Result<std::string> before(int ifindex, const enforce::PortGate& gate) {
   return text;
 }
 
-/// XDP programs of others, in words; empty: there is none. They run before tc whatever we do, and
-/// in a driver there is room for one.
+/// XDP programs of other owners, in words; empty if there are none. They run before tc in any case,
+/// and a driver has room for only one.
 std::string before_tc(int ifindex, const enforce::PortGate& gate) {
   const auto others =
       enforce::other_early_programs(static_cast<std::uint32_t>(ifindex), gate.early());
@@ -51,7 +51,8 @@ std::string before_tc(int ifindex, const enforce::PortGate& gate) {
       gate.name(), fmt::join(others, ", "));
 }
 
-/// What was admitted, and what audit mode has let through: counted here, or reported at ingress.
+/// The frames that the gate has let out: admitted ones, and those that passed in audit mode, which
+/// are counted here or at ingress.
 std::uint64_t let_out(const enforce::PortGate& gate) {
   const auto reasons = gate.reasons(enforce::Direction::egress);
   const auto audit = gate.would_drop(enforce::Direction::egress);
@@ -133,7 +134,7 @@ void Drift::report_repaired(Seen& seen, const std::string& line) {
   report_(Kind::drift, line, true);
 }
 
-/// Before anything else is put back: that is pinned, too.
+/// Pins come first, because what is put back afterwards is pinned as well.
 void Drift::keep_pinned(const enforce::PortGate& gate, Seen& seen) {
   const auto again = gate.keep_pinned();
   if (seen.unpinned.is_new(
@@ -151,12 +152,12 @@ void Drift::keep_pinned(const enforce::PortGate& gate, Seen& seen) {
                 fmt::join(*again, ", "), gate.name()));
 }
 
-/// What is gone from the driver lets nothing pass: both filters judge all of it.
+/// A missing XDP program lets nothing pass, because both filters check all frames.
 void Drift::keep_early(int ifindex, enforce::PortGate& gate, Seen& seen) {
   const std::string others = before_tc(ifindex, gate);
   const std::string reported = std::exchange(seen.early, others);
   const bool lost = gate.lost_early();
-  // A place that another program has left is taken again.
+  // Our program also takes a place that another program has left.
   const auto put =
       lost || (others.empty() && !reported.empty()) ? gate.put_early_back() : Result<void>();
   if (lost) {
@@ -177,8 +178,8 @@ void Drift::keep_early(int ifindex, enforce::PortGate& gate, Seen& seen) {
           !others.empty());
 }
 
-/// Ours goes first where that takes nothing away from anyone: a program in front of it may let
-/// frames pass that ours never sees.
+/// Puts our programs first where that takes nothing away from others. A program in front may let
+/// frames pass that ours never see.
 void Drift::keep_first(int ifindex, enforce::PortGate& gate, Seen& seen) {
   auto found = before(ifindex, gate);
   std::string standing;

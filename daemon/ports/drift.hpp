@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The kernel drifts from what was put there: gates that another program removed or attached in
-// front of are put back, and frames that bypassed them are reported.
+// Drift: the kernel no longer has what was put there. Gates that other programs have removed, or
+// attached programs in front of, are put back; frames that bypassed them are reported.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -19,27 +19,29 @@
 
 namespace mlcca {
 
+/// Repairs the gates of a gateway, and remembers per interface what was reported.
 class Drift {
  public:
   using Report = std::function<void(Kind kind, const std::string& line, bool problem)>;
-  /// By ifindex.
+  /// The gates by interface index.
   using Gates = std::map<int, enforce::PortGate*>;
 
   explicit Drift(Report report) : report_(std::move(report)) {
-    reported_past_.end_round();  // it counts itself, from nothing
+    reported_past_.end_round();  // it counts from 0 from now on
   }
 
-  /// Puts gates back, and first, and pins them again. Gives those that cannot be put back.
+  /// Puts gates back, makes them run first, and pins them again. Returns those that cannot be put
+  /// back.
   std::vector<int> repair(const Gates& gates, const net::LinkTable& links);
-  /// One of them; false if it cannot be put back.
+  /// The same for one gate; false if it cannot be put back.
   bool repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& links);
-  /// `gated`: interfaces that have a gate, sorted.
+  /// Forgets all interfaces except `gated`, which is sorted.
   void forget_all_but(const std::vector<int>& gated);
-  /// From an interface that is not described any more.
+  /// Reports that a gate was taken off an interface that is not described any more.
   void report_taken_off(const enforce::PortGate& gate);
-  /// An interface was taken to another namespace, where our gate is not; of those that had one.
+  /// Reports that an interface with a gate has moved to another namespace, where our gate is not.
   void report_moved(const net::Links::Moved& link);
-  /// About once a second. `now_s`: any steady clock.
+  /// To be called about once a second. `now_s`: seconds of any steady clock.
   void check_bypass(const Gates& gates, net::Links& links, std::int64_t now_s);
   void check_bypass(int ifindex, const enforce::PortGate& gate, net::Links& links,
                     std::int64_t now_s);
@@ -49,12 +51,12 @@ class Drift {
  private:
   struct Seen {
     std::string standing;   ///< what cannot be repaired; empty: nothing
-    Problem unseen;         ///< why it is unknown whether it is in place
+    Problem unseen;         ///< why it is unknown whether the gate is in place
     Problem unpinned;       ///< why it cannot be pinned again
     std::string early;      ///< XDP programs of others, which run before the gate; empty: none
-    std::string unmovable;  ///< what runs before the gate and could not be put behind it
+    std::string unmovable;  ///< what runs before the gate and could not be put after it
     std::uint64_t repaired = 0;
-    std::uint64_t past = 0;  ///< frames that went past the gate
+    std::uint64_t past = 0;  ///< frames that bypassed the gate
     Bypass bypass;
   };
   void report_repaired(Seen& seen, const std::string& line);
@@ -64,7 +66,7 @@ class Drift {
 
   Report report_;
   std::map<int, Seen> seen_;
-  std::set<int> gated_;  ///< interfaces that had a gate, those that are gone too
+  std::set<int> gated_;  ///< interfaces that had a gate, including those that are gone
   DropWatch<std::string> reported_past_;
 };
 

@@ -20,7 +20,7 @@
 namespace mlcca {
 namespace {
 
-/// Slots of one gate that are listed; it may have a thousand times as many.
+/// The slots of one gate that are listed. It may have a thousand times as many.
 constexpr std::ptrdiff_t kListed = GATE_SLOTS;
 
 std::string formats_of(std::uint8_t formats, bool can) {
@@ -40,7 +40,7 @@ std::string formats_of(std::uint8_t formats, bool can) {
   return words;
 }
 
-/// What an Ethernet gate passes without a subject.
+/// The traffic that an Ethernet gate passes without a subject.
 control::GateSlot left_alone(const enforce::PortGate& gate, enforce::Direction direction,
                              gate_reason reason) {
   control::GateSlot out;
@@ -140,7 +140,7 @@ class GateReport {
     return station.empty() ? way : station + " by " + way;
   }
 
-  /// How it came to leave.
+  /// The source of frames that leave.
   [[nodiscard]] std::string way_of(const enforce::SlotSpec& slot) const {
     if (slot.source == GATE_NO_SOURCE) return "kernel";
     if (slot.source == 0)
@@ -151,7 +151,7 @@ class GateReport {
     return fmt::format("interface {}", slot.source);
   }
 
-  /// What a frame came in with, where that is not what it leaves with.
+  /// The identifier with which a frame came in, if it leaves with another one; otherwise empty.
   [[nodiscard]] std::string identifier_at(const enforce::PortGate& gate,
                                           const enforce::SlotSpec& slot) const {
     if (slot.origin == 0) return {};
@@ -171,7 +171,7 @@ class GateReport {
   const GatedPorts& ports_;
   const net::LinkTable& links_;
   const core::State& state_;
-  mutable std::map<std::uint32_t, Identifiers> entered_;  ///< by interface
+  mutable std::map<std::uint32_t, Identifiers> entered_;  ///< by interface index
 };
 
 bool has_report(const GatedPorts& ports, std::size_t port) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the gates hold, slot by slot: control traffic and channels, limits and counters.
+// Reports the contents of gates slot by slot: control traffic and channels, limits and counters.
 #pragma once
 #include <cstddef>
 #include <string>
@@ -11,12 +11,12 @@
 
 namespace mlcca {
 
-/// `place`: an interface or a network, empty: all.
+/// `place` is an interface or a network; empty: all.
 [[nodiscard]] control::Gates gate_reports(const GatedPorts& ports, const net::LinkTable& links,
                                           const core::State& state, const std::string& place);
-/// Interfaces and networks that need gates, in words.
+/// The interfaces and networks that need gates, in words.
 [[nodiscard]] std::string gated_places(const GatedPorts& ports, const net::LinkTable& links);
-/// Slots of the gates of all ports.
+/// The number of slots of the gates of all ports.
 [[nodiscard]] std::size_t slot_count(const GatedPorts& ports);
 
 }  // namespace mlcca

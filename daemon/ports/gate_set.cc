@@ -8,9 +8,10 @@
 namespace mlcca {
 
 Result<void> GateSet::hold(const GateSpec& spec) {
-  if (!change_) return change_;  // it goes back to what was
+  if (!change_) return change_;  // the change is being undone
   auto done = replace(spec);
-  // There is no way back from the way back: what cannot be held then is closed, as ever.
+  // A failure while going back cannot be undone again: what cannot be held then is closed, as
+  // always.
   if (!done && phase_ == Phase::changing) change_ = done;
   return done;
 }
@@ -21,7 +22,7 @@ Result<void> GateSet::replace(const GateSpec& spec) {
   const auto spare = spare_of(spec);
   if (!spare) return std::unexpected(spare.error());
   if (auto put = (*spare)->second->put(); !put) {
-    // What cannot be put back is found by a repair.
+    // If that fails, a repair finds the missing gate.
     if (old != nullptr) static_cast<void>(old->reattach());
     if (phase_ == Phase::settled) spares_.erase(*spare);
     return put;
@@ -41,7 +42,7 @@ Result<GateSet::Spares::iterator> GateSet::spare_of(const GateSpec& spec) {
   return spares_.emplace(ifindex, std::move(*made));
 }
 
-/// The spare has been put in place.
+/// Takes a spare into gates_ after it was put in place.
 void GateSet::take_in(Spares::iterator spare) {
   const int ifindex = spare->first;
   Gate gate = std::move(spare->second);

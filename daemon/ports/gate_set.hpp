@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The gates that this daemon commands, by interface, and how one takes the place of another. It
-// knows nothing of what is described: whoever asks for a gate says what it must be.
+// The gates that this daemon commands, by interface, and how one gate replaces another. It does not
+// know the description: the caller states what a gate must be.
 #pragma once
 #include <functional>
 #include <map>
@@ -13,39 +13,39 @@
 
 namespace mlcca {
 
+/// Loads gates, puts them in place, and keeps replaced ones during a change so that it can go back.
 class GateSet {
  public:
   using Load = std::function<Result<std::unique_ptr<HeldGate>>(const GateSpec& spec)>;
   explicit GateSet(Load load) : load_(std::move(load)) {}
 
-  /// Puts such a gate in place, unless it is there. The one that was there goes when the other is
-  /// in its place; after an error it is there as before.
+  /// Puts the gate in place unless it is there. The former gate is removed when the new one is in
+  /// place; after an error it is there as before.
   Result<void> hold(const GateSpec& spec);
 
-  // A change of many gates at once, with a way back: make_spare() of each, begin_change(), hold()
-  // of each, and, where change() says that one could not be put in place, go_back() and hold() of
-  // what was there; end_change() at last, and after an error of make_spare().
+  // A change of many gates that can be undone: make_spare() for each, begin_change(), hold() for
+  // each. If change() says that one could not be put in place: go_back(), and hold() for the former
+  // ones. At the end, and after an error of make_spare(), end_change().
 
-  /// Makes what hold() will need, without putting it in place. Error: there is no memory for it, or
-  /// no right.
+  /// Makes what hold() will need, without putting it in place. The error: no memory or no right.
   Result<void> make_spare(const GateSpec& spec);
-  /// From now on gates that are displaced are kept.
+  /// From now on replaced gates are kept.
   void begin_change();
-  /// Why hold() has failed since begin_change(); until go_back() it changes nothing any more.
+  /// Why hold() has failed since begin_change(). Until go_back() it changes nothing any more.
   [[nodiscard]] const Result<void>& change() const { return change_; }
   void go_back();
   void end_change();
 
-  /// The gate in place; none: there is none of ours.
+  /// The gate in place; nullptr if there is none of ours.
   [[nodiscard]] HeldGate* find(int ifindex) const;
   [[nodiscard]] bool contains(int ifindex) const { return gates_.contains(ifindex); }
   [[nodiscard]] std::vector<int> interfaces() const;
-  /// The one behind this interface, by ifindex; nothing behind the last one.
+  /// The interface after this one, by index; nullopt after the last one.
   [[nodiscard]] std::optional<int> next(int ifindex) const;
-  /// Denies everything on an interface, and by what may be put in place there as well: that may
-  /// read the same slots, or have a copy.
+  /// Denies everything on an interface, also by spare gates for it, which may use the same slots or
+  /// a copy of them.
   void deny(int ifindex);
-  /// The gate is not commanded any more; it stays in the kernel as it is.
+  /// Stops commanding the gate, which stays in the kernel as it is.
   void forget(int ifindex) { gates_.erase(ifindex); }
 
  private:
@@ -59,7 +59,7 @@ class GateSet {
 
   Load load_;
   std::map<int, Gate> gates_;  ///< in place, by ifindex
-  Spares spares_;              ///< those that are not
+  Spares spares_;              ///< not in place
   Phase phase_ = Phase::settled;
   Result<void> change_;
 };

@@ -16,7 +16,8 @@ static_assert(core::kMostEntries == GATE_CHAIN);
 
 namespace {
 
-/// Interface of its source port, 0: it has none; nothing: that is not there.
+/// The index of the interface of the source port; 0 if the entry has none; nullopt if that
+/// interface is not there.
 std::optional<std::uint32_t> source_of(const core::GateEntry& entry, const GatedPorts& ports) {
   if (!entry.source_port) return 0;
   const int ifindex = ports[*entry.source_port].ifindex();
@@ -24,7 +25,7 @@ std::optional<std::uint32_t> source_of(const core::GateEntry& entry, const Gated
   return static_cast<std::uint32_t>(ifindex);
 }
 
-/// `from`: the entry, or its rule.
+/// `from` is the entry or its rule.
 template <class From>
 std::optional<enforce::SlotSpec> slot_from(const From& from, const core::GateEntry& entry,
                                            const GatedPorts& ports) {
@@ -36,7 +37,7 @@ std::optional<enforce::SlotSpec> slot_from(const From& from, const core::GateEnt
 using ByPort = std::map<std::size_t, enforce::SlotChanges>;
 using Slots = std::vector<enforce::SlotSpec>;
 
-/// Adds the slots to one list of the changes of each port. `from`: entries or rules.
+/// Adds slots to one list of the changes of each port. `from`: entries or rules.
 template <class From, class EntryOf>
 void spread(const std::vector<From>& from, const EntryOf& entry_of,
             Slots enforce::SlotChanges::* list, const GatedPorts& ports, ByPort& to) {

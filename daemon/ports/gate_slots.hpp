@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// From what a plan says of ports to the slots of their gates.
+// Turns the plan of a gateway into slots of the gates of its ports.
 #pragma once
 #include <cstddef>
 #include <map>
@@ -14,22 +14,22 @@
 
 namespace mlcca {
 
-/// Nothing: the frames would come from an interface that is not there.
+/// nullopt if the frames would come from an interface that is not there.
 [[nodiscard]] std::optional<enforce::SlotSpec> slot_of(const core::GateEntry& entry,
                                                        const GatedPorts& ports);
 [[nodiscard]] std::optional<enforce::SlotSpec> slot_of(const core::GateRule& rule,
                                                        const GatedPorts& ports);
-/// Of those ports that have a gate.
+/// The changes of the gates, for those ports that have one.
 [[nodiscard]] std::map<std::size_t, enforce::SlotChanges> changes_by_port(
     const core::GateChanges& changes, const GatedPorts& ports);
-/// What the gates hold of these rules, in their order.
+/// The slots of the gates for these rules, in the order of the rules.
 [[nodiscard]] std::vector<enforce::PlacedSlot> placed_slots(std::span<const core::GateRule> rules,
                                                             const GatedPorts& ports);
 
-/// Makes every gate hold exactly `wanted`. A gate that refuses is denied as a whole, and the error
-/// names it.
+/// Makes every gate hold exactly `wanted`. A gate whose change the kernel refuses denies
+/// everything, and the error names it.
 Result<void> hold_exactly(const core::GateState& wanted, const GatedPorts& ports);
-/// After an error gates hold part of the changes.
+/// Makes the changes. After an error the gates hold a part of them.
 Result<void> make_changes(const core::GateChanges& changes, const GatedPorts& ports);
 
 }  // namespace mlcca

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the gate of an interface must be: of CAN or of another framing, of which profile, with how
-// many slots, and how it answers senders.
+// What the gate of an interface must be: its kind, profile and number of slots, and what senders
+// get for dropped frames.
 #pragma once
 #include <cstddef>
 #include <variant>
@@ -14,11 +14,11 @@ namespace mlcca {
 
 using GateSpec = std::variant<enforce::GateConfig, enforce::EtherConfig>;
 
-/// Of an interface that is a port on a network of that kind and profile. `slots`: an Ethernet gate
-/// must have room for so many.
+/// For an interface that is a port on a network of that kind and profile. An Ethernet gate must
+/// have room for `slots`.
 [[nodiscard]] GateSpec gate_spec(const net::Link& link, core::NetworkKind kind,
                                  core::Profile profile, core::Refused refused, std::size_t slots);
-/// Of an interface that is not described. A CAN gate without a profile starts without slots.
+/// For an interface that is not described. A CAN gate without a profile starts without slots.
 [[nodiscard]] GateSpec closed_gate_spec(const net::Link& link, std::size_t slots);
 
 [[nodiscard]] int ifindex_of(const GateSpec& spec);

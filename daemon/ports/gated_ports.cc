@@ -9,7 +9,7 @@
 namespace mlcca {
 namespace {
 
-/// One slot for each way of a channel through a port; some more are asked for at run time.
+/// One slot for each channel and direction, and some more for run-time admissions.
 std::size_t ether_slots_of(const core::System& system) {
   return system.channels.size() * GATE_DIRECTIONS + system.publishers.size() * 2;
 }
@@ -42,7 +42,7 @@ Result<void> GatedPorts::prepare(const core::System& system, std::size_t gateway
     static_cast<void>(port.match(links, facts_of));
     const net::Link* const link = port.link(links);
     if (link == nullptr || !port.can_have_gate(*link)) continue;
-    // What has no gate although it ought to have one gets no worse.
+    // A port that lacks its gate already does not get worse by a failure.
     const bool is_lacking = is_to_be_gated(link->ifindex) && !gates_.contains(link->ifindex);
     auto made = gates_.make_spare(spec_of(port, *link, ether_slots_of(system)));
     if (!made && !is_lacking) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The ports of a description with their gates, by the number of the port.
+// The ports of a description with their gates, by index of the port.
 #pragma once
 #include <cstddef>
 #include <functional>
@@ -19,21 +19,22 @@ namespace mlcca {
 struct GatedPort {
   DescribedPort port;
   InterfaceHold hold;
-  bool unwatched = false;  ///< its gate has more to watch than it can, and that was reported
+  bool unwatched = false;  ///< its gate has too few watches, which was reported
 };
 
+/// Combines the ports of the description with the set of gates.
 class GatedPorts {
  public:
   GatedPorts(GateSet::Load load, InterfaceHold::Close close)
       : gates_(std::move(load)), close_(std::move(close)) {}
 
-  /// Ports that were described before keep their interface and its gate.
+  /// Takes a new description. Ports that were described before keep their interface and its gate.
   void describe(const core::System& system, std::size_t gateway);
-  /// Makes all gates that this description needs and that are not there, and begins a change of the
-  /// set. `step` is called behind each. Error: one could not be made; nothing was changed.
+  /// Makes all gates that this description needs and that do not exist, and begins a change of the
+  /// set. `step` is called after each. The error: one could not be made; nothing has changed.
   Result<void> prepare(const core::System& system, std::size_t gateway, const net::LinkTable& links,
                        const net::FactsOf& facts_of, const std::function<void()>& step);
-  /// Gives a port the gate that it needs. What stands in its way becomes the problem of the port.
+  /// Gives a port the gate that it needs. A failure becomes the problem of the port.
   void attach(GatedPort& gated, const net::Link& link, const ReportLine& report);
 
   [[nodiscard]] std::size_t size() const { return ports_.size(); }
@@ -43,27 +44,27 @@ class GatedPorts {
   [[nodiscard]] auto begin() { return ports_.begin(); }
   [[nodiscard]] auto end() { return ports_.end(); }
 
-  /// All gates, those of no port too.
+  /// All gates, also those of no port.
   [[nodiscard]] GateSet& gates() { return gates_; }
   [[nodiscard]] const GateSet& gates() const { return gates_; }
-  /// Room for slots that an Ethernet gate must have.
+  /// The number of slots that an Ethernet gate must have room for.
   [[nodiscard]] std::size_t ether_slots() const { return ether_slots_; }
 
-  /// The gate of a port; none where it needs none, or has none that holds its slots.
+  /// The gate of a port; nullptr if it needs none, or has none that holds its slots.
   [[nodiscard]] enforce::PortGate* gate(std::size_t port) const;
   [[nodiscard]] enforce::Gate* can_gate(std::size_t port) const;
   [[nodiscard]] bool has_gate(std::size_t port) const { return held(port) != nullptr; }
-  /// A former description had a gate there, which nobody has taken off: it stays closed. nullptr:
-  /// there is none, or the port needs one.
+  /// The gate of a port that needs none, if a former description had one there that nobody has
+  /// removed. It stays closed. Otherwise nullptr.
   [[nodiscard]] enforce::PortGate* closed_gate(std::size_t port) const;
 
-  /// The interface is a port that needs a gate.
+  /// Whether the interface is a port that needs a gate.
   [[nodiscard]] bool is_to_be_gated(int ifindex) const;
-  /// A port has no gate, or no queue, and may get one now.
+  /// Whether a port lacks a gate or a queue that it may get now.
   [[nodiscard]] bool wants_gate(const net::LinkTable& links) const;
-  /// Nothing of this daemon holds the interface of a port.
+  /// Whether the interface of any port is held by nothing of this daemon.
   [[nodiscard]] bool is_any_lost() const;
-  /// One differs from what was made of it, or that may be.
+  /// Whether any port differs, or may differ, from what was made of it.
   [[nodiscard]] bool is_any_outdated(const net::LinkTable& links,
                                      const net::FactsOf& facts_of) const;
 

@@ -21,12 +21,12 @@ namespace {
 
 constexpr const char* kLock = "lock";
 
-/// Ours, or root's; root trusts whomever it has given the bpffs to.
+/// The owner is our user or root, or, if we are root, the user to whom root has given the bpffs.
 bool is_trusted(uid_t owner, uid_t of_root) {
   return owner == 0 || owner == ::geteuid() || (::geteuid() == 0 && owner == of_root);
 }
 
-/// What is there before we come must not be another user's: he could take our pins away.
+/// Checks an existing entry: another user who owns it could remove our pins.
 Result<void> check_entry(int root_fd, const std::string& root, const std::string& name,
                          uid_t of_root) {
   struct stat there{};
@@ -52,7 +52,8 @@ Result<struct stat> check_root(int root_fd, const std::string& root) {
   return there;
 }
 
-/// As the first gate would: without it there would be nothing to lock until then.
+/// Makes the directory as the first gate would; otherwise there would be nothing to lock until
+/// then.
 void make_folder_in_bpffs(const std::string& root) {
   const std::string above = std::filesystem::path(root).parent_path();
   struct statfs system{};
@@ -87,9 +88,9 @@ Result<Fd> lock_gates(const std::string& root) {
   if (!lock) return system_error(path);
   struct stat there{};
   if (::fstat(lock.get(), &there) < 0) return system_error(path);
-  if (!is_trusted(there.st_uid, owner->st_uid))  // exchanged in between
+  if (!is_trusted(there.st_uid, owner->st_uid))  // replaced between the calls
     return fail(fmt::format("{} belongs to user {}: remove it", path, there.st_uid));
-  // What root makes by hand is the service's, as the bpffs is.
+  // What root makes manually must belong to the user of the service, as the bpffs does.
   if (there.st_uid != owner->st_uid && ::geteuid() == 0 &&
       ::fchown(lock.get(), owner->st_uid, owner->st_gid) < 0)
     return system_error(path);
@@ -102,7 +103,7 @@ Result<Fd> lock_gates(const std::string& root) {
 
 Result<bool> keep_lock(Fd& lock, const std::string& root) {
   struct statfs system{};
-  // Nothing can be commanded there for now.
+  // No gates can be commanded there at present.
   if (::statfs(root.c_str(), &system) < 0 || system.f_type != BPF_FS_MAGIC) return false;
   struct stat held{};
   struct stat named{};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A gate that was loaded for one interface, as a set of gates handles it: the kernel's (KernelGate)
-// or a fake.
+// An interface for a gate that was loaded for one interface, for use by GateSet: the kernel's
+// (KernelGate), or a fake.
 #pragma once
 #include "base/result.hpp"
 #include "daemon/ports/gate_spec.hpp"
@@ -16,7 +16,7 @@ class HeldGate {
   HeldGate& operator=(HeldGate&&) = delete;
   virtual ~HeldGate() = default;
 
-  /// It need not be replaced by one that was loaded by `spec`.
+  /// Whether the gate need not be replaced by one that is loaded by `spec`.
   [[nodiscard]] virtual bool is(const GateSpec& spec) const = 0;
 
   // See enforce::PortGate.
@@ -26,9 +26,9 @@ class HeldGate {
   virtual void deny_all() = 0;
   virtual void unpin() = 0;
 
-  /// Its slots and counters.
+  /// The gate itself, for its slots and counters.
   [[nodiscard]] virtual enforce::PortGate& port_gate() = 0;
-  /// The same of a CAN gate; none of another.
+  /// The gate if it is a CAN gate; nullptr otherwise.
   [[nodiscard]] virtual enforce::Gate* can_gate() = 0;
 };
 

@@ -15,7 +15,7 @@ Result<void> InterfaceHold::attach(const net::Link& link, const GateSpec& spec, 
     reported_.clear();
     return done;
   }
-  if (!gates.change()) return done;  // it goes back to what was
+  if (!gates.change()) return done;  // the change is being undone
   if (gates.contains(link.ifindex))
     hold_by_former(link, gates);
   else
@@ -24,19 +24,20 @@ Result<void> InterfaceHold::attach(const net::Link& link, const GateSpec& spec, 
   return done;
 }
 
-/// With nothing that was granted by that description.
+/// Holds the interface by the former gate, which denies everything.
 void InterfaceHold::hold_by_former(const net::Link& link, GateSet& gates) {
   by_former_ = true;
   lost_ = false;
   gates.deny(link.ifindex);
 }
 
-/// By a gate without pins and slots, which denies everything.
+/// Holds the interface by programs without pins and slots, which deny everything.
 void InterfaceHold::hold_closed(const net::Link& link, const Close& close) {
   const auto closing = close(link.name);
   const bool fresh = closing && *closing == enforce::Closing::closed;
   if (fresh) closed_ = link.ifindex;
-  // A gate that was there already is an older one that we do not command, unless it is that one.
+  // A gate that was there already is an older one that we do not command, unless this object has
+  // put it there.
   lost_ = !closing || (!fresh && closed_ != link.ifindex);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// How the interface of one port is held: by the gate that it needs, else by the gate of a former
-// description that denies everything, else by a program without slots, else not at all.
+// How the interface of one port is held: by the gate that it needs; else by the gate of a former
+// description, which then denies everything; else by programs without slots; else not at all.
 #pragma once
 #include <functional>
 #include <string>
@@ -11,23 +11,24 @@
 
 namespace mlcca {
 
+/// Chooses and remembers the way in which an interface is held.
 class InterfaceHold {
  public:
-  /// The last resort, see enforce::close_interface().
+  /// The last resort; see enforce::close_interface().
   using Close = std::function<Result<enforce::Closing>(const std::string& interface)>;
-  /// Gets a line for the operator, which is a problem.
+  /// Receives a line for the operator about a problem.
   using Problem = std::function<void(const std::string& line)>;
 
-  /// Puts the gate in place, unless it is there. Error: the interface is held otherwise, or by
-  /// nothing; a reason is reported once.
+  /// Puts the gate in place unless it is there. After an error the interface is held in another
+  /// way, or not at all, and the reason is reported once.
   Result<void> attach(const net::Link& link, const GateSpec& spec, GateSet& gates,
                       const Close& close, const Problem& report);
-  /// The same port was held so before it was described again.
+  /// Takes over the state of the same port in an earlier description.
   void take_over(const InterfaceHold& former) { closed_ = former.closed_; }
 
-  /// The gate that is there is of a former description.
+  /// Whether the gate that is there is of a former description.
   [[nodiscard]] bool is_by_former() const { return by_former_; }
-  /// Nothing of this daemon holds it.
+  /// Whether nothing of this daemon holds the interface.
   [[nodiscard]] bool is_lost() const { return lost_; }
 
  private:
@@ -37,8 +38,8 @@ class InterfaceHold {
 
   bool by_former_ = false;
   bool lost_ = false;
-  int closed_ = 0;        ///< ifindex that got a program without slots from this daemon
-  std::string reported_;  ///< the last reason
+  int closed_ = 0;  ///< index of the interface on which this daemon has put programs without slots
+  std::string reported_;  ///< the latest reason
 };
 
 }  // namespace mlcca

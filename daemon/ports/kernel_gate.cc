@@ -10,7 +10,7 @@ Result<std::unique_ptr<HeldGate>> held(Result<Gate> loaded) {
   return std::make_unique<KernelGate>(std::move(*loaded));
 }
 
-/// A gate is of one profile.
+/// A gate has one profile, and fixed settings.
 bool is_of(const enforce::Gate& gate, const enforce::GateConfig& config) {
   return gate.config().profile == config.profile &&
          gate.config().echo_by_mark == config.echo_by_mark && gate.config().silent == config.silent;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is reported of the ports: their interfaces, and what their gates have counted in all.
+// Reports of the ports: their interfaces, and the total counts of their gates.
 #pragma once
 #include <string>
 #include <vector>
@@ -12,15 +12,16 @@
 
 namespace mlcca {
 
-/// Frames of no slot so far. `gate`: none, or of one port.
+/// The frames without a slot so far. `gate` may be nullptr.
 [[nodiscard]] UnknownFrames unknown_frames(const enforce::PortGate* gate);
-/// What was refused for reasons that are of no slot: the gate was closed, a frame malformed.
+/// The frames that were refused for reasons that concern no slot: a closed gate, a malformed frame.
 [[nodiscard]] std::vector<Refusals> refusals(const enforce::PortGate* gate);
-/// Of all slots, and whatever else the gate counts for the same reasons.
+/// The refused frames of all slots, and others that the gate counts for the same reasons.
 [[nodiscard]] std::vector<Refusals> misfits(const enforce::PortGate* gate);
-/// The latest unknown one that came in: "123", "0x4e6f626f64790000 from 10.0.0.7".
+/// The latest frame without a slot that came in, for example "123" or "0x4e6f626f64790000 from
+/// 10.0.0.7".
 [[nodiscard]] std::string latest_unknown(const enforce::PortGate* gate);
-/// Of every port, in their order.
+/// The report of each port, in their order.
 [[nodiscard]] std::vector<control::Interface> port_reports(const GatedPorts& ports,
                                                            const net::Links& links,
                                                            const Drift& drift);

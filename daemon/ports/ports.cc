@@ -39,8 +39,8 @@ bool Ports::needs_reconcile() {
   return lacks_interface || ports_.is_any_outdated(links_.table(), net::read_once(facts_of_));
 }
 
-/// Bit rate, then gate, then up. Everything that changed hands is denied before anything else
-/// happens.
+/// The order is: bit rate, gate, up. Everything that has a new owner is denied before anything
+/// else.
 void Ports::follow() {
   forget_vanished();
   match();
@@ -62,8 +62,7 @@ void Ports::match() {
   for (GatedPort& gated : ports_) {
     DescribedPort& port = gated.port;
     if (const auto former = port.match(links_.table(), facts_of)) {
-      // Both the interface that was this port and the one that is it now may hold grants of
-      // another.
+      // Both the former interface of this port and the present one may hold grants of another port.
       for (const int ifindex : {*former, port.ifindex()}) ports_.gates().deny(ifindex);
       port.report_match(links_.table(), report_);
     }
@@ -97,7 +96,7 @@ void Ports::report_undescribed() {
   reported_undescribed_ = std::move(now);
 }
 
-/// Those of ports without a profile are said to be the problem of the port.
+/// Without the interfaces of ports without a profile, for which the port reports the problem.
 std::vector<std::string> Ports::undescribed() const {
   auto names = closed();
   for (std::size_t p = 0; p < ports_.size(); ++p)
@@ -173,8 +172,8 @@ bool Ports::repair(int ifindex) {
   return kept;
 }
 
-/// A person takes the gate off an interface that is not described by removing its programs in both
-/// directions. Where one is left, or it cannot be known, the gate is repaired as any other.
+/// A person takes the gate off an undescribed interface by removing its programs in both
+/// directions. If one is left, or if that is unknown, the gate is repaired like any other.
 bool Ports::give_up(int ifindex, enforce::PortGate& gate) {
   if (ports_.is_to_be_gated(ifindex) || !gate.is_taken_off().value_or(false)) return false;
   drift_.report_taken_off(gate);
@@ -216,7 +215,7 @@ std::optional<BusCounters> Ports::bus_counters(std::size_t port) {
   if (link == nullptr || !link->is_can || !link->up) return std::nullopt;
   const auto traffic = links_.traffic(link->ifindex);
   if (!traffic) return std::nullopt;
-  // A virtual bus counts what it loops back as received, too.
+  // A virtual bus also counts what it loops back as received.
   if (link->kind == "vcan") return BusCounters{traffic->sent_frames, traffic->sent_bytes};
   return BusCounters{traffic->sent_frames + traffic->received_frames,
                      traffic->sent_bytes + traffic->received_bytes};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The ports of this gateway and their gates, on the kernel: puts together what knows the ports,
-// holds the gates, closes what is left, fills the slots and reports on all of it.
+// The ports of this gateway and their gates in the kernel. Combines the classes that know the
+// ports, hold the gates, close what is left, fill the slots, and report.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -37,7 +37,7 @@ class Ports final : public GateDriver {
   Ports(net::Links& links, enforce::Control& control, net::FactsOf facts_of, ReportLine report,
         Drift::Report report_drift);
 
-  // Ports, interfaces and gates.
+  // Ports, interfaces and gates:
 
   void describe(const core::System& system, std::size_t gateway) override {
     ports_.describe(system, gateway);
@@ -68,7 +68,7 @@ class Ports final : public GateDriver {
   [[nodiscard]] std::vector<std::string> undescribed() const override;
   void check_bypass(int ifindex, std::int64_t now_s) override;
 
-  // Slots.
+  // Slots:
 
   Result<void> sync(const core::GateState& wanted) override;
   Result<void> apply(const core::GateChanges& changes) override;
@@ -100,7 +100,7 @@ class Ports final : public GateDriver {
   }
   [[nodiscard]] std::size_t slot_count() const override { return mlcca::slot_count(ports_); }
 
-  // One port.
+  // One port:
 
   [[nodiscard]] std::size_t size() const override { return ports_.size(); }
   [[nodiscard]] const core::Port& described(std::size_t port) const override {
@@ -121,7 +121,7 @@ class Ports final : public GateDriver {
   [[nodiscard]] const std::string& problem(std::size_t port) const override {
     return ports_[port].problem();
   }
-  /// None where the port needs none or it could not be attached.
+  /// nullptr if the port needs no gate, or it could not be attached.
   [[nodiscard]] const enforce::PortGate* gate(std::size_t port) const { return ports_.gate(port); }
   [[nodiscard]] std::vector<core::Condition> conditions(std::size_t networks) const override;
   [[nodiscard]] std::optional<BusCounters> bus_counters(std::size_t port) override;

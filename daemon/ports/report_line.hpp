@@ -5,8 +5,8 @@
 
 namespace mlcca {
 
-/// Gets what an operator should know of an interface: its network, or none, one line, and whether
-/// it is a problem.
+/// Receives what an operator should know about an interface: its network (or an empty text), one
+/// line, and whether it is a problem.
 using ReportLine =
     std::function<void(const std::string& network, const std::string& line, bool problem)>;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Gates whose interface may have gone. One is let go when the kernel has reported that its
-// interface went, or answers so when it is asked for this one: that a list lacks it proves nothing.
+// Gates whose interface may have gone. A gate is given up only when the kernel has reported that
+// its interface has gone, or says so when asked for it. A list without the interface proves
+// nothing.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -11,25 +12,26 @@
 
 namespace mlcca {
 
+/// Keeps which interfaces with a gate may have gone.
 class VanishedGates {
  public:
   /// Asks the kernel for one interface.
   using Presence = std::function<net::Presence(int ifindex)>;
 
-  /// The kernel has reported that these went.
+  /// The kernel has reported that these interfaces have gone.
   void note(const std::set<int>& gone, const GateSet& gates);
-  /// Forgets those gates of which that is certain, and removes their pins.
+  /// Gives up the gates for which that is certain, and removes their pins.
   void let_go(GateSet& gates, const net::LinkTable& links, const Presence& presence);
   void forget_all_but(const GateSet& gates);
-  /// It is not certain of a gate whether its interface is there.
+  /// Whether it is uncertain for any gate if its interface exists.
   [[nodiscard]] bool unconfirmed() const { return !unconfirmed_.empty(); }
 
  private:
   enum class Fate : std::uint8_t {
-    stays,  ///< its interface is there, or that is not certain yet, or is not listed yet
+    stays,  ///< its interface exists, or that is uncertain, or it is not listed yet
     gone,
-    /// Its interface went, and another one has the number, or it is back: a gate of its own finds
-    /// out what is attached there.
+    /// Its interface has gone, and the index belongs to another one, or the interface is back.
+    /// Loading its new gate finds out what is attached there.
     replaced,
   };
   [[nodiscard]] Fate fate_of(int ifindex, const net::LinkTable& links, const Presence& presence);

@@ -15,7 +15,8 @@
 namespace mlcca {
 namespace {
 
-/// The gate counts for the subscriber that waits least; who waits longer misses nothing yet.
+/// The gate counts for the subscriber with the shortest timeout. For one with a longer timeout
+/// nothing is missing yet.
 bool is_missing(const core::Watching& expected, const enforce::Arrivals& found) {
   if (!found.silent || expected.silence == 0) return false;
   return expected.silence <= found.silence || found.since_last >= expected.silence;
@@ -42,7 +43,7 @@ struct WatchedSlot {
   core::Watching expected;
 };
 
-/// The slot that the events of a delivery enter by, if they are watched.
+/// The slot by which the events of a delivery enter, if they are watched; nullopt otherwise.
 std::optional<WatchedSlot> watched_slot(const core::GateState& rules, const GatedPorts& ports) {
   for (const core::GateRule& rule : rules) {
     const enforce::PortGate* gate = ports.gate(rule.entry.port);

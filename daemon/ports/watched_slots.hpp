@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The slots whose events are expected in time, and what is seen of these events.
+// The slots whose events are supervised, and what was seen of these events.
 #pragma once
 #include <optional>
 
@@ -11,18 +11,18 @@
 
 namespace mlcca {
 
-/// How the events of a delivery come to the slot that they enter by; nothing where it is not
+/// How the events of a delivery come to the slot by which they enter; nullopt if they are not
 /// watched.
 [[nodiscard]] std::optional<control::Watch> watch_of(const core::GateState& rules,
                                                      const GatedPorts& ports);
-/// If events of a delivery are missing that is reported once more, for a client that has not
-/// received it.
+/// If events of a delivery are missing, makes the kernel report it once more, for a client that has
+/// not received the report.
 [[nodiscard]] Result<void> report_missing_again(const core::GateState& rules,
                                                 const GatedPorts& ports);
-/// The event is of the slot that one of these rules is held by.
+/// Whether the event is of the slot of one of these rules.
 [[nodiscard]] bool is_of(const gate_event& event, const core::GateState& rules,
                          const GatedPorts& ports);
-/// A port whose gate has more to watch than it can is reported when that begins and when it ends.
+/// Reports when a port's gate begins and ends to have too few watches.
 void report_unwatched(GatedPorts& ports, const net::LinkTable& links, const ReportLine& report);
 
 }  // namespace mlcca
