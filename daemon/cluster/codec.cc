@@ -24,7 +24,7 @@ std::string octets_of(const std::array<std::uint8_t, N>& from) {
   return {from.begin(), from.end()};
 }
 
-/// Of the length that it must have; an empty one is 0.
+/// An array of exactly that length; zeros for an empty text; nullopt for any other length.
 template <std::size_t N>
 std::optional<std::array<std::uint8_t, N>> octets_in(const std::string& from) {
   std::array<std::uint8_t, N> out{};
@@ -100,7 +100,8 @@ cc::BusPart bus_in(const BusEntry& entry) {
   return part;
 }
 
-/// What a message must be for the analysis, which trusts those that are made here.
+/// Whether a message of another gateway satisfies what the analysis assumes of messages that are
+/// made here.
 bool is_sound(const core::can::Message& m, std::size_t queues) {
   constexpr std::uint64_t longest = 3'600'000'000'000;  // ns
   const auto times = {m.transmission, m.deadline, m.jitter, m.least_pause, m.pauses};
@@ -339,7 +340,7 @@ std::optional<cc::RolloutVote> Codec::rollout_vote(Text value) const {
       .next = revision_of(entry->next), .ok = entry->agrees, .reason = bounded(entry->reason)};
 }
 
-/// As an operator puts it: the octets alone.
+/// The epoch as an operator writes it: only the octets.
 std::optional<cc::Epoch> Codec::epoch(Text value) const {
   if (value.empty()) return std::nullopt;
   return octets_in<std::tuple_size_v<cc::Epoch>>(std::string(value));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The records of a cluster as they are in the store: protobuf (cluster.proto). What somebody else
-// has written is believed as far as it can be of this description, and not at all otherwise.
+// Encodes the records of a cluster for the store, as protobuf (cluster.proto). Records of other
+// gateways are checked against this description; what does not fit is rejected completely.
 #pragma once
 #include <cstddef>
 #include <optional>
@@ -14,9 +14,10 @@
 
 namespace mlcca::cluster {
 
+/// The readers return nullopt for a value that is not a valid record of this description.
 class Codec final : public core::cluster::Codec {
  public:
-  /// Of the description of that digest. What it needs of the system it copies.
+  /// For the description with that digest. Copies what it needs of the system.
   Codec(const core::System& system, const core::cluster::Digest& digest);
 
   [[nodiscard]] std::string write(const core::cluster::Beat& beat) const override;
@@ -40,8 +41,8 @@ class Codec final : public core::cluster::Codec {
 
  private:
   struct Bounds {
-    std::size_t nodes = 0;   ///< of the network's mesh
-    std::size_t queues = 0;  ///< of gateways there
+    std::size_t nodes = 0;   ///< nodes of the network's mesh
+    std::size_t queues = 0;  ///< queues of gateways on it
   };
   [[nodiscard]] std::vector<std::string> names_of(const std::vector<std::size_t>& gateways) const;
   [[nodiscard]] std::optional<std::vector<std::size_t>> gateways_of(
@@ -54,14 +55,15 @@ class Codec final : public core::cluster::Codec {
   std::size_t publishers_;
 };
 
-/// What an admission asks for, as x/<gateway>/<number> has it.
+/// The request for a reservation, as the store has it under x/<gateway>/<number>.
 struct Asked {
   std::string channel;
   std::vector<control::Request> requests;
-  std::vector<control::Request> also = {};  ///< of the same gateway, that bring publishers of it
+  std::vector<control::Request> also =
+      {};  ///< further requests of the same gateway, which bring publishers that are counted
 };
 [[nodiscard]] std::string text_of(const Asked& asked);
-/// Nothing: it is no such text, or has requests of another kind.
+/// nullopt if it is not such a text, or has requests of another kind.
 [[nodiscard]] std::optional<Asked> asked_in(std::string_view text);
 
 }  // namespace mlcca::cluster

@@ -19,16 +19,17 @@ using core::cluster::Txn;
 using core::cluster::TxnResult;
 using net::error_words;
 
-constexpr std::size_t kTurnEntries = 256;  // that are handled before others
+constexpr std::size_t kTurnEntries = 256;  // that are handled in one turn
 constexpr int kTurnMessages = 64;
-constexpr std::uint32_t kCredit = 4096;                     // entries that may be on their way
+constexpr std::uint32_t kCredit = 4096;                     // entries that may be in transit
 constexpr std::size_t kLeastCredit = kTurnEntries;          // that is worth a message
 constexpr std::size_t kMostUnderWay = 256;                  // transactions
 constexpr std::size_t kMostQueued = std::size_t{4} << 20U;  // bytes of them
-constexpr std::uint64_t kGrace = 500'000'000;        // ns behind the patience of a transaction
+constexpr std::uint64_t kGrace = 500'000'000;        // ns after the patience of a transaction
 constexpr std::uint64_t kLongestPause = 32'000'000;  // µs
-constexpr std::uint64_t kStable = 60'000'000'000;    // ns after which a failure is the first
-constexpr std::uint64_t kRound = 500'000;            // µs
+constexpr std::uint64_t kStable =
+    60'000'000'000;                        // ns after which a failure counts as the first one
+constexpr std::uint64_t kRound = 500'000;  // µs
 constexpr std::uint64_t kNanosInAMicro = 1'000;
 
 }  // namespace
@@ -169,7 +170,7 @@ void SocketLink::take(std::size_t size) {
 }
 
 void SocketLink::handle(ClusterMessage message) {
-  // What was answered here already, or was never asked, is nobody's answer.
+  // Results that were answered here already, or never requested, are dropped.
   if (const auto* result = std::get_if<TxnResult>(&message);
       result != nullptr && under_way_.erase(result->id) == 0)
     return;

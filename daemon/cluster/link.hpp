@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlcca-cluster, as mlccad sees it: a socket that may be gone at any time.
+// The connection of mlccad to mlcca-cluster: a socket whose other end may disappear at any time.
 #pragma once
 #include <systemd/sd-event.h>
 
@@ -19,17 +19,18 @@
 
 namespace mlcca::cluster {
 
-/// Whatever happens at the other end, each transaction gets one answer: `unavailable` if it was
-/// never sent, `unsure` if it may have been carried out. A connection that ends, says nothing for
-/// 15 s or says what is not understood is a StoreState that is not reachable; the next one is tried
-/// a second later, after each further failure twice as late, up to 32 s.
+/// Each transaction gets one answer, whatever happens at the other end: `unavailable` if it was
+/// never sent, `unsure` if it may have been carried out. A connection that ends, sends nothing for
+/// 15 s or sends what is not understood is reported as an unreachable StoreState. The next
+/// connection is tried a second later, and after each further failure twice as late, up to 32 s.
 class SocketLink final : public ClusterLink {
  public:
   struct Options {
     std::string socket = "/run/mlcca/cluster";
     wire::Hello hello;
-    std::uint64_t timeout = 15'000'000'000;  ///< ns without a message after which it hangs
-    std::uint64_t pause = 1'000'000;         ///< µs before another connection
+    std::uint64_t timeout =
+        15'000'000'000;  ///< ns without a message after which the connection counts as hanging
+    std::uint64_t pause = 1'000'000;  ///< µs before another connection
   };
   SocketLink(sd_event* loop, Options options);
 
@@ -48,8 +49,8 @@ class SocketLink final : public ClusterLink {
     std::uint64_t id = 0;  ///< of the transaction
   };
   struct UnderWay {
-    std::uint64_t until = 0;  ///< ns: it is answered here after that
-    bool sent = false;        ///< some of it
+    std::uint64_t until = 0;  ///< ns: after that it is answered here
+    bool sent = false;        ///< a part of it was sent
   };
 
   static int on_io(sd_event_source*, int, std::uint32_t events, void* self) noexcept;
@@ -77,11 +78,11 @@ class SocketLink final : public ClusterLink {
   std::deque<Queued> queue_;
   std::size_t queued_bytes_ = 0;
   std::map<std::uint64_t, UnderWay> under_way_;
-  std::deque<ClusterMessage> due_;  ///< said by ourselves, at the next turn
+  std::deque<ClusterMessage> due_;  ///< messages of this object, delivered in the next turn
   wire::ReaderOfStore reader_;
   std::array<char, wire::kMaxMessage> buffer_{};
-  std::size_t handled_ = 0;  ///< entries of this turn
-  std::size_t owed_ = 0;     ///< credit for entries
+  std::size_t handled_ = 0;  ///< entries handled in this turn
+  std::size_t owed_ = 0;     ///< credit for entries that is to be given
   std::uint64_t begun_ = 0;  ///< ns
   std::uint64_t received_ = 0;
   std::uint64_t pause_;  ///< µs before the next connection

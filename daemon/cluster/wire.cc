@@ -38,7 +38,7 @@ enum class Kind : std::uint8_t {
 };
 
 constexpr std::size_t kValueLength = 4;                      // octets of the length of a value
-constexpr std::size_t kRoom = kMaxMessage - kMaxWords - 64;  // of what a message lists
+constexpr std::size_t kRoom = kMaxMessage - kMaxWords - 64;  // for the list of a message
 constexpr std::uint64_t kMilli = 1'000'000;                  // ns
 
 OctetWriter begin(Kind kind) {
@@ -50,7 +50,7 @@ OctetWriter begin(Kind kind) {
 void put_revision(OctetWriter& to, std::int64_t revision) {
   to.number(static_cast<std::uint64_t>(revision), 8);
 }
-/// Of no store: one below 0.
+/// A revision below 0 is of no store, and refused.
 std::int64_t take_revision(OctetReader& from) {
   const auto revision = static_cast<std::int64_t>(from.number(8));
   if (revision < 0) from.refuse();
@@ -82,7 +82,7 @@ Entry take_entry(OctetReader& from) {
   return entry;
 }
 
-/// As many from `next` on as a message has room for, with their number in front.
+/// As many entries from `next` on as fit in a message, preceded by their number.
 std::string pack(const std::vector<Entry>& all, std::size_t& next, std::size_t most) {
   OctetWriter entries;
   std::size_t count = 0;
@@ -105,7 +105,7 @@ Message batch_message(std::int64_t revision, bool more, std::string_view listed)
   return out.take();
 }
 
-/// Those of a message; false: with those before there are more than there may be.
+/// The entries of a message. False if there are more than allowed, together with earlier ones.
 bool unpack(OctetReader& from, std::vector<Entry>& into, std::size_t most) {
   const auto count = from.number(2);
   for (std::uint64_t i = 0; i < count && from.right(); ++i) {
@@ -115,13 +115,13 @@ bool unpack(OctetReader& from, std::vector<Entry>& into, std::size_t most) {
   return true;
 }
 
-/// What a transaction lists, one after the other.
+/// The lists of a transaction, divided into messages.
 class Operations {
  public:
   explicit Operations(const Txn& txn) : txn_(txn) {}
 
   [[nodiscard]] bool done() const { return list_ == kLists; }
-  /// As many as a message has room for.
+  /// The next message, with as many operations as fit.
   std::string take() {
     OctetWriter listed;
     std::array<std::uint8_t, kLists> counts{};
@@ -276,10 +276,10 @@ std::string misfit_of(const Txn& txn) {
 }
 
 Entry bounded(Entry entry) {
-  // No message of protobuf begins with an octet whose successor is missing.
+  // No protobuf message begins with an octet 0xff that has no successor.
   constexpr char nobody_understands = '\xff';
   if (entry.key.size() > kMaxKey) {
-    // Two that differ stay two, and what deletes one is cut as it was.
+    // Two different keys stay different, and a deletion gets the same cut key as the entry.
     const std::string hash = nobody_understands + hexadecimal(hash_of(entry.key));
     entry.key = entry.key.substr(0, kMaxKey - hash.size()) + hash;
     entry.value = nobody_understands;
@@ -418,7 +418,7 @@ std::optional<ToStore> ReaderOfGateway::take_txn(OctetReader& from) {
   take_all(from, begun_->puts, counts[1], take_put);
   take_all(from, begun_->deletes, counts[2], take_key);
   take_all(from, begun_->else_get, counts[3], take_key);
-  // Of each part some octets are not of keys and values.
+  // Each part has some octets that are not of keys and values.
   if (id != begun_->id || bytes_ > 2 * kMaxTransaction || !misfit_of(*begun_).empty())
     from.refuse();
   if (more) return std::nullopt;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The conversation of mlccad with mlcca-cluster over a SOCK_SEQPACKET socket. No I/O here.
 //
-// A message is an octet for its kind and its content; integers are little endian, a text is its
-// length in two octets and its bytes, a value its length in four and its bytes. `more` is 1 where
-// the next message goes on with the same thing.
+// A message is one octet for its kind, and its content. Integers are little-endian. A text is its
+// length in two octets, and its bytes; a value is its length in four octets, and its bytes. `more`
+// is 1 if the next message continues this one.
 //   to mlcca-cluster  hello   version 1, cluster text, gateway text
 //                     follow  count 1, prefixes text
 //                     txn     id 8, patience 4 (ms), more 1, counts 1 of compares {what 1, is 1,
@@ -38,13 +38,15 @@ inline constexpr std::size_t kMaxMessage = std::size_t{64} << 10U;  ///< bytes
 inline constexpr std::size_t kMaxKey = 1024;                        ///< bytes
 inline constexpr std::size_t kMaxValue = std::size_t{60} << 10U;    ///< bytes
 inline constexpr std::size_t kMaxWords = 512;     ///< bytes of an explanation or a name
-inline constexpr std::size_t kMaxPrefixes = 128;  ///< of one follow
-inline constexpr std::size_t kMaxPrefix = 256;    ///< bytes; a longer one is cut, and follows more
+inline constexpr std::size_t kMaxPrefixes = 128;  ///< of one Follow
+inline constexpr std::size_t kMaxPrefix =
+    256;  ///< bytes; a longer prefix is cut, so that it follows more
 inline constexpr std::size_t kMaxOperations =
     128;  ///< compares, changes, and reads of a transaction
 inline constexpr std::size_t kMaxTransaction = std::size_t{1} << 20U;  ///< bytes of keys and values
 inline constexpr std::size_t kMaxBatch = 4096;                         ///< entries of one revision
-inline constexpr std::size_t kMaxBatchBytes = std::size_t{8} << 20U;   ///< of their keys and values
+inline constexpr std::size_t kMaxBatchBytes = std::size_t{8}
+                                              << 20U;  ///< bytes of their keys and values
 
 using Message = std::string;
 using Octets = std::span<const char>;
@@ -61,52 +63,54 @@ struct Credit {
 };
 using ToStore = std::variant<Hello, Follow, core::cluster::Txn, Credit>;
 
-/// Why it cannot be sent; empty: it can.
+/// Why the transaction cannot be sent; empty if it can.
 [[nodiscard]] std::string misfit_of(const core::cluster::Txn& txn);
-/// Of any length that etcd takes: what is too long for a message is replaced by what no reader of
-/// ours understands, so that it is not taken for something else.
+/// An entry within the limits of a message, from one of any length that etcd accepts. What is too
+/// long is replaced by a value that no reader of ours understands, so that it is not mistaken for
+/// something else.
 [[nodiscard]] core::cluster::Entry bounded(core::cluster::Entry entry);
 
 [[nodiscard]] Message message_of(const Hello& hello);
 [[nodiscard]] Message message_of(const Follow& follow);
 [[nodiscard]] Message message_of(const Credit& credit);
-/// In order; the transaction has no misfit.
+/// The messages of a transaction in order. It must have no misfit.
 [[nodiscard]] std::vector<Message> messages_of(const core::cluster::Txn& txn);
 
 [[nodiscard]] Message message_of(const core::cluster::StoreState& state);
 [[nodiscard]] Message message_of(const ClusterSnapshot& snapshot);
 [[nodiscard]] Message message_of(const ClusterSynced& synced);
-/// As many entries from `next` on as fit, `most` at most; `next` is then behind them. `more`: the
-/// revision has more than these entries.
+/// A message with as many entries from `next` on as fit, at most `most`; `next` is advanced.
+/// `more`: the revision has further entries.
 [[nodiscard]] Message message_of(const core::cluster::Batch& batch, std::size_t& next,
                                  std::size_t most, bool more);
-/// The same of a snapshot, where each message is a batch of its own.
+/// The same for a snapshot, where each message is a separate batch.
 [[nodiscard]] Message page_of(const core::cluster::Batch& batch, std::size_t& next,
                               std::size_t most);
 [[nodiscard]] std::vector<Message> messages_of(const core::cluster::TxnResult& result);
 
-/// Puts together what mlccad sends.
+/// Assembles what mlccad sends.
 class ReaderOfGateway {
  public:
-  /// Nothing: more is to come. An error: it is no message of mlccad's.
+  /// nullopt: more messages are to come. The error: it is not a message of mlccad.
   [[nodiscard]] Result<std::optional<ToStore>> take(Octets message);
 
  private:
   std::optional<ToStore> take_txn(OctetReader& from);
 
   std::optional<core::cluster::Txn> begun_;
-  std::size_t bytes_ = 0;  ///< of it
+  std::size_t bytes_ = 0;  ///< bytes of begun_ so far
 };
 
-/// Puts together what mlcca-cluster sends.
+/// Assembles what mlcca-cluster sends.
 class ReaderOfStore {
  public:
-  /// `entries` is how many of them the message had, for which credit is due.
+  /// `whole`: the complete message, if this one has completed it. `entries`: the number of entries
+  /// in this message, for which credit is due.
   struct Read {
     std::optional<ClusterMessage> whole;
     std::size_t entries = 0;
   };
-  /// An error: who sends such a message is not to be believed.
+  /// The error: the sender is not trustworthy.
   [[nodiscard]] Result<Read> take(Octets message);
 
  private:
@@ -115,7 +119,7 @@ class ReaderOfStore {
 
   std::optional<core::cluster::Batch> batch_;
   std::optional<core::cluster::TxnResult> result_;
-  std::size_t bytes_ = 0;  ///< of the batch
+  std::size_t bytes_ = 0;  ///< bytes of the batch
 };
 
 }  // namespace mlcca::cluster::wire
