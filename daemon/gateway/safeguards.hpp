@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Watches over what keeps the gates closed when this daemon dies and what keeps other daemons away
 // from them: the pins of the control word and the lock of the bpffs. Restores what another program
 // has removed.

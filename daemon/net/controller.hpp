@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Everything that the kernel reports about one CAN controller, its driver and its queue. This is
 // more than the daemon reads at each change, and some of it changes without notice.
 #pragma once

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Requests to rtnetlink; no other file of this program makes any. An answer is either complete or
-// an error, and no call waits without limit. A socket on which anything has failed is not used
-// again, because messages that are still in it belong to no request.
+// Requests to rtnetlink that wait for their answers. (Those of net/sources/conversation.hpp do not
+// wait.) An answer is either complete or an error, and no call waits without limit. A socket on
+// which anything has failed is not used again, because messages that are still in it belong to no
+// request.
 #pragma once
 #include <linux/netlink.h>
 
