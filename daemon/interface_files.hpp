@@ -9,6 +9,7 @@
 
 namespace mlcca {
 
+/// One name in one of the files.
 struct NamedInterface {
   std::string name;
   std::string place;  ///< file:line of the name

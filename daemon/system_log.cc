@@ -85,8 +85,7 @@ const char* verdict_of(Kind kind) {
 /// Adds one field in the native protocol of journald (systemd.io/JOURNAL_NATIVE_PROTOCOL). Its
 /// value may contain any bytes.
 void add_field(std::string& fields, std::string_view name, std::string_view value) {
-  constexpr std::size_t most =
-      32UL * 1024;  // bytes of a value, so that all fields fit in a datagram
+  constexpr std::size_t most = 32UL * 1024;  // bytes of a value: all fields fit a datagram
   value = cut(value, most);
   fields.append(name).push_back('\n');
   for (std::uint64_t size = value.size(), i = 0; i < 8; ++i, size >>= 8)

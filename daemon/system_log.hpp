@@ -65,10 +65,9 @@ struct Note {
   std::string message = {};
   std::uint64_t subject = 0;  ///< 0: not about a subject
   std::string channel = {};
-  std::string network = {};  ///< or gateway; of a delivery: the place to which it leads
-  std::string from = {};     ///< of a delivery: the place of its publisher
-  std::string publisher =
-      {};  ///< of a delivery or of frames: the publisher's name; empty: several, or none
+  std::string network = {};    ///< or gateway; of a delivery: the place to which it leads
+  std::string from = {};       ///< of a delivery: the place of its publisher
+  std::string publisher = {};  ///< of a delivery or frames: its name; empty: several, or none
   std::vector<std::uint64_t> admissions = {};  ///< the run-time admissions that it concerns
   std::uint64_t silent_ns = 0;            ///< of missing and restored: how long nothing has come
   std::uint64_t missing = 0;              ///< the number of events missing in that time

@@ -59,8 +59,7 @@ class Codec final : public core::cluster::Codec {
 struct Asked {
   std::string channel;
   std::vector<control::Request> requests;
-  std::vector<control::Request> also =
-      {};  ///< further requests of the same gateway, which bring publishers that are counted
+  std::vector<control::Request> also = {};  ///< others of it, whose publishers count
 };
 [[nodiscard]] std::string text_of(const Asked& asked);
 /// nullopt if it is not such a text, or has requests of another kind.

@@ -27,9 +27,8 @@ constexpr std::size_t kMostUnderWay = 256;                  // transactions
 constexpr std::size_t kMostQueued = std::size_t{4} << 20U;  // bytes of them
 constexpr std::uint64_t kGrace = 500'000'000;        // ns after the patience of a transaction
 constexpr std::uint64_t kLongestPause = 32'000'000;  // µs
-constexpr std::uint64_t kStable =
-    60'000'000'000;                        // ns after which a failure counts as the first one
-constexpr std::uint64_t kRound = 500'000;  // µs
+constexpr std::uint64_t kStable = 60'000'000'000;    // ns after which a failure is the first one
+constexpr std::uint64_t kRound = 500'000;            // µs
 constexpr std::uint64_t kNanosInAMicro = 1'000;
 
 }  // namespace

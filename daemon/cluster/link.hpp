@@ -28,9 +28,8 @@ class SocketLink final : public ClusterLink {
   struct Options {
     std::string socket = "/run/mlcca/cluster";
     wire::Hello hello;
-    std::uint64_t timeout =
-        15'000'000'000;  ///< ns without a message after which the connection counts as hanging
-    std::uint64_t pause = 1'000'000;  ///< µs before another connection
+    std::uint64_t timeout = 15'000'000'000;  ///< ns without a message; then it counts as hanging
+    std::uint64_t pause = 1'000'000;         ///< µs before another connection
   };
   SocketLink(sd_event* loop, Options options);
 

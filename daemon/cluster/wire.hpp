@@ -39,25 +39,26 @@ inline constexpr std::size_t kMaxKey = 1024;                        ///< bytes
 inline constexpr std::size_t kMaxValue = std::size_t{60} << 10U;    ///< bytes
 inline constexpr std::size_t kMaxWords = 512;     ///< bytes of an explanation or a name
 inline constexpr std::size_t kMaxPrefixes = 128;  ///< of one Follow
-inline constexpr std::size_t kMaxPrefix =
-    256;  ///< bytes; a longer prefix is cut, so that it follows more
+inline constexpr std::size_t kMaxPrefix = 256;  ///< bytes; a longer one is cut, so it follows more
 inline constexpr std::size_t kMaxOperations =
     128;  ///< compares, changes, and reads of a transaction
 inline constexpr std::size_t kMaxTransaction = std::size_t{1} << 20U;  ///< bytes of keys and values
 inline constexpr std::size_t kMaxBatch = 4096;                         ///< entries of one revision
-inline constexpr std::size_t kMaxBatchBytes = std::size_t{8}
-                                              << 20U;  ///< bytes of their keys and values
+inline constexpr std::size_t kMaxBatchBytes = std::size_t{8} << 20U;   ///< bytes of keys and values
 
 using Message = std::string;
 using Octets = std::span<const char>;
 
+/// The first message of mlccad: the names of its cluster and gateway.
 struct Hello {
   std::string cluster, gateway;
   bool operator==(const Hello&) const = default;
 };
+/// The prefixes of the keys that mlccad follows from now on.
 struct Follow {
   std::vector<std::string> prefixes;
 };
+/// How many further entries mlcca-cluster may send.
 struct Credit {
   std::uint32_t entries = 0;
 };

@@ -28,12 +28,10 @@ struct FoundBinding {
   /// The broker has dealt the tag to another subject, or another tag to the subject. The kernel
   /// refuses frames with the tag until settle().
   bool contradicted = false;
-  bool confirmed = false;  ///< since then a complete reply has dealt the tag as stated
-  std::uint16_t dealt =
-      0;  ///< the tag that a complete reply has last dealt to the subject; 0: none
+  bool confirmed = false;   ///< since then a complete reply has dealt the tag as stated
+  std::uint16_t dealt = 0;  ///< tag that a complete reply has last dealt to the subject; 0: none
   std::uint64_t other = 0;  ///< the subject to which the tag was dealt, if `halves` is not 0
-  std::uint8_t halves =
-      0;  ///< the known parts of `other`: 1: the first 4 bytes, 2: the last 4, 3: all
+  std::uint8_t halves = 0;  ///< known parts of `other`: 1: first 4 bytes, 2: last 4, 3: all
   std::uint32_t contradictions = 0;  ///< count so far, for move()
   bool operator==(const FoundBinding&) const = default;
 };

@@ -43,8 +43,7 @@ std::uint64_t check_interval(std::uint64_t grace) {
 
 /// ns between two jiffies, which is the resolution of the coarse clocks (CLOCK_MONOTONIC_COARSE).
 Result<std::uint64_t> kernel_tick() {
-  constexpr long shortest =
-      500'000;  // ns; HZ is 100 to 1000 on all machines, 24 to 1200 at the most
+  constexpr long shortest = 500'000;  // ns; HZ is usually 100 to 1000, at most 24 to 1200
   constexpr long longest = 50'000'000;
   timespec tick{};
   if (clock_getres(CLOCK_MONOTONIC_COARSE, &tick) != 0) return failure("clock_getres", errno);

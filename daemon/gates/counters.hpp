@@ -24,8 +24,7 @@ struct SlotCounters {
   std::uint64_t excess = 0;        ///< frames beyond the admitted traffic, dropped or passed
   std::uint64_t would_drop = 0;    ///< passed in audit mode; not a part of the others
   std::uint64_t would_exceed = 0;  ///< the part of would_drop that is excess
-  gate_reason last_reason =
-      GATE_R_PASSED;  ///< of the latest frame that was dropped or would have been
+  gate_reason last_reason = GATE_R_PASSED;  ///< of the latest real or audit-mode drop
 };
 
 /// Frames of one direction, indexed by enum gate_reason. Frames that pass in audit mode are counted

@@ -15,6 +15,7 @@ namespace mlcca::enforce {
 /// The header that the frames of an interface begin with.
 enum class Framing : std::uint8_t { other, ethernet, wpan /**< MAC frames of IEEE 802.15.4 */ };
 
+/// What the gate of an interface must be.
 struct EtherConfig {
   std::uint32_t ifindex = 0;
   std::string name;                               ///< for error texts

@@ -15,6 +15,7 @@
 
 namespace mlcca::enforce {
 
+/// What the gate of an interface must be.
 struct GateConfig {
   std::uint32_t ifindex = 0;
   std::string name;  ///< for error texts

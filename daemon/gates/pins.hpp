@@ -30,7 +30,8 @@ Result<bool> pin(int fd, const std::string& path);
 Result<void> rename_pin(const std::string& from, const std::string& to);
 void remove_pin(const std::string& path);
 
-/// What has the name, for people: "a program", "a directory", "a map of type 1 …"; empty: nothing.
+/// A description of what has the name: "a program", "a directory", "a map of type 1 …"; empty:
+/// nothing.
 std::string what_is_at(const std::string& path);
 /// Removes what has the name and does not belong there. Returns what it was, as what_is_at(). The
 /// error: a directory that is not empty, with what to do about it; a bpffs that is read-only.
@@ -43,8 +44,8 @@ Result<Fd> open_own(const std::string& path, const std::function<bool(int)>& is_
 /// Gives this object the name. Returns what had the name before and was replaced; empty if nothing
 /// had.
 Result<std::string> pin_instead(int fd, const std::string& path);
-/// Maps and programs have separate numbers, so "type 2, id 7" alone may describe a map as well as a
-/// program. These tell them apart.
+/// Whether the descriptor is a map, or a program. The two have separate numbers, so "type 2, id 7"
+/// alone may describe either.
 bool is_map(int fd);
 bool is_program(int fd);
 /// Removes all pins of the directory, and the directory.
@@ -71,6 +72,7 @@ bool is_hash(int map_fd, std::uint32_t key_size, std::uint32_t value_size);
 std::uint32_t map_id(int map_fd);
 std::string map_name(int map_fd);
 
+/// What the kernel reports about a loaded program.
 struct ProgramInfo {
   std::uint32_t id = 0;
   std::string tag;  ///< the same for the same instructions, whatever maps they use

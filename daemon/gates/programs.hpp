@@ -35,6 +35,7 @@ struct GateMaps {
 /// layout.
 std::optional<GateMaps> take_gate_maps(const std::string& directory, const MapIds& ids);
 
+/// Constants of the programs that are set before they are loaded.
 struct ProgramConfig {
   std::uint32_t ifindex = 0;
   std::uint32_t profile = GATE_PROFILE_NONE;

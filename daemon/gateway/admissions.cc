@@ -15,8 +15,7 @@ namespace mlcca {
 namespace {
 
 constexpr std::uint64_t kTryAgain = 10'000'000'000;  // ns
-constexpr std::size_t kEndedTogether =
-    64;  // the most leases that are ended, and written to disk, together
+constexpr std::size_t kEndedTogether = 64;           // leases that are ended together
 
 /// Whether a peer on a network made this admission by a subscription.
 bool is_subscription(const control::Admit& admit) {

@@ -53,8 +53,7 @@ class Adopting {
   [[nodiscard]] bool has(core::AdmissionId id) const;
 
  private:
-  using Key =
-      std::pair<std::size_t, std::uint64_t>;  ///< gateway, and the number that this gateway gave it
+  using Key = std::pair<std::size_t, std::uint64_t>;  ///< gateway, and its own number
   enum class Due : std::uint8_t { nothing, vote, open };
   struct Adopted {
     core::cluster::Origin origin;

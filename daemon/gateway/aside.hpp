@@ -99,12 +99,11 @@ class Aside {
   Ready ready_;
   Gone gone_;
   std::vector<Report*> reports_;  ///< waiting, running or not read yet, in the order of asking
-  std::map<uid_t, std::uint64_t>
-      last_started_;        ///< when the latest report of each user was started
-  std::list<Ended> ended_;  ///< children to be waited for
-  Fd always_;               ///< always readable: queues behind the sockets while a report may begin
-  Source work_;             ///< the event source of always_
-  Source timer_;            ///< enabled while reports wait for the fork budget
+  std::map<uid_t, std::uint64_t> last_started_;  ///< by user: the latest start, ns
+  std::list<Ended> ended_;                       ///< children to be waited for
+  Fd always_;     ///< always readable: queues behind the sockets while a report may begin
+  Source work_;   ///< the event source of always_
+  Source timer_;  ///< enabled while reports wait for the fork budget
   unsigned passes_ = 0;
 };
 

@@ -54,8 +54,7 @@ class Ruled {
   }
 
  private:
-  using Gate =
-      std::tuple<std::size_t, bool, std::uint32_t>;  // the last number is the mask of a CAN frame
+  using Gate = std::tuple<std::size_t, bool, std::uint32_t>;  // last: mask of a CAN frame
 
   void add(const core::GateState& rules) {
     for (const core::GateRule& rule : rules) {

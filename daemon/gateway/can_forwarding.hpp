@@ -43,7 +43,7 @@ class CanForwarding {
 
   /// Why a granted channel is not carried; nullptr if nothing hinders it.
   [[nodiscard]] const std::string* obstacle(std::size_t channel) const;
-  /// The current problem with can-gw as a whole; empty if there is none.
+  /// The current problem with can-gw that concerns all channels; empty if there is none.
   [[nodiscard]] const std::string& problem() const { return forwarder_.problem(); }
   /// The number of wanted rules plus the number of rules that the kernel was last seen to have.
   [[nodiscard]] std::size_t rules() const { return forwarder_.rules(); }

@@ -29,9 +29,8 @@ struct Described {
   std::size_t self = 0;             ///< index of the gateway of this machine
   Sha256::Digest digest = {};       ///< digest of the text that was read; only in a cluster
   Sha256::Digest file_digest = {};  ///< digest of the file, if another text was read
-  std::string text =
-      {};  ///< the text that was read, if it can be passed to other gateways; only in a cluster
-  bool unchecked = false;  ///< other gateways may be on any network: see Rollout::reader()
+  std::string text = {};            ///< of what was read, in a cluster, if it can be passed on
+  bool unchecked = false;           ///< other gateways may be on any network: see Rollout::reader()
   std::vector<std::string> notes = {};  ///< for the log: what could not be used
 };
 

@@ -52,7 +52,7 @@ class Endpoints {
   [[nodiscard]] std::optional<control::Endpoint> endpoint(std::size_t channel,
                                                           const core::GateEntry& entry,
                                                           std::uint32_t event_bytes) const;
-  /// What programs here send, by their users, and how it is supervised.
+  /// Sums up what programs here send, by user, and how it is supervised.
   class FromPrograms;
   [[nodiscard]] std::uint32_t event_bytes(const core::Passage& passage) const;
 

@@ -64,8 +64,7 @@ class Forwarder {
   std::vector<net::CanRule> in_way_;
   std::string problem_;
   bool changed_ = true;
-  bool had_any_ =
-      true;  ///< whether rules of ours were last seen or wanted; a former daemon may have left some
+  bool had_any_ = true;  ///< rules of ours were last seen or wanted; true at the start
 };
 
 }  // namespace mlcca

@@ -21,6 +21,7 @@ namespace mlcca {
 /// The wanted rules, each with a channel (a number of the caller's) that needs it.
 using Wanted = std::map<net::CanRule, std::size_t>;
 
+/// The changes that make the rules of the kernel those that are wanted.
 struct RuleChanges {
   std::vector<net::CanRuleThere> remove;  ///< only our own rules
   std::vector<net::CanRuleThere> add;

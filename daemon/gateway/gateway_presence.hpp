@@ -24,7 +24,7 @@ namespace mlcca {
 
 /// A gateway counts as failed if its announcements have not come on any available network for
 /// core::presence_lasts(), or if it announces that it cannot forward. This gateway counts itself as
-/// failed if it cannot announce itself or cannot carry.
+/// failed if it cannot announce itself, cannot carry, or another gateway receives nothing of it.
 class GatewayPresence {
  public:
   struct Parts {
@@ -56,8 +56,7 @@ class GatewayPresence {
 
  private:
   struct Other {
-    std::map<std::string, std::uint64_t>
-        until;  ///< until when it counts as present, by network, CLOCK_MONOTONIC ns
+    std::map<std::string, std::uint64_t> until;  ///< CLOCK_MONOTONIC ns, by network
     bool forwards = true;
     /// Set while it says that it receives nothing of this gateway: the number of announcements that
     /// this gateway has made since then.
@@ -101,8 +100,7 @@ class GatewayPresence {
   std::map<Pair, std::uint64_t> since_;
   std::map<std::string, Other> others_;
   Failures last_;  ///< as of the latest time at which this gateway was announced
-  std::map<std::string, std::string>
-      failed_;  ///< as of the latest apply(): the line of the log, by gateway
+  std::map<std::string, std::string> failed_;  ///< line of the log, by gateway
 };
 
 }  // namespace mlcca

@@ -10,7 +10,7 @@
 namespace mlcca {
 
 /// The contents of the history, the newest rows first, one page at a time. Rows that are written
-/// meanwhile are newer than those that follow, so no page repeats or omits a row.
+/// meanwhile are newer than those that follow.
 class HistoryPages {
  public:
   static constexpr std::size_t kPage = 128;  ///< rows

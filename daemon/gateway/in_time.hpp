@@ -30,7 +30,7 @@ auto in_time(Work work, std::uint64_t limit_ns, const std::function<void()>& mea
     std::thread([shared, promise = std::move(promise)]() mutable {
       promise.set_value((*shared)());
     }).detach();
-  } catch (const std::system_error&) {  // of the library: no thread
+  } catch (const std::system_error&) {  // no thread could be made
     return (*shared)();
   }
   const std::uint64_t end = monotonic_ns() + limit_ns;

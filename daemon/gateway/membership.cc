@@ -22,10 +22,8 @@ constexpr Value kUntilAgain = 1'000'000'000;        // ns
 constexpr Value kEnforceAgain = 5'000'000'000;      // ns
 constexpr Value kProposeAgain = 30'000'000'000;     // ns
 constexpr Value kLongestSleep = 3'600'000'000'000;  // ns
-constexpr Value kMarginParts =
-    16;  // the part of a lease before its end at which this gateway closes what is leased
-constexpr unsigned kTxnBits =
-    40;  // bits of a transaction's number; the bits above are the number of the member
+constexpr Value kMarginParts = 16;                  // of a lease: closes this part before its end
+constexpr unsigned kTxnBits = 40;                   // of a transaction's number, below the member's
 constexpr unsigned kHalf = 32;
 
 std::uint64_t random_number() {

@@ -46,8 +46,7 @@ class Membership {
     Turn& turn;
     ClusterLink& link;
     const Clock& clock;
-    sd_event* loop =
-        nullptr;  ///< for the timer of what is due; null: the caller calls act() itself
+    sd_event* loop = nullptr;  ///< for the timer; null: the caller calls act()
     Value lease = 0;
     std::function<void()> pulse;
     /// Charges the quota of a user with rows of the history.

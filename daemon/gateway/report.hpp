@@ -22,20 +22,21 @@ enum class Own : std::uint8_t { is_available, is_taken };
                                                const core::MediumUse& use, Own own);
 [[nodiscard]] control::Channel channel_report(const core::State& state,
                                               const core::Verdict& verdict, const Frames& frames);
-/// No reaction time is promised where nothing reports the silence of the publisher. `why` may be
-/// empty: it is reported.
+/// Notes why nothing reports the silence of the publisher, so that no reaction time is promised. An
+/// empty `why` means that its silence is reported.
 void set_not_supervised(control::Channel& channel, std::string why);
 
 [[nodiscard]] control::Network network_report(const core::State& state, std::size_t index);
 
-/// "emergency-switch (0xa4efeccc3210b497) refused from second-can to robot-can: Omission …".
-/// "video (0x…) switched from set 1 to set 2 of 2, from laptop to awds: …"
+/// A line such as "video (0x…) switched from set 1 to set 2 of 2, from laptop to awds: …".
 [[nodiscard]] std::string switch_line(const core::State& state, const core::Verdict& verdict,
                                       std::size_t former_set);
-/// "video (0x…) takes another way from laptop to field: lan, back-up, field instead of lan, main,
-/// field: …"
+/// A line such as "video (0x…) takes another way from laptop to field: lan, back-up, field instead
+/// of lan, main, field: …".
 [[nodiscard]] std::string reroute_line(const core::State& state, const core::Verdict& verdict,
                                        const core::Route& former_route);
+/// A line such as "emergency-switch (0xa4efeccc3210b497) refused from second-can to robot-can:
+/// Omission …".
 [[nodiscard]] std::string verdict_line(const core::State& state, const core::Verdict& verdict);
 
 }  // namespace mlcca

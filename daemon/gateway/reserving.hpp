@@ -87,7 +87,7 @@ class Reserving {
   void lost();
 
   /// Gives back what is closed, refuses what has waited for too long, and begins the next job. True
-  /// if a job was begun or ended.
+  /// if the next job was begun or ended.
   bool step(core::cluster::Member& member, Value now);
   /// Gives back what was reserved for a described channel, or for admissions that have ended, if
   /// nothing needs it any more.

@@ -14,9 +14,8 @@ namespace mlcca {
 /// replaces it.
 struct Scene {
   std::unique_ptr<core::State> state;
-  std::size_t self = 0;  ///< index of this gateway
-  std::uint64_t description =
-      0;  ///< counts the descriptions: with another one, indices have other meanings
+  std::size_t self = 0;             ///< index of this gateway
+  std::uint64_t description = 0;    ///< counts descriptions: indices differ between them
   Sha256::Digest digest = {};       ///< of the description; only in a cluster
   Sha256::Digest file_digest = {};  ///< of the file that the options name, as it was read
   bool unchecked = false;           ///< other gateways may be on any of its networks

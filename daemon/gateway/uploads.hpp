@@ -39,8 +39,7 @@ class Uploads {
     uid_t user = 0;
     std::uint64_t begun = 0;
     std::string text;
-    std::string
-        given_up;  ///< why it was given up, until its client is answered; empty: it continues
+    std::string given_up;  ///< why, until its client is answered; empty: it continues
   };
 
   static void give_up(Upload& upload, std::string why);

@@ -10,6 +10,7 @@
 
 namespace mlcca::net {
 
+/// The transmit and receive error counters of a CAN controller (ISO 11898-1).
 struct ErrorCounters {
   std::uint16_t sending = 0;
   std::uint16_t receiving = 0;

@@ -9,6 +9,7 @@
 
 namespace mlcca::net {
 
+/// One filter of tc.
 struct Filter {
   std::uint32_t priority = 0;
   std::uint32_t handle = 0;
@@ -27,6 +28,7 @@ struct Filter {
                                                          std::uint32_t priority,
                                                          std::uint32_t handle);
 
+/// The state of the root queueing discipline.
 struct Waiting {
   std::uint64_t frames = 0;   ///< in the root queueing discipline
   std::uint64_t dropped = 0;  ///< by this discipline so far

@@ -7,6 +7,7 @@
 
 namespace mlcca::net {
 
+/// One end of the pair: the name and index that it is to have.
 struct End {
   std::string name;
   int ifindex = 0;

@@ -37,6 +37,7 @@ using Message = std::unique_ptr<nl_msg, FreeMessage>;
 [[nodiscard]] std::string text_in(const nlattr& attribute);
 [[nodiscard]] std::uint32_t number_in(const nlattr& attribute);
 
+/// Why a request has failed.
 struct Refusal {
   int said = 0;  ///< the errno of the kernel's answer; 0: it has not answered
   std::string text;
@@ -87,8 +88,7 @@ class Rtnl {
   static constexpr unsigned kMostLate = 64;
   /// Attempts, if a list has changed while it was read, or something was lost.
   static constexpr int kTries = 5;
-  static constexpr std::size_t kMostOctets = std::size_t{64}
-                                             << 20;  ///< of all messages of an answer
+  static constexpr std::size_t kMostOctets = std::size_t{64} << 20;  ///< of all answers together
 
   /// A list that is consistent at one moment.
   std::expected<Answers, Refusal> dump(const Message& request);

@@ -26,8 +26,7 @@ class FormerGates {
   struct Present {
     const net::LinkTable& links;
     std::function<net::Presence(int ifindex)> presence;  ///< asks the kernel for one interface
-    std::function<bool(int ifindex)>
-        is_gated_port;      ///< whether it is a port, which has its own gate
+    std::function<bool(int ifindex)> is_gated_port;      ///< whether it is a port with its own gate
     std::size_t slots = 0;  ///< that an Ethernet gate must have room for
   };
   /// Closes the pinned ones. `pinned`: the interfaces, present or not, for which gates are pinned.

@@ -16,6 +16,7 @@
 
 namespace mlcca {
 
+/// A port, and how its interface is held.
 struct GatedPort {
   DescribedPort port;
   InterfaceHold hold;

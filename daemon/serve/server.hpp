@@ -50,8 +50,7 @@ struct Answer {
   /// an error is sent instead.
   bool held = false;
   std::uint64_t owned = 0;  ///< an admission whose events go to this connection from now on
-  std::optional<std::uint64_t>
-      follows{};  ///< a subject whose events go to this connection from now on
+  std::optional<std::uint64_t> follows{};  ///< a subject; its events go there from now on
   /// Makes the slices of a reply that comes in slices; then only the id of `reply` is used.
   NextSlice slices{};
   std::size_t least_bytes = 0;  ///< the least size of all slices together, as far as known

@@ -41,6 +41,7 @@ std::string batch(std::uint64_t salt, std::uint64_t sequence, std::uint32_t coun
 /// The first batch of a file: the complete `contents`.
 std::string snapshot(std::uint64_t salt, const Contents& contents);
 
+/// The head of a batch.
 struct BatchHead {
   std::uint32_t count = 0;     ///< entries
   std::uint64_t sequence = 0;  ///< 0: the snapshot; then 1, 2, …

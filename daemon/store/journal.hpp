@@ -132,8 +132,7 @@ class Journal {
 
   bool tail_unknown_ = false;        ///< bytes of a failed commit may follow end_
   bool directory_unsynced_ = false;  ///< a crash could bring the former file back
-  std::uint64_t retry_above_ =
-      0;  ///< the size of the file above which a failed rewriting is retried
+  std::uint64_t retry_above_ = 0;    ///< file size above which a failed rewriting is retried
   std::optional<std::string> recovered_;
   std::optional<std::string> trouble_;
 };

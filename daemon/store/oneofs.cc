@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The same as control/oneofs.cc, for the entries of the journal.
 #include "daemon/store/messages.hpp"
-// After that.
+// The generated code uses the messages above.
 #include "daemon/store/oneofs.inc"

@@ -34,9 +34,8 @@ struct Response {
       : slices(std::move(next)), least_bytes(least) {}
 
   Body body;
-  bool held = false;  ///< not sent before everything that it says is on disk
-  core::AdmissionId owned =
-      0;  ///< the admission whose events go to the connection from now on; 0: none
+  bool held = false;                       ///< not sent before everything that it says is on disk
+  core::AdmissionId owned = 0;             ///< its events go to the connection from now on; 0: none
   std::optional<std::uint64_t> follows{};  ///< the subject whose events go to it from now on
   serve::NextSlice slices;
   std::size_t least_bytes = 0;  ///< the least size of all slices together, as far as known

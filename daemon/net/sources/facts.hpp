@@ -37,6 +37,7 @@ using Octets = std::span<const char>;
 /// The messages of one snapshot, in order.
 [[nodiscard]] std::vector<Message> answer(const core::mesh::Snapshot& snapshot);
 
+/// What a process of mlcca-sources is to watch.
 struct Question {
   core::mesh::Source source;
   core::mesh::Mesh mesh;  ///< only its nodes

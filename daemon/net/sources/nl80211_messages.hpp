@@ -52,8 +52,7 @@ struct Survey {
   std::uint32_t frequency = 0;          ///< MHz
   bool in_use = false;                  ///< the channel of the interface
   std::optional<std::uint64_t> time{};  ///< ms spent on the channel
-  std::optional<std::uint64_t>
-      busy{};  ///< ms of these in which the channel was busy, with any sender
+  std::optional<std::uint64_t> busy{};  ///< ms of these in which it was busy, with any sender
   std::optional<std::uint64_t> sent{};  ///< ms of these in which this radio sent
 };
 [[nodiscard]] std::optional<Survey> read_survey(genl::Octets message);

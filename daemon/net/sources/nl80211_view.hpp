@@ -23,8 +23,8 @@ class GrowingPart {
   /// Adds the counters of a poll. If one is smaller than before it was restarted, and the
   /// comparison restarts too.
   void add(std::uint64_t whole, std::uint64_t part);
-  /// The growth of the part relative to that of the whole, in 1/`scale`, rounded up, at most
-  /// `scale`. nullopt if the whole grew by less than `least` (1 or more).
+  /// The growth of the part relative to that of the total, in 1/`scale`, rounded up, at most
+  /// `scale`. nullopt if the total grew by less than `least` (1 or more).
   [[nodiscard]] std::optional<std::uint64_t> share(std::uint64_t least, std::uint64_t scale) const;
 
  private:

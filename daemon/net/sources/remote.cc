@@ -21,9 +21,8 @@ namespace {
 
 constexpr int kTurn = 16;                            // messages that are handled in one turn
 constexpr std::uint64_t kLongestPause = 32'000'000;  // µs
-constexpr std::uint64_t kStable =
-    60'000'000'000;  // ns after which a failure counts as the first one
-constexpr std::uint64_t kRest = kLeastPause / 2;  // µs at least between two snapshots
+constexpr std::uint64_t kStable = 60'000'000'000;    // ns after which a failure is the first one
+constexpr std::uint64_t kRest = kLeastPause / 2;     // µs at least between two snapshots
 // After a snapshot the sources of a mesh rest for this many times as long as it took to read and
 // report it, but at most kLongestRest. So all of them together take a tenth of the time.
 constexpr std::uint64_t kRestPerWork = 10;

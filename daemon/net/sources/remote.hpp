@@ -17,9 +17,8 @@ struct Helper {
   /// The program to start if there is no such socket. Empty: mlcca-sources beside this program, one
   /// directory above, or in ../libexec/mlcca.
   std::string program;
-  std::uint64_t timeout =
-      15'000'000'000;  ///< ns without a message after which the process counts as hanging
-  std::uint64_t pause = 1'000'000;  ///< µs before another process is started
+  std::uint64_t timeout = 15'000'000'000;  ///< ns without a message; then it counts as hanging
+  std::uint64_t pause = 1'000'000;         ///< µs before another process is started
 };
 
 /// Opens such a source. Its facts are checked against the bounds again. A process that ends, sends

@@ -31,8 +31,7 @@ std::optional<Interface> read_interface(genl::Octets message) {
   auto mac = attributes->mac(IFLA_ADDRESS);
   if (!mac) return {};
   ifinfomsg fixed{};
-  std::memcpy(&fixed, message.data() + NLMSG_HDRLEN,
-              sizeof fixed);  // read_route_message has checked the size
+  std::memcpy(&fixed, message.data() + NLMSG_HDRLEN, sizeof fixed);  // the size was checked
   return Interface{.mac = std::move(*mac),
                    .index = static_cast<std::uint32_t>(fixed.ifi_index),
                    .running = (fixed.ifi_flags & IFF_RUNNING) != 0};
