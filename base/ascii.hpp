@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Letters and digits of ASCII, whatever the locale is.
+// Classes of ASCII characters, independent of the locale (the functions of <cctype> are not).
 #pragma once
 
 namespace mlcca {
@@ -9,11 +9,11 @@ namespace mlcca {
 [[nodiscard]] constexpr bool is_letter(char c) { return is_small_letter(c) || is_large_letter(c); }
 [[nodiscard]] constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 [[nodiscard]] constexpr bool is_alphanumeric(char c) { return is_letter(c) || is_digit(c); }
-/// What the name of a channel, network, node or gateway may consist of.
+/// Whether the name of a channel, network, node or gateway may contain `c`.
 [[nodiscard]] constexpr bool is_of_name(char c) {
   return is_alphanumeric(c) || c == '.' || c == '_' || c == '-';
 }
-/// What the name of an interface may consist of.
+/// Whether the name of a network interface may contain `c`.
 [[nodiscard]] constexpr bool is_of_interface_name(char c) {
   return is_of_name(c) || c == '@' || c == '+';
 }

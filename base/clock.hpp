@@ -11,14 +11,15 @@ inline std::uint64_t clock_ns(clockid_t clock) {
   return static_cast<std::uint64_t>(now.tv_sec) * 1'000'000'000 +
          static_cast<std::uint64_t>(now.tv_nsec);
 }
+/// A time that never goes back (CLOCK_MONOTONIC).
 inline std::uint64_t monotonic_ns() { return clock_ns(CLOCK_MONOTONIC); }
 inline std::int64_t monotonic_s() {
   return static_cast<std::int64_t>(monotonic_ns() / 1'000'000'000);
 }
-/// Since 1970, UTC.
+/// Nanoseconds since 1970, UTC (CLOCK_REALTIME). An administrator or a time service may set it.
 inline std::uint64_t unix_ns() { return clock_ns(CLOCK_REALTIME); }
 
-/// The clocks of the machine, as an interface: a test sets its own.
+/// The clocks of the machine behind an interface, so that a test can set the time.
 class Clock {
  public:
   Clock() = default;
@@ -28,15 +29,16 @@ class Clock {
   Clock& operator=(Clock&&) = delete;
   virtual ~Clock() = default;
 
-  /// CLOCK_MONOTONIC in nanoseconds: it never goes back.
+  /// Nanoseconds of CLOCK_MONOTONIC, which never go back.
   [[nodiscard]] virtual std::uint64_t monotonic_ns() const = 0;
-  /// Nanoseconds since 1970, UTC: an administrator or a time service may set it.
+  /// Nanoseconds since 1970, UTC; an administrator or a time service may set this clock.
   [[nodiscard]] virtual std::uint64_t unix_ns() const = 0;
   [[nodiscard]] std::int64_t monotonic_s() const {
     return static_cast<std::int64_t>(monotonic_ns() / 1'000'000'000);
   }
 };
 
+/// The clocks of the kernel.
 class SystemClock final : public Clock {
  public:
   [[nodiscard]] std::uint64_t monotonic_ns() const override { return mlcca::monotonic_ns(); }

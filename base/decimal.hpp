@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Decimal numbers of any length, exactly: a value is multiplied and its point moved as digits, and
-// rounded once, where it becomes an integer.
+// Exact decimal numbers of any length. A value is multiplied and its decimal point is moved on the
+// digits; it is rounded once, when it becomes an integer. So a value that a person typed is rounded
+// to the safe side and never twice.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -15,9 +16,12 @@
 
 namespace mlcca {
 
+/// A decimal number of 0 or more. The text that it is read from may be of any length; the caller
+/// limits that.
 class Decimal {
  public:
-  /// Digits, with at most one point between them; nothing for any other text.
+  /// Reads digits with at most one point between them ("12", "0.5"). Nullopt for any other text,
+  /// also for a sign, an exponent, ".5" and "5.".
   static std::optional<Decimal> read(std::string_view text) {
     const auto point = std::min(text.find('.'), text.size());
     Decimal out;
@@ -34,11 +38,13 @@ class Decimal {
     return out;
   }
 
-  /// All of them, without the point; neither zeros in front nor, behind the point, at the end.
+  /// All significant digits without the point: no leading zeros, and no trailing zeros behind the
+  /// point. Empty for 0.
   [[nodiscard]] const std::string& digits() const { return digits_; }
-  /// How many are behind the point.
+  /// The number of digits behind the point; it can exceed digits().size(), as for 0.05.
   [[nodiscard]] std::size_t decimals() const { return decimals_; }
 
+  /// The exact product.
   [[nodiscard]] Decimal times(std::uint64_t factor) const {
     __extension__ using Wide = unsigned __int128;
     Decimal out;
@@ -56,7 +62,7 @@ class Decimal {
     return out;
   }
 
-  /// Times 10^power, exactly.
+  /// The exact product with 10^power.
   [[nodiscard]] Decimal times_power(int power) const {
     Decimal out = *this;
     if (digits_.empty()) return out;
@@ -67,8 +73,8 @@ class Decimal {
     return out;
   }
 
-  /// Times 10^power as an integer, rounded once. Nothing where it is not below 2^64 - 1, which
-  /// stands for "no bound".
+  /// The product with 10^power as an integer, rounded once: up if `up`, down otherwise. Nullopt if
+  /// the result would not be below 2^64 - 1, which stands for "no bound".
   [[nodiscard]] std::optional<std::uint64_t> scaled(int power, bool up) const {
     constexpr auto most = std::numeric_limits<std::uint64_t>::max() - 1;
     if (digits_.empty()) return 0;
@@ -86,7 +92,7 @@ class Decimal {
     return *value == most ? std::nullopt : std::optional(*value + 1);
   }
 
-  /// "12.5", as short as can be.
+  /// The number in its shortest form: "12.5".
   [[nodiscard]] std::string text() const {
     std::string out = digits_;
     if (out.size() <= decimals_) out.insert(0, decimals_ + 1 - out.size(), '0');
@@ -101,12 +107,12 @@ class Decimal {
     if (digits_.empty()) decimals_ = 0;
   }
 
-  std::string digits_;  ///< of 0 none
+  std::string digits_;  ///< empty for 0
   std::size_t decimals_ = 0;
 };
 
-/// The number at the front of "12.5 ms" and what follows it, without the blanks around both.
-/// Nothing for the number where there is none.
+/// The parts of a text such as "12.5 ms", without the blanks around them. `number` is nullopt if
+/// the text does not begin with a decimal number. `unit` is a view into the text that was read.
 struct WithUnit {
   std::optional<Decimal> number;
   std::string_view unit;
@@ -118,6 +124,7 @@ inline std::string_view trimmed(std::string_view text) {
   return text;
 }
 
+/// Separates a number from the unit behind it.
 inline WithUnit number_and_unit(std::string_view text) {
   text = trimmed(text);
   const auto split = std::min(text.find_first_not_of("0123456789."), text.size());

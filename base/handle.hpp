@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Owners for what C libraries hand out: declare one on the line where the handle is obtained.
+// Owners of handles that C libraries return. Declare one on the line that obtains the handle.
 #pragma once
 #include <unistd.h>
 
@@ -8,8 +8,8 @@
 
 namespace mlcca {
 
-/// Deleter that calls a C function: `using Loop = std::unique_ptr<sd_event,
-/// FreeWith<sd_event_unref>>`.
+/// A deleter for std::unique_ptr that calls the C function `Free`, as in `using Loop =
+/// std::unique_ptr<sd_event, FreeWith<sd_event_unref>>`.
 template <auto Free>
 struct FreeWith {
   template <class T>
@@ -18,7 +18,7 @@ struct FreeWith {
   }
 };
 
-/// Owns a file descriptor; -1 is none.
+/// Owns a file descriptor and closes it; -1 means that there is none.
 class Fd {
  public:
   Fd() = default;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// FNV-1a, 64 bits: the same on every machine, and no secret.
+// The hash FNV-1a of 64 bits. It is the same on every machine, so it may be stored; it resists no
+// attacker who chooses the input.
 #pragma once
 #include <cstdint>
 #include <string_view>
@@ -8,7 +9,7 @@ namespace mlcca {
 
 inline constexpr std::uint64_t kHashOfNothing = 0xcbf29ce484222325U;
 
-/// Of what has the hash `so_far`, and behind it this octet.
+/// The hash of the octets that have the hash `so_far`, followed by `octet`.
 [[nodiscard]] constexpr std::uint64_t hash_with(std::uint64_t so_far, std::uint8_t octet) {
   return (so_far ^ octet) * 0x100000001b3U;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A number, and what is counted in the form that goes with it.
+// Counts with the singular or plural form of the noun, for output.
 #pragma once
 #include <concepts>
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace mlcca {
 
-/// "1 frame" or "3 frames"; `several`, where an s behind `one` is not the plural: "3 entries".
+/// "1 frame" or "3 frames". `several` is the plural where it is not `one` with an s ("3 entries").
 template <std::integral Number>
 [[nodiscard]] std::string many(Number n, std::string_view one, std::string_view several = {}) {
   std::string out = std::to_string(n) + ' ';

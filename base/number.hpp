@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Whole numbers, as texts from outside have them. Those with a point are in decimal.hpp.
+// Parses and prints integers (and binary floating-point numbers) in texts from outside. Exact
+// numbers with a decimal point are in decimal.hpp.
 #pragma once
 #include <array>
 #include <charconv>
@@ -18,7 +19,7 @@ inline constexpr int kHexadecimalBase = 16;
 
 namespace detail {
 
-/// The number at the front of a text, and how many characters it has.
+/// The number at the front of a text and how many characters it takes; size 0 without a number.
 template <class Number>
 struct AtFront {
   std::optional<Number> number;
@@ -39,8 +40,8 @@ AtFront<Number> read_front(std::string_view text, int base) {
 
 }  // namespace detail
 
-/// Takes a number off the front of `text`: digits, and a minus where `Number` has a sign. Nothing,
-/// and `text` stays as it is, where none stands there or it does not fit.
+/// Removes a number from the front of `text`: digits, behind a minus sign if `Number` is signed.
+/// Returns nullopt and leaves `text` unchanged if there is no number or it does not fit `Number`.
 template <class Number>
 std::optional<Number> take_number(std::string_view& text, int base = kDecimalBase) {
   const auto front = detail::read_front<Number>(text, base);
@@ -48,21 +49,21 @@ std::optional<Number> take_number(std::string_view& text, int base = kDecimalBas
   return front.number;
 }
 
-/// The number that the whole text is.
+/// The number that `text` consists of. Nullopt if anything else is in it, or if it does not fit.
 template <class Number>
 std::optional<Number> number_in(std::string_view text, int base = kDecimalBase) {
   const auto front = detail::read_front<Number>(text, base);
   return front.size == text.size() ? front.number : std::nullopt;
 }
 
-/// The same, in hexadecimal behind 0x.
+/// As number_in(), but hexadecimal behind the prefix 0x.
 template <std::unsigned_integral Number>
 std::optional<Number> prefixed_number_in(std::string_view text) {
   if (!text.starts_with("0x")) return number_in<Number>(text);
   return number_in<Number>(text.substr(2), kHexadecimalBase);
 }
 
-/// "0x1f": lower case, without leading zeros.
+/// The number in hexadecimal with prefix, lower case and without leading zeros: "0x1f".
 template <std::unsigned_integral Number>
 std::string hexadecimal(Number number) {
   std::array<char, 2 * sizeof(Number)> digits{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// One file descriptor from a process to another, over a local socket (SCM_RIGHTS, unix(7)).
+// Passes one file descriptor to another process over a local socket (SCM_RIGHTS, see unix(7)).
 #pragma once
 #include <sys/socket.h>
 
@@ -13,8 +13,9 @@
 
 namespace mlcca {
 
-/// A message of one byte, with room for one file descriptor. The padding that CMSG_SPACE has would
-/// take a second one; without it the kernel closes what has no room.
+/// A message of one byte with room for exactly one file descriptor. The length is CMSG_LEN and not
+/// CMSG_SPACE, whose padding would have room for a second descriptor; the kernel closes descriptors
+/// that have no room.
 struct FdMessage {
   FdMessage() {
     head.msg_iov = &data;
@@ -34,7 +35,7 @@ struct FdMessage {
   msghdr head{};
 };
 
-/// Does not wait; false: it was not sent.
+/// Sends `fd` without waiting. False: it was not sent. The caller keeps its own descriptor.
 inline bool send_fd(int socket, const Fd& fd) {
   FdMessage message;
   cmsghdr* const part = CMSG_FIRSTHDR(&message.head);
@@ -46,8 +47,8 @@ inline bool send_fd(int socket, const Fd& fd) {
   return ::sendmsg(socket, &message.head, MSG_DONTWAIT | MSG_NOSIGNAL) == 1;
 }
 
-/// Does not wait. Nothing: no message has come. An Fd without one: the other end has gone, or its
-/// message has no file descriptor, or several.
+/// Receives a descriptor without waiting. Nullopt: no message has come yet. An empty Fd: the other
+/// end has closed the socket, or its message does not have exactly one descriptor.
 inline std::optional<Fd> receive_fd(const Fd& socket) {
   FdMessage message;
   const auto size = ::recvmsg(socket.get(), &message.head, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);

@@ -5,18 +5,18 @@
 
 namespace mlcca {
 
-/// What is wrong for as long as it lasts. It is reported when it begins and when it becomes another
-/// one, not again at each check.
+/// A condition that lasts and has a description. It decides when the condition is reported:
+/// when it begins and when its description changes, not at each check.
 class Problem {
  public:
-  /// Takes what a check has found; an empty text means that the problem is over. True: that is to
-  /// be reported.
+  /// Takes the result of a check; an empty text means that the condition is over. Returns true if
+  /// it is to be reported.
   [[nodiscard]] bool is_new(std::string found) {
     const bool differs = found != text_;
     text_ = std::move(found);
     return differs && lasts();
   }
-  /// As whole sentences or clauses; empty when there is none.
+  /// The description in sentences or clauses; empty when there is no problem.
   [[nodiscard]] const std::string& text() const { return text_; }
   [[nodiscard]] bool lasts() const { return !text_.empty(); }
 

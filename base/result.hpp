@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A value or the reason why the outside world did not give it, in words for a person.
+// A value, or an error text for a person if the outside world (kernel, file, peer, input) did not
+// give it.
 #pragma once
 #include <expected>
 #include <string>
@@ -7,7 +8,8 @@
 
 namespace mlcca {
 
-/// Names the failed call or field and what would be right; gains context on its way up.
+/// The text names the call or field that failed and what would be right; callers on the way up put
+/// context in front.
 struct Error {
   std::string text;
 };

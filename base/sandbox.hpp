@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a process gives up for good before it reads what it does not trust.
+// Parts of a sandbox: what a process gives up for good before it reads untrusted input.
 #pragma once
 #include <linux/audit.h>
 #include <linux/capability.h>
@@ -21,7 +21,8 @@
 
 namespace mlcca {
 
-/// A sanitizer maps terabytes and makes system calls of its own.
+/// Whether this is a build with a sanitizer, which maps terabytes and makes system calls of its
+/// own: no limit of memory and no filter of system calls is possible then.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool kSanitized = true;
 #else
@@ -42,14 +43,15 @@ inline constexpr std::uint32_t kArchitecture = AUDIT_ARCH_RISCV64;
 
 }  // namespace detail
 
+/// Sets the soft and the hard limit of a resource to `most`.
 inline Result<void> limit_resource(__rlimit_resource what, rlim_t most) {
   const rlimit both{.rlim_cur = most, .rlim_max = most};
   if (::setrlimit(what, &both) < 0) return system_error("setrlimit");
   return {};
 }
 
-/// All of them. Those that may never be had again go first, as far as they are there to be given
-/// up.
+/// Gives up all capabilities, the bounding and the ambient set included. Clearing those two is not
+/// an error where the process may not do it: without a permitted capability they give nothing.
 inline Result<void> drop_capabilities() {
   for (unsigned long c = 0; ::prctl(PR_CAPBSET_READ, c) >= 0; ++c) ::prctl(PR_CAPBSET_DROP, c);
   ::prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0);
@@ -60,7 +62,10 @@ inline Result<void> drop_capabilities() {
   return {};
 }
 
-/// System calls that are allowed; all others fail with EPERM.
+/// A seccomp filter (seccomp(2)) that permits the system calls that were allowed; all others fail
+/// with EPERM, and those of another architecture kill the process. allow_with() can be repeated for
+/// one call; after allow_with(), one of the other functions may follow for it, and nothing after
+/// that.
 class SystemCallFilter {
  public:
   SystemCallFilter() {
@@ -69,11 +74,13 @@ class SystemCallFilter {
     add(BPF_RET | BPF_K, SECCOMP_RET_KILL_PROCESS);
     load(offsetof(seccomp_data, nr));
   }
+  /// Allows the call with any arguments.
   void allow(long call) {
     add(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 1);
     add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
   }
-  /// If no bit of `mask` is set in this argument.
+  /// Allows the call if no bit of `mask` is set in the lower 32 bits of argument `argument` (from
+  /// 0).
   void allow_without(long call, unsigned argument, std::uint32_t mask) {
     add(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 4);
     load_argument(argument);
@@ -81,7 +88,8 @@ class SystemCallFilter {
     add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
     refuse();
   }
-  /// If one bit of `mask` is set in this argument.
+  /// Allows the call if a bit of `mask` is set in the lower 32 bits of argument `argument` (from
+  /// 0).
   void allow_having(long call, unsigned argument, std::uint32_t mask) {
     add(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 4);
     load_argument(argument);
@@ -89,12 +97,13 @@ class SystemCallFilter {
     add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
     refuse();
   }
-  /// As if the kernel did not have it: a library then takes an older one.
+  /// Makes the call fail with ENOSYS, as if the kernel did not have it, so that a library uses an
+  /// older call instead.
   void hide(long call) {
     add(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 1);
     add(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | ENOSYS);
   }
-  /// If this argument, the first one by default, is that.
+  /// Allows the call if the lower 32 bits of argument `argument` (from 0) equal `value`.
   void allow_with(long call, std::uint32_t value, unsigned argument = 0) {
     add(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 4);
     load_argument(argument);
@@ -102,6 +111,8 @@ class SystemCallFilter {
     add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
     load(offsetof(seccomp_data, nr));
   }
+  /// Puts the filter in force for this thread and those that it starts. The process must have set
+  /// PR_SET_NO_NEW_PRIVS.
   Result<void> install() {
     refuse();
     const sock_fprog program{.len = static_cast<unsigned short>(steps_.size()),
@@ -117,7 +128,8 @@ class SystemCallFilter {
   void load(std::size_t offset) {
     add(BPF_LD | BPF_W | BPF_ABS, static_cast<std::uint32_t>(offset));
   }
-  /// Its lower half: all arguments that are compared are ints.
+  /// Loads the lower half of an argument: all arguments that are compared are of type int.
+  /// Little-endian machines only.
   void load_argument(unsigned number) {
     load(offsetof(seccomp_data, args) + std::size_t{number} * sizeof(std::uint64_t));
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// SHA-256 (FIPS 180-4), by which gateways compare what they have read. Not for secrets.
+// SHA-256 (FIPS 180-4). Gateways compare descriptions and other files by it. Not for secrets.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -25,7 +25,7 @@ class Sha256 {
     }
   }
 
-  /// Of all that was added. Nothing can be added after it.
+  /// The digest of all octets that were added; nothing can be added afterwards.
   [[nodiscard]] Digest digest() {
     const std::uint64_t bits = size_ * kOctet;
     add({"\x80", 1});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the kernel refused, as an error in words.
+// Makes an Error of the code that a system call left in errno.
 #pragma once
 #include <cerrno>
 #include <cstring>
@@ -10,7 +10,7 @@
 
 namespace mlcca {
 
-/// "WHAT: No such file or directory" of errno, or of `error`.
+/// "WHAT: No such file or directory"; `error` is an errno value.
 [[nodiscard]] inline std::unexpected<Error> system_error(const std::string& what,
                                                          int error = errno) {
   return fail(what + ": " + std::strerror(error));  // NOLINT(concurrency-mt-unsafe): one thread

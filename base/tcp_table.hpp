@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The kernel's lists of TCP sockets, /proc/net/tcp and tcp6. They may be long, and none of it is
-// kept.
+// Reads the kernel's tables of TCP sockets, /proc/net/tcp and tcp6, line by line: they may be long,
+// and they are not kept in memory.
 #pragma once
 #include <unistd.h>
 
@@ -13,10 +13,11 @@
 
 namespace mlcca {
 
-/// Bytes of one list that are read: some 400,000 sockets.
+/// At most so many bytes of a table are read (about 400,000 sockets).
 inline constexpr std::size_t kMostTcpTable = std::size_t{64} << 20U;
 
-/// Of a line: local end 1, remote end 2, state 3, owner 7, inode 9. Empty: there is none.
+/// The columns of a line: local address 1, remote address 2, state 3, user 7, inode 9. A column
+/// that the line does not have is empty. The views are into the line.
 using TcpColumns = std::array<std::string_view, 10>;
 inline TcpColumns tcp_columns(std::string_view line) {
   TcpColumns out;
@@ -29,11 +30,11 @@ inline TcpColumns tcp_columns(std::string_view line) {
   return out;
 }
 
-/// Calls `on_line` with each line until it returns false. 0, or what read(2) failed with; EFBIG:
-/// the list is longer than kMostTcpTable.
+/// Calls `on_line` with each line, without its newline, until it returns false. Returns 0, the
+/// errno of a read(2) that failed, or EFBIG if the table exceeds kMostTcpTable.
 template <class OnLine>
 int read_tcp_table(int fd, OnLine on_line) {
-  std::string rest;  // of a line
+  std::string rest;  // the beginning of an incomplete line
   std::array<char, 16384> block{};
   for (std::size_t all = 0; all <= kMostTcpTable;) {
     const ssize_t size = ::read(fd, block.data(), block.size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Texts of others, as far as they are shown.
+// Prepares texts from outside for output.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -8,10 +8,11 @@
 
 namespace mlcca {
 
-/// The beginning of a text in UTF-8, of at most so many bytes: the last character is complete.
+/// The beginning of a UTF-8 text, at most `most` bytes, which does not end within a character.
 [[nodiscard]] constexpr std::string_view cut(std::string_view text, std::size_t most) {
   constexpr unsigned kind = 0xc0;
-  constexpr unsigned continues = 0x80;  // bytes of a character behind its first one, 3 at most
+  constexpr unsigned continues = 0x80;  // marks the second and further bytes of a character (up to
+                                        // 3)
   if (text.size() <= most) return text;
   std::size_t end = most;
   for (int step = 0; step < 3 && end > 0; ++step, --end)

@@ -8,7 +8,8 @@
 
 namespace mlcca {
 
-/// The timerfd can be read after that time, once. Another time takes its place; 0: never.
+/// Sets a timerfd: it becomes readable once, after `time`. This replaces an earlier setting; 0
+/// switches the timer off.
 inline void start_timer(const Fd& timer, std::chrono::milliseconds time) {
   constexpr long in_a_second = 1000;
   constexpr long in_a_milli = 1'000'000;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The units that people type, a row each: what one of them is in the unit inside.
+// The units that people can type, and their conversion into the units that the code uses inside.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace mlcca {
 
-/// What a unit measures, by the unit inside.
+/// What a unit measures, named after the unit inside.
 enum class Measure : std::uint8_t {
   nanoseconds,
   bytes_per_second,
@@ -22,14 +22,15 @@ enum class Measure : std::uint8_t {
   number,
 };
 
-/// One is factor * 10^power of the unit inside.
+/// A unit: one of it is factor * 10^power of the unit inside of its measure.
 struct Unit {
   Measure measure;
   std::string_view name;
   std::uint64_t factor;
   int power = 0;
 
-  /// How many units inside are so many of this one; see Decimal::scaled().
+  /// Converts `many` of this unit into the unit inside, rounded up or down. Nullopt if that is not
+  /// below 2^64 - 1; see Decimal::scaled().
   [[nodiscard]] std::optional<std::uint64_t> of(const Decimal& many, bool up) const {
     return many.times(factor).scaled(power, up);
   }
@@ -42,7 +43,7 @@ inline constexpr std::uint64_t kHour = 60 * kMinute;
 inline constexpr std::uint64_t kDay = 24 * kHour;
 inline constexpr std::uint64_t kKibi = 1024;
 
-/// The first of some that are alike is the one that is named to people.
+/// All units. Of several spellings of the same unit, output uses the first one.
 inline constexpr auto kAll = std::to_array<Unit>({
     {Measure::nanoseconds, "ns", 1},
     {Measure::nanoseconds, "us", 1, 3},
@@ -84,10 +85,10 @@ inline constexpr auto kAll = std::to_array<Unit>({
     {Measure::number, "events", 1},
 });
 
-/// Shares that have no unit: 0.01.
+/// Shares without a unit: 0.01 is 1 %.
 inline constexpr auto kPlainShares = std::to_array<Unit>({{Measure::parts_per_billion, "", 1, 9}});
 
-/// Of long times, beside those above.
+/// Further spellings for spans of time and leases, which can be long.
 inline constexpr auto kLongTimes = std::to_array<Unit>({
     {Measure::nanoseconds, "second", 1, 9},
     {Measure::nanoseconds, "seconds", 1, 9},
@@ -103,7 +104,7 @@ inline constexpr auto kLongTimes = std::to_array<Unit>({
     {Measure::nanoseconds, "weeks", 7 * kDay, 9},
 });
 
-/// As radios and the source AWDS call rates.
+/// Rates as the tools of radios and the daemon of AWDS print them.
 inline constexpr auto kRadioRates = std::to_array<Unit>({
     {Measure::bits_per_second, "k", 1, 3},
     {Measure::bits_per_second, "M", 1, 6},
@@ -115,7 +116,7 @@ inline constexpr auto kRadioRates = std::to_array<Unit>({
     {Measure::bits_per_second, "GByte/s", 8, 9},
 });
 
-/// What an attribute measures whose unit in the attribute table (AttributeInfo::unit) is `base`.
+/// The measure of an attribute whose unit in the attribute table (AttributeInfo::unit) is `base`.
 constexpr Measure measure_of(std::string_view base) {
   if (base == "ns") return Measure::nanoseconds;
   if (base == "bytes/s") return Measure::bytes_per_second;
@@ -123,7 +124,7 @@ constexpr Measure measure_of(std::string_view base) {
   return base == "bytes" ? Measure::bytes : Measure::number;
 }
 
-/// nullptr: there is none.
+/// The unit of that name and measure; nullptr if there is none.
 constexpr const Unit* find(Measure measure, std::string_view name,
                            std::span<const Unit> among = kAll) {
   const auto found = std::ranges::find_if(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The address of a local socket.
+// The address of a local (AF_UNIX) socket.
 #pragma once
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -10,7 +10,7 @@
 
 namespace mlcca {
 
-/// Of a socket in the file system; `path` has 1 to 107 bytes.
+/// The address of a socket in the file system; an error if `path` does not have 1 to 107 bytes.
 inline Result<sockaddr_un> unix_address(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -21,7 +21,7 @@ inline Result<sockaddr_un> unix_address(const std::string& path) {
   return address;
 }
 
-/// As the calls of the socket interface want it.
+/// The type that the calls of the socket interface take.
 inline const sockaddr* generic(const sockaddr_un& address) {
   // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
   return reinterpret_cast<const sockaddr*>(&address);

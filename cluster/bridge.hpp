@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What mlccad asks for, done at one member of the store after the other. It gives no meaning to a
-// key or a value.
+// Connects mlccad with the store (etcd) of a cluster. It carries out what mlccad requests at one
+// member of the store, and goes to the next member when that fails. It interprets neither keys nor
+// values.
 #pragma once
 #include <systemd/sd-event.h>
 
@@ -26,8 +27,11 @@
 
 namespace mlcca::cluster {
 
+/// The session of mlccad with the store: the transactions under way, the feed of changes (Follower)
+/// and the state of the connection. It runs in the event loop and never waits.
 class Bridge {
  public:
+  /// What the bridge needs from outside; a test gives fakes.
   struct Outside {
     std::function<Result<std::unique_ptr<Channel>>(const std::string& endpoint)> open;
     std::function<void(const std::string&)> log;
@@ -35,22 +39,25 @@ class Bridge {
   Bridge(sd_event* loop, const Settings& settings, Outside outside);
 
   [[nodiscard]] Result<void> start();
-  /// Called when there is something in the outbox.
+  /// Sets the function to call whenever there is something in the outbox.
   void on_output(std::function<void()> call) { wrote_ = std::move(call); }
 
-  /// A message of mlccad. Nothing is asked of the store before it has said hello.
+  /// Takes a message from mlccad. Nothing is requested from the store before mlccad has said hello.
   void take(wire::ToStore message);
-  /// mlccad has gone: nothing more is asked of the store.
+  /// Ends the session because mlccad has disconnected: nothing more is requested from the store.
   void end_session();
   [[nodiscard]] Outbox& outbox() { return outbox_; }
-  /// Some of the outbox was sent.
+  /// Must be called when part of the outbox was sent: the feed may go on.
   void sent() { follower_.go_on(); }
-  /// As many transactions are under way as may be.
+  /// Whether as many transactions are under way as are allowed. The caller reads no further message
+  /// from mlccad until that has changed.
   [[nodiscard]] bool is_busy() const { return under_way_.size() >= kMostUnderWay; }
 
  private:
   static constexpr std::size_t kMostUnderWay = 64;
 
+  /// A transaction whose answer has not come: the keys that it reads if a comparison fails, and the
+  /// answer once it is there.
   struct UnderWay {
     std::vector<std::string> gets;
     std::optional<etcd::TxnAnswer> answer;
@@ -76,20 +83,21 @@ class Bridge {
   Endpoints endpoints_;
   Outbox outbox_;
   std::unique_ptr<Channel> channel_;
-  std::unique_ptr<Channel> retired_;  ///< it may be calling us
+  std::unique_ptr<Channel> retired_;  ///< the former channel, kept because this may run inside one
+                                      ///< of its calls
   Follower follower_;
-  std::map<std::uint64_t, UnderWay> under_way_;  ///< by the number of the transaction
+  std::map<std::uint64_t, UnderWay> under_way_;  ///< by the number that mlccad gave the transaction
   std::unique_ptr<Call> status_call_;
-  std::optional<etcd::Status> fresh_;   ///< what is answered now
-  std::optional<etcd::Status> status_;  ///< the latest that was well
+  std::optional<etcd::Status> fresh_;   ///< the status that is being received
+  std::optional<etcd::Status> status_;  ///< the latest status that was received completely
   bool session_ = false;
-  bool confirmed_ = false;  ///< this member knows a leader
-  unsigned failures_ = 0;   ///< of transactions, one after the other
+  bool confirmed_ = false;  ///< the present member has stated that it knows a leader
+  unsigned failures_ = 0;   ///< consecutive transactions that have failed
   std::uint64_t latency_ = 0;
-  std::string refused_;  ///< why nothing can be followed
-  std::string problem_;  ///< why there is no member to ask
+  std::string refused_;  ///< why the store refuses to give the feed; empty: it does not
+  std::string problem_;  ///< why no member can be asked; empty: one can
   Problem logged_;
-  std::uint64_t pause_;  ///< µs before what is followed is asked for again
+  std::uint64_t pause_;  ///< µs until the feed is requested again
   net::Timer poll_;
   net::Timer reconnect_;
   net::Timer refollow_;

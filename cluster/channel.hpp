@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Calls of gRPC to one member of the store: over HTTP/2, or to a fake.
+// gRPC calls to one member of the store, as an interface: over HTTP/2 (http.hpp), or a fake in
+// tests.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -15,13 +16,14 @@ inline constexpr std::size_t kLongestAnswer = std::size_t{16} << 20U;  ///< octe
 /// How a call has ended.
 struct End {
   static constexpr int kNoStatus = -1;
-  int status = kNoStatus;  ///< of gRPC; kNoStatus: it was not the server who ended it
-  std::string text;        ///< for a person
-  bool sent = true;        ///< false: surely nothing of the request has reached the server
-  bool too_long = false;   ///< an answer was longer than kLongestAnswer
+  int status = kNoStatus;  ///< the gRPC status; kNoStatus: the call ended without one from the
+                           ///< server
+  std::string text;        ///< a description for a person
+  bool sent = true;        ///< false: certainly nothing of the request has reached the server
+  bool too_long = false;   ///< an answer exceeded kLongestAnswer
 };
 
-/// A call under way; it is over with this, and its functions are not called any more.
+/// A call under way. Destroying it ends the call; its functions are not called afterwards.
 class Call {
  public:
   Call() = default;
@@ -31,18 +33,20 @@ class Call {
   Call& operator=(Call&&) = delete;
   virtual ~Call() = default;
 
-  /// Some of the request may have reached the server.
+  /// Whether part of the request may have reached the server.
   [[nodiscard]] virtual bool sent() const = 0;
 };
 
+/// A request of one call.
 struct Request {
+  /// The path of the gRPC method, such as "/etcdserverpb.KV/Txn", and the encoded message.
   std::string_view method;
   std::string message;
-  std::uint64_t timeout_ms = 0;  ///< 0: none
-  bool stays_open = false;       ///< the server may go on to answer
-  /// Once, unless it stays open.
+  std::uint64_t timeout_ms = 0;  ///< 0: no limit
+  bool stays_open = false;       ///< the server may send several answers, as for a watch
+  /// Receives an answer: at most one, unless the call stays open.
   std::function<void(std::string)> on_answer;
-  /// Once, at the end. With status 0 there was an answer.
+  /// Is called once when the call has ended. With status 0 there was an answer before.
   std::function<void(const End&)> on_end;
 };
 
@@ -55,8 +59,9 @@ class Channel {
   Channel& operator=(Channel&&) = delete;
   virtual ~Channel() = default;
 
-  /// Its functions are called from the loop, never within this call. They may end calls, this one
-  /// included, but not the channel.
+  /// Starts a call; nullptr if that is not possible. The functions of the request are called from
+  /// the event loop and never within start(). They may destroy calls, also this one, but not the
+  /// channel.
   [[nodiscard]] virtual std::unique_ptr<Call> start(Request request) = 0;
 };
 

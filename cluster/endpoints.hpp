@@ -9,8 +9,8 @@
 
 namespace mlcca::cluster {
 
-/// Which member is asked. After a failure it is the next one, at once until all have failed, then
-/// after a pause that grows.
+/// Chooses the member of the store that is asked. After a failure it is the next member, at once
+/// until all have failed; then after a pause, which doubles each time.
 class Endpoints {
  public:
   explicit Endpoints(std::vector<std::string> all) : all_(std::move(all)) {}
@@ -21,7 +21,7 @@ class Endpoints {
     failures_ = 0;
     pause_ = kFirstPause;
   }
-  /// µs before the next one is tried.
+  /// Records a failure and goes to the next member. Returns the µs to wait before it is tried.
   std::uint64_t failed() {
     at_ = (at_ + 1) % all_.size();
     if (++failures_ < all_.size()) return 0;
@@ -35,7 +35,7 @@ class Endpoints {
 
   std::vector<std::string> all_;
   std::size_t at_ = 0;
-  std::size_t failures_ = 0;  ///< since the latest success or pause
+  std::size_t failures_ = 0;  ///< members that failed since the latest success or pause
   std::uint64_t pause_ = kFirstPause;
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is followed: a snapshot in pages as of one revision, then the changes after it.
+// The feed of entries from the store to mlccad: a snapshot, requested in pages as of one revision,
+// then the changes after that revision.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -15,47 +16,50 @@
 
 namespace mlcca::cluster {
 
-/// Several prefixes, none within another one.
+/// A set of key prefixes, none of which is contained in another one.
 class Prefixes {
  public:
   explicit Prefixes(std::vector<std::string> all = {});
 
   [[nodiscard]] const std::vector<std::string>& all() const { return all_; }
   [[nodiscard]] bool has(std::string_view key) const;
-  /// The folder that all of them are in, with the slash at its end; empty: there is none.
+  /// The longest common folder of all prefixes, with its final slash; empty if there is none.
   [[nodiscard]] std::string folder() const;
 
  private:
-  std::vector<std::string> all_;  ///< rising
+  std::vector<std::string> all_;  ///< in ascending order
 };
 
-/// One watch takes the folder of all prefixes: so all changes of a revision come together, and a
-/// revision that changed nothing of what is followed is known to have done so.
+/// Reads the snapshot, then watches. One watch covers the common folder of all prefixes: so all
+/// changes of a revision come together, and it is known of a revision that it changed nothing that
+/// is followed.
 class Follower {
  public:
+  /// Why following has ended.
   enum class Trouble : std::uint8_t {
-    again,    ///< it was too slow, too large or compacted: from the beginning
-    refused,  ///< the store refuses it to this user
-    broken    ///< of this member
+    again,  ///< mlccad was too slow, there was too much, or the revision was compacted: start again
+    refused,  ///< the store denies access to the user of this gateway
+    broken    ///< this member does not work
   };
   struct Outside {
     std::function<void(Trouble, const std::string&)> failed;
-    std::function<void()> wrote;  ///< there is something in the outbox
+    std::function<void()> wrote;  ///< is called when there is something in the outbox
   };
   Follower(Outbox& outbox, Outside outside) : outbox_(outbox), outside_(std::move(outside)) {}
 
-  /// From the next start on.
+  /// Sets what is followed from the next start() on.
   void set_prefixes(std::vector<std::string> prefixes) {
     prefixes_ = Prefixes(std::move(prefixes));
   }
   [[nodiscard]] bool has_prefixes() const { return !prefixes_.all().empty(); }
-  /// From the beginning, through this channel, which stays until stop().
+  /// Begins with a snapshot. `channel` must stay until stop(). An answer with a page must come
+  /// within 5 times `timeout_ms`, because it is large.
   void start(Channel& channel, std::uint64_t timeout_ms);
   void stop();
-  /// The outbox has room again.
+  /// Must be called when the outbox may have room again.
   void go_on();
   [[nodiscard]] bool is_active() const { return channel_ != nullptr; }
-  /// The snapshot is whole, and changes are awaited.
+  /// Whether the snapshot is complete and changes are awaited.
   [[nodiscard]] bool watches() const { return watching_; }
 
  private:
@@ -74,12 +78,12 @@ class Follower {
   Channel* channel_ = nullptr;
   std::uint64_t timeout_ms_ = 0;
   std::unique_ptr<Call> call_;
-  std::size_t prefix_ = 0;      ///< whose page is next
-  std::string key_;             ///< with which it begins
-  std::uint64_t limit_ = 4096;  ///< entries of a page; fewer where they are long
+  std::size_t prefix_ = 0;      ///< index of the prefix whose page is requested next
+  std::string key_;             ///< first key of that page
+  std::uint64_t limit_ = 4096;  ///< entries of a page; reduced when entries are long
   std::int64_t revision_ = 0;
   bool paging_ = false;
-  bool waits_ = false;  ///< for room
+  bool waits_ = false;  ///< for room in the outbox
   bool watching_ = false;
 };
 

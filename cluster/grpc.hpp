@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What gRPC puts around messages, and what it says at the end of a call. No I/O here.
+// The framing of messages in gRPC, and the status at the end of a call. No I/O.
 #pragma once
 #include <cstddef>
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace mlcca::cluster::grpc {
 
-/// What a call ends with (grpc-status) as far as it makes a difference here.
+/// The status codes of gRPC (grpc-status) that are distinguished here.
 inline constexpr int kOk = 0;
 inline constexpr int kInvalidArgument = 3;
 inline constexpr int kPermissionDenied = 7;
@@ -17,21 +17,23 @@ inline constexpr int kOutOfRange = 11;
 inline constexpr int kUnavailable = 14;
 inline constexpr int kUnauthenticated = 16;
 
-/// The message behind five octets: not compressed, and its length.
+/// The message behind the prefix of gRPC: one octet 0 (not compressed) and the length in four
+/// octets.
 [[nodiscard]] std::string framed(std::string_view message);
 
-/// Takes messages out of the frames that they come in.
+/// Extracts messages from a stream of gRPC frames.
 class FrameReader {
  public:
   explicit FrameReader(std::size_t most) : most_(most) {}
 
-  /// False: a frame is compressed or longer than `most`. Nothing is read of it, nor after it.
+  /// Takes received octets. False: a frame is compressed or longer than `most`; that frame and
+  /// everything after it are discarded.
   [[nodiscard]] bool push(std::string_view octets);
-  /// The next message that is whole.
+  /// Removes and returns the next complete message; nullopt while there is none.
   [[nodiscard]] std::optional<std::string> next();
-  /// What was pushed ends with a whole message.
+  /// Whether the octets that were pushed end with a complete message that was taken.
   [[nodiscard]] bool at_end() const { return at_ == octets_.size(); }
-  /// A frame was longer than `most`.
+  /// Whether a frame was longer than `most`.
   [[nodiscard]] bool too_long() const { return too_long_; }
 
  private:
@@ -40,21 +42,22 @@ class FrameReader {
   std::size_t most_;
   std::string octets_;
   std::size_t at_ = 0;       ///< where the next frame begins
-  std::size_t checked_ = 0;  ///< where the first frame begins whose head was not seen
+  std::size_t checked_ = 0;  ///< where the first frame begins whose prefix was not checked yet
   bool broken_ = false;
   bool too_long_ = false;
 };
 
-/// What the headers and trailers of a call say.
+/// Collects the status of a call from its headers and trailers.
 class Trailers {
  public:
-  /// A line as HTTP has it. False: this is no call of gRPC over HTTP/2.
+  /// Takes one header line of HTTP. False: the response is not a gRPC response over HTTP/2; see
+  /// problem().
   [[nodiscard]] bool take(std::string_view line);
-  /// grpc-status; nothing: there was none.
+  /// The value of grpc-status; nullopt if there was none.
   [[nodiscard]] std::optional<int> status() const { return status_; }
-  /// grpc-message, as printable text of limited length.
+  /// The value of grpc-message as printable text of limited length.
   [[nodiscard]] const std::string& message() const { return message_; }
-  /// Why it is no call of gRPC.
+  /// Why the response is not a gRPC response; empty if it is.
   [[nodiscard]] const std::string& problem() const { return problem_; }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The channel over HTTP/2 and TLS, by libcurl in the loop of sd-event.
+// Implements Channel over HTTP/2 and TLS, by libcurl in the event loop.
 #pragma once
 #include <systemd/sd-event.h>
 
@@ -12,11 +12,12 @@
 
 namespace mlcca::cluster {
 
-/// Once, before anything else: what libcurl and its TLS library read and allocate.
+/// Must be called once before the sandbox is entered: it lets libcurl and its TLS library read and
+/// allocate what they need.
 [[nodiscard]] Result<void> prepare_http();
 
-/// All calls share one connection, which is made by the first one. Each connection reads the files
-/// of `settings` again. Nothing is ever sent twice.
+/// Opens a channel to `endpoint`. All its calls share one connection, which the first call makes.
+/// Each connection reads the certificate files of `settings` again. No request is sent twice.
 [[nodiscard]] Result<std::unique_ptr<Channel>> open_http(sd_event* loop, const Settings& settings,
                                                          const std::string& endpoint);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is still to be sent to mlccad: the latest state, the results of transactions, and of entries
-// as many as there is credit for.
+// What is to be sent to mlccad: the latest state of the store, results of transactions, and the
+// feed of entries.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -13,26 +13,30 @@
 
 namespace mlcca::cluster {
 
+/// Orders the messages to mlccad. The state and the results go first. The feed is limited by the
+/// credit that mlccad gives, in entries, so that a slow mlccad bounds it. A newer state replaces
+/// one that was not sent.
 class Outbox {
  public:
   void put(core::cluster::StoreState state) { state_ = std::move(state); }
   void put(const core::cluster::TxnResult& result);
-  /// What was fed and not sent yet is forgotten.
+  /// Begins a snapshot as of `revision`; what was in the feed and was not sent is discarded.
   void begin(std::int64_t revision);
-  /// A revision, which is one batch there, too.
+  /// Adds the changes of one revision, which mlccad receives as one batch.
   void put(core::cluster::Batch batch);
-  /// Some of a snapshot.
+  /// Adds a page of a snapshot, which may be sent in several parts.
   void put_page(core::cluster::Batch batch);
+  /// Adds that the snapshot is complete as of `revision`.
   void synced(std::int64_t revision);
-  /// Nothing that was fed is sent any more.
+  /// Discards the feed that was not sent.
   void forget_feed();
   void add_credit(std::uint32_t entries);
 
-  /// The next message that may be sent, until it is taken.
+  /// The next message that may be sent, or nullptr. It stays the same until take().
   [[nodiscard]] const wire::Message* next();
   void take() { next_.reset(); }
 
-  /// Octets of keys and values that wait for credit.
+  /// Octets of keys and values in the feed that wait for credit.
   [[nodiscard]] std::size_t fed_bytes() const { return fed_bytes_; }
   [[nodiscard]] std::size_t fed_entries() const { return fed_entries_; }
 

@@ -5,8 +5,8 @@
 
 namespace mlcca::cluster {
 
-/// Of a transaction whose call ended without an answer. What is not surely one of the others is
-/// `unsure`: etcd may have carried it out and said nothing.
+/// Classifies a transaction whose call ended without an answer. Whatever is not certainly another
+/// outcome is `unsure`: etcd may have carried it out although no answer came.
 [[nodiscard]] core::cluster::Outcome outcome_of(const End& end);
 
 }  // namespace mlcca::cluster

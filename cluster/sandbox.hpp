@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What mlcca-cluster gives up before it speaks to anybody.
+// The sandbox of mlcca-cluster, entered before it communicates.
 #pragma once
 #include "base/result.hpp"
 
 namespace mlcca::cluster {
 
-/// For good: capabilities, new privileges, memory above 512 MiB, processes, writing to files, and
-/// every system call that sockets, reading a certificate and looking up a name do not take (those
-/// fail with EPERM). Names are looked up by a thread of libcurl, in /etc/hosts and by DNS.
+/// Gives up for good: capabilities, gaining privileges, memory above 512 MiB, processes, writing to
+/// files, and every system call that sockets, reading a certificate and name resolution do not need
+/// (those fail with EPERM). Names are resolved by a thread of libcurl, in /etc/hosts and by DNS.
 Result<void> enter_sandbox();
 
 }  // namespace mlcca::cluster

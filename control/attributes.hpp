@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Attributes of the protocol, which have names, and those of the core.
+// Conversion of attributes between control messages, which name them, and the core, which has a
+// table.
 #pragma once
 #include <optional>
 #include <string_view>
@@ -11,11 +12,11 @@
 
 namespace mlcca::control {
 
-/// As the table of attributes has it.
+/// The attribute of that name in the attribute table; nullopt if there is none.
 [[nodiscard]] std::optional<mlcca::Attribute> attribute_named(std::string_view name);
-/// In the order of the table.
+/// The attributes that `set` states, in the order of the table.
 [[nodiscard]] std::vector<Attribute> attributes_of(const AttributeSet& set);
-/// Error: there is no attribute of a name.
+/// The same the other way; an error if a name is not in the table.
 [[nodiscard]] Result<AttributeSet> set_of(const std::vector<Attribute>& attributes);
 
 }  // namespace mlcca::control

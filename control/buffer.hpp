@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Bytes on their way in from a stream: read() into space(), take messages off the front.
+// A buffer for bytes from a stream: read() into space(), then take messages off the front.
 #pragma once
 #include <cstddef>
 #include <memory>
@@ -8,8 +8,8 @@
 
 namespace mlcca::control {
 
-/// Grows with what it holds; the work for a message is linear in its size, in however many pieces
-/// it arrives.
+/// Grows with its content. The work for a message is linear in its size, no matter in how many
+/// pieces it arrives.
 ///
 ///     auto room = buffer.space();
 ///     buffer.commit(read(fd, room.data(), room.size()));
@@ -21,18 +21,19 @@ namespace mlcca::control {
 ///     }
 class Buffer {
  public:
-  /// Room for at least `at_least` bytes behind the content; valid until the next call of space().
+  /// A writable area of at least `at_least` bytes behind the content, valid until the next call of
+  /// space().
   std::span<char> space(std::size_t at_least = 4096);
 
-  /// The first `n` bytes of space() are content now.
+  /// Makes the first `n` bytes of space() part of the content.
   void commit(std::size_t n);
 
-  /// space() and commit() of a copy.
+  /// Appends a copy of `bytes`.
   void append(std::string_view bytes);
 
   [[nodiscard]] std::string_view content() const { return {bytes_.get() + begin_, end_ - begin_}; }
 
-  /// Drops `n` bytes, at most all, from the front.
+  /// Removes `n` bytes from the front, or all if there are fewer.
   void consume(std::size_t n);
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Messages to bytes and back: each one a varint length and a protobuf message, as the delimited
-// form of every protobuf runtime has it.
+// Encoding of control messages: a varint length, then a protobuf message, which is the delimited
+// format of the protobuf libraries.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -14,27 +14,28 @@
 
 namespace mlcca::control {
 
-/// Text that is not UTF-8 (an interface alias may be anything) goes out with U+FFFD for each wrong
-/// byte. The size is the caller's to check: the other side refuses more than Request::kMaxBytes
-/// bytes behind the length.
+/// Encodes a request with its length. In text that is not UTF-8 (an interface alias may be
+/// anything) each wrong byte becomes U+FFFD. The caller checks the size: the daemon refuses
+/// messages of more than Request::kMaxBytes bytes.
 std::string encode(const Request& request);
 
-/// As above. A reply that would be larger than Reply::kMaxBytes becomes an Error that says so.
+/// Encodes a reply with its length. A reply that would exceed Reply::kMaxBytes becomes an Error
+/// that says so.
 std::string encode(const Reply& reply);
 
-/// A reply that has no id yet, without its length, to be sent by whoever knows the id: see
-/// with_id(). A reply that would be larger than `most` becomes an Error that says so.
+/// Encodes a reply without its length and id, so that it can be encoded once and sent with several
+/// ids; see with_id(). A reply that would exceed `most` becomes an Error that says so.
 std::string encode_body(const Reply& reply, std::size_t most = Reply::kMaxBytes);
-/// What encode() gives of the reply that `body` is of, with this id.
+/// Completes the result of encode_body() with an id and the length.
 std::string with_id(std::uint64_t id, std::string_view body);
 
-/// Takes one whole request off the buffer; nullopt while it is incomplete. After an error (too
-/// large, malformed, unknown request) nothing more can be read from the stream: answer with the
-/// text, id 0, ErrorKind::invalid, and close it.
+/// Removes one complete request from the buffer; nullopt while it is incomplete. After an error
+/// (too large, malformed, unknown request) the stream cannot be read further: answer with the error
+/// text, id 0 and ErrorKind::invalid, and close it.
 Result<std::optional<Request>> decode_request(Buffer& buffer);
 
-/// Takes one whole reply off the buffer; nullopt while it is incomplete. After an error the stream
-/// cannot be read any further.
+/// Removes one complete reply from the buffer; nullopt while it is incomplete. After an error the
+/// stream cannot be read further.
 Result<std::optional<Reply>> decode_reply(Buffer& buffer);
 
 }  // namespace mlcca::control

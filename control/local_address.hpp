@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Where a program on the gateway receives what others there publish: AnnounceRequest.local and
-// Endpoint.local.
+// The address at which a program on the gateway receives events of publishers on the same gateway
+// (AnnounceRequest.local, Endpoint.local).
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -10,18 +10,20 @@
 
 namespace mlcca::control {
 
+/// A datagram socket in the abstract namespace, and a secret that its datagrams begin with.
 struct LocalAddress {
   static constexpr std::size_t kNameDigits = 5;
   static constexpr std::size_t kKeyDigits = 16;
 
-  /// That the kernel gave to a socket which was bound without one; see unix(7), autobind.
+  /// The name that the kernel gave to a socket that was bound without one (autobind, unix(7)).
   std::string name;
-  /// That datagrams begin with. The receiver's filter drops others before they are queued.
+  /// The key that datagrams begin with. The receiver's socket filter drops others before they are
+  /// queued.
   std::uint64_t key = 0;
 };
 
-/// Of hexadecimal digits in lower case: 5 of the name, then 16 of the key. Other names may be those
-/// of somebody's service.
+/// Parses lower-case hexadecimal digits: 5 of the name, then 16 of the key. Nullopt for all else:
+/// another form of name could be that of a service.
 [[nodiscard]] std::optional<LocalAddress> local_address_in(std::string_view text);
 [[nodiscard]] std::string to_text(const LocalAddress& address);
 

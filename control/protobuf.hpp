@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The encoding of protobuf, for every message of our schemas: templates over what
-// proto/protoc-gen-mlcca makes of them.
+// The protobuf encoding for every message of the schemas: templates over the code that
+// proto/protoc-gen-mlcca generates.
 #pragma once
 #include <concepts>
 #include <cstddef>
@@ -21,24 +21,24 @@ namespace mlcca::control {
 template <class T>
 concept Enum = std::is_enum_v<T>;
 
-/// To bytes: what has its default is left out.
+/// Encodes messages. Fields with their default value are left out, as in proto3.
 class ProtobufWriter {
  public:
   explicit ProtobufWriter(std::string& bytes) : bytes_(bytes), to_(bytes) {}
 
-  /// All but the field of number `but`.
+  /// Encodes all fields of `from` except the one with number `but`.
   template <Message M>
   void fields(const M& from, std::uint32_t but = 0) {
     for_each_field(from, [this, but](const Field& field, const auto& member) {
       if (field.number != but) put(field.number, member);
     });
   }
-  /// A field of that number, even if it is empty.
+  /// Encodes a message field even if it is empty.
   template <Message M>
   void put_always(std::uint32_t number, const M& message) {
     const std::size_t before = bytes_.size();
     ProtobufWriter(*this, number).fields(message);
-    // Protozero takes back a message without content; that it is there says something.
+    // Protozero removes a submessage without content, but its presence has a meaning.
     if (bytes_.size() == before) to_.add_message(number, std::string());
   }
 
@@ -91,19 +91,21 @@ class ProtobufWriter {
   protozero::pbf_writer to_;
 };
 
+/// Thrown for bytes that are not a valid message.
 struct Malformed {};
 
-/// What becomes of a field that the schema does not have.
+/// What to do with a field that the schema does not have.
 enum class UnknownField : std::uint8_t { skip, refuse };
 
-/// From bytes: of a field that comes twice the last one counts, lists and messages go on. Throws
-/// Malformed or an exception of protozero.
+/// Decodes messages. If a single field occurs twice the last value counts; lists are appended and
+/// messages merged, as in protobuf. Throws Malformed or an exception of protozero.
 class ProtobufReader {
  public:
   explicit ProtobufReader(protozero::data_view bytes, UnknownField unknown = UnknownField::skip)
       : from_(bytes), unknown_(unknown) {}
 
-  /// True if there was one of the alternatives of the message.
+  /// Decodes all fields into `to`. Returns whether an alternative (oneof) of the message was
+  /// present.
   template <Message M>
   bool fields(M& to) {
     bool any = false;  // NOLINT(misc-const-correctness): it changes where there are alternatives
@@ -119,7 +121,7 @@ class ProtobufReader {
  private:
   using Kind = protozero::pbf_wire_type;
 
-  /// The key of a field is a number of 32 bits; protozero would cut a longer one.
+  /// Reads the key of the next field. It must fit 32 bits; protozero would truncate a longer one.
   bool next() {
     const auto before = from_.data();
     if (!from_.next()) return false;
@@ -137,7 +139,7 @@ class ProtobufReader {
     if (from_.wire_type() != kind) throw Malformed{};
   }
 
-  /// Longer numbers than the field has bits are cut, as protobuf does it.
+  /// A number with more bits than the field is truncated, as protobuf does it.
   template <std::unsigned_integral T>
   void take(T& value) {
     expect(Kind::varint);
@@ -192,10 +194,10 @@ class ProtobufReader {
 template <Message M>
 struct Parsed {
   M message;
-  bool has_body = false;  ///< one of the alternatives of the message, if it has some, is there
+  bool has_body = false;  ///< an alternative (oneof) of the message was present
 };
 
-/// All of `bytes`; nothing: they are no such message.
+/// Decodes all of `bytes`; nullopt if they are malformed.
 template <Message M>
 std::optional<Parsed<M>> parse(std::string_view bytes, UnknownField unknown) {
   try {
@@ -209,14 +211,15 @@ std::optional<Parsed<M>> parse(std::string_view bytes, UnknownField unknown) {
   }
 }
 
-/// What is written and read by one version of a schema: a file, or an entry of a store.
+/// Encodes a message that only one version of a schema reads and writes: a file, or an entry of the
+/// store.
 std::string bytes_of(const Message auto& message) {
   std::string bytes;
   ProtobufWriter(bytes).fields(message);
   return bytes;
 }
 
-/// Nothing where it is malformed or has a field that the schema does not have.
+/// The reverse. Nullopt if the bytes are malformed or have a field that the schema does not have.
 template <Message M>
 std::optional<M> message_in(std::string_view bytes) {
   auto parsed = parse<M>(bytes, UnknownField::refuse);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A reply with a long list comes in slices, see Reply.more in control.proto.
+// A reply with a long list is sent in slices; see Reply.more in control.proto.
 #pragma once
 #include <cstddef>
 #include <optional>
@@ -10,13 +10,13 @@
 
 namespace mlcca::control {
 
-/// Puts a slice behind what came before it; `whole.more` says whether there is another one. An
-/// error takes the place of everything. Fails if the slice is of another kind of reply.
+/// Appends a slice to what came before it; `whole.more` then says whether another one follows. An
+/// Error slice replaces everything. Fails if the slice is of another kind of reply.
 Result<void> join(std::optional<Reply>& whole, Reply slice);
 
-/// Slices of about `rows` rows, at least one; what has no list, or is made in slices from the
-/// beginning, stays whole. A gate or a resource that goes on in the next slice is repeated there
-/// with its name and further rows.
+/// Divides a reply into slices of about `rows` rows each; returns at least one. A reply without a
+/// list, or one that was made in slices from the beginning, stays as it is. A gate or resource that
+/// continues in the next slice is repeated there with its name.
 std::vector<Reply> split(Reply whole, std::size_t rows);
 
 }  // namespace mlcca::control

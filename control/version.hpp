@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The version of the whole product, as daemon and tools state it.
+// The version of the product, which the daemon and all tools state.
 #pragma once
 
 namespace mlcca {

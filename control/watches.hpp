@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What follows from the supervision of a publisher's events.
+// Conclusions from the supervision of a publisher's events.
 #pragma once
 #include "control/messages.hpp"
 
 namespace mlcca::control {
 
-/// Events were missing, and come again: they have to come for a while until they are restored.
+/// Events were missing and are arriving again, but not yet long enough to count as restored.
 inline bool is_coming_again(const Watch& watch) {
   return watch.missing_now && watch.events != 0 && watch.since_last_ns < watch.timeout_ns;
 }

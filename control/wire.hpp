@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The bytes of requests and replies. Private to control/.
+// The body of control messages as bytes, without the length. Used only within control/.
 #pragma once
 #include <string>
 #include <string_view>
@@ -9,15 +9,15 @@
 
 namespace mlcca::control {
 
-/// Appends the message to `bytes`. Text that is not UTF-8 goes out with U+FFFD for each wrong byte.
+/// Appends the encoded message to `bytes`. In text that is not UTF-8 each wrong byte becomes
+/// U+FFFD.
 void write(const Request& from, std::string& bytes);
 void write(const Reply& from, std::string& bytes);
-/// All but the id.
+/// Appends the encoded message without its id.
 void write_without_id(const Reply& from, std::string& bytes);
 
-/// Fields that control.proto does not have are skipped; a value of an enum that it does not have
-/// is the default. Error: the bytes are no such message, a text is not UTF-8, or the body is one
-/// that we do not know.
+/// Decodes a message. Unknown fields are skipped, and an unknown value of an enumeration becomes
+/// its default. An error if the bytes are malformed, a text is not UTF-8, or the body is unknown.
 Result<Request> read_request(std::string_view bytes);
 Result<Reply> read_reply(std::string_view bytes);
 
