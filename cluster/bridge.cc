@@ -20,7 +20,8 @@ constexpr std::uint64_t kNanosInAMilli = 1'000'000;
 constexpr std::uint64_t kMicrosInAMilli = 1000;
 constexpr std::uint64_t kFirstPause = 100'000;      // µs
 constexpr std::uint64_t kLongestPause = 3'200'000;  // µs
-constexpr std::uint64_t kRefusedPause = 1'600'000;  // µs: somebody must give a right
+constexpr std::uint64_t kRefusedPause = 1'600'000;  // µs; longer, because an administrator must
+                                                    // grant access first
 constexpr unsigned kMostFailures = 3;
 
 }  // namespace
@@ -193,7 +194,8 @@ void Bridge::end_txn(std::uint64_t id, const End& end) {
     failures_ = 0;
 }
 
-/// Whether it is this member or the store is asked of the member.
+/// Counts a failed transaction. A status request finds out whether this member or the store is at
+/// fault; after kMostFailures failures the bridge goes to the next member.
 void Bridge::note_failure(const std::string& why) {
   if (++failures_ >= kMostFailures)
     drop(why);

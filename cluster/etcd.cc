@@ -16,7 +16,7 @@ using protozero::pbf_writer;
 
 struct NotUnderstood {};
 
-// Numbers of fields, as rpc.proto and kv.proto of etcd 3.4 have them.
+// Field numbers of the messages, from rpc.proto and kv.proto of etcd 3.4.
 namespace range_field {
 enum : std::uint8_t { key = 1, end = 2, limit = 3, revision = 4 };
 }
@@ -54,7 +54,7 @@ std::string text_of(pbf_reader& from) {
   const auto view = octets_of(from);
   return {view.data(), view.size()};
 }
-/// Calls `take` with the number of each field; false: it is skipped.
+/// Calls `take` with the number of each field; it returns false for a field that is to be skipped.
 template <class Take>
 void each_field(protozero::data_view octets, Take take) {
   pbf_reader from(octets);
@@ -76,7 +76,7 @@ Header header_of(protozero::data_view octets) {
   return out;
 }
 
-/// KeyValue
+/// Decodes a KeyValue.
 Entry entry_of(protozero::data_view octets) {
   Entry out;
   each_field(octets, [&out](auto tag, pbf_reader& from) {
@@ -101,7 +101,7 @@ void add(std::vector<Entry>& to, Entry entry) {
   to.push_back(std::move(entry));
 }
 
-/// RangeResponse
+/// Decodes a RangeResponse.
 Page page_of(protozero::data_view octets) {
   Page out;
   each_field(octets, [&out](auto tag, pbf_reader& from) {
@@ -118,7 +118,7 @@ Page page_of(protozero::data_view octets) {
   return out;
 }
 
-/// Event
+/// Decodes an Event of a watch.
 Entry event_of(protozero::data_view octets) {
   Entry out;
   bool gone = false;
@@ -136,7 +136,7 @@ Entry event_of(protozero::data_view octets) {
   return out;
 }
 
-/// ResponseOp: those of a range; there is no other where a comparison has failed.
+/// Decodes a ResponseOp of a range; it is the only kind that a failed comparison can give.
 Page range_in(protozero::data_view octets) {
   Page out;
   each_field(octets, [&out](auto tag, pbf_reader& from) {
@@ -147,7 +147,7 @@ Page range_in(protozero::data_view octets) {
   return out;
 }
 
-/// One for each key.
+/// The entry of each key, from the pages that its range request gave.
 std::vector<Entry> entries_of(std::vector<Page>& pages, const std::vector<std::string>& keys) {
   if (pages.size() != keys.size()) throw NotUnderstood{};
   std::vector<Entry> out;
@@ -189,7 +189,7 @@ void put_compare(std::string& to, const Compare& compare) {
   out.add_int64(mod ? compare_field::mod : compare_field::create, compare.revision);
 }
 
-/// One of those that are carried out together: `fill` writes it.
+/// Adds an operation to a branch of a transaction; `fill` writes it.
 template <class Fill>
 void put_operation(std::string& to, std::uint8_t branch, std::uint8_t kind, Fill fill) {
   pbf_writer request(to);
@@ -204,7 +204,7 @@ std::string end_of(std::string_view prefix) {
   std::string end(prefix);
   while (!end.empty() && end.back() == '\xff') end.pop_back();
   using namespace std::string_literals;
-  if (end.empty()) return "\0"s;  // of etcd: all that follow
+  if (end.empty()) return "\0"s;  // etcd takes this for: all keys that follow
   end.back() = static_cast<char>(static_cast<unsigned char>(end.back()) + 1);
   return end;
 }
@@ -261,7 +261,7 @@ std::optional<TxnAnswer> read_txn(std::string_view answer, const std::vector<std
 
 std::string watch_request(std::string_view key, std::string_view end, std::int64_t revision) {
   std::string out;
-  {  // its length is written when it ends
+  {  // the destructor of `to` writes the length
     pbf_writer request(out);
     pbf_writer to(request, watch_field::create);
     to.add_bytes(watch_field::key, key.data(), key.size());
@@ -286,7 +286,7 @@ std::optional<Changes> read_changes(std::string_view answer) {
       else if (tag == 6)
         out.reason = text_of(from);
       else if (tag == 7)
-        throw NotUnderstood{};  // a part of a revision, which was not asked for
+        throw NotUnderstood{};  // part of a revision: fragments were not requested
       else if (tag == 11)
         add(out.entries, event_of(octets_of(from)));
       else

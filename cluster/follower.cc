@@ -13,10 +13,12 @@ namespace {
 using core::cluster::Batch;
 using core::cluster::Entry;
 
-constexpr std::size_t kRoom = std::size_t{4} << 20U;        // octets that may wait before a page
-constexpr std::size_t kMostBytes = std::size_t{16} << 20U;  // that may wait at all
+constexpr std::size_t kRoom = std::size_t{4} << 20U;  // octets that may wait in the outbox before a
+                                                      // page is requested
+constexpr std::size_t kMostBytes = std::size_t{16} << 20U;  // octets that may wait in the outbox at
+                                                            // all
 constexpr std::size_t kMostEntries = 200'000;
-constexpr std::uint64_t kPatience = 5;  // times the patience with a small answer
+constexpr std::uint64_t kPatience = 5;  // factor on the timeout, because a page is large
 
 std::size_t bytes_of(const std::vector<Entry>& entries) {
   std::size_t bytes = 0;
@@ -39,7 +41,7 @@ bool Prefixes::has(std::string_view key) const {
 
 std::string Prefixes::folder() const {
   if (all_.empty()) return {};
-  // The first and the last one have in common what all have.
+  // The prefixes are sorted, so what the first and the last have in common all have.
   const auto& first = all_.front();
   const auto& last = all_.back();
   const auto same = std::ranges::mismatch(first, last).in1 - first.begin();
@@ -159,7 +161,7 @@ void Follower::take_changes(const std::string& answer) {
              (changes->compacted > 0 ? "compacted up to " + std::to_string(changes->compacted)
                                      : std::string(cut(changes->reason, wire::kMaxWords / 2))));
   } else if (changes->header.revision < revision_) {
-    // A watch that waits for revisions to come would say nothing.
+    // Watching would wait for a revision that may never come, and report nothing.
     fail(Trouble::again,
          "the store has gone back to revision " + std::to_string(changes->header.revision));
   } else {

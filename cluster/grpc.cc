@@ -11,7 +11,7 @@ namespace mlcca::cluster::grpc {
 namespace {
 
 constexpr std::size_t kHead = 5;
-constexpr std::size_t kMostHeaders = std::size_t{64} << 10U;  // octets of all of them
+constexpr std::size_t kMostHeaders = std::size_t{64} << 10U;  // octets of all headers of a call
 constexpr std::size_t kMostWords = 300;
 constexpr unsigned char kFirstPrintable = 0x20;
 constexpr unsigned char kBehindPrintable = 0x7f;
@@ -23,7 +23,7 @@ std::size_t length_in(std::string_view head) {
   return length;
 }
 
-/// "%20" is a space.
+/// Decodes percent-encoding ("%20" is a space), as grpc-message has it.
 std::string decoded(std::string_view text) {
   std::string out;
   while (!text.empty() && out.size() < kMostWords) {
@@ -61,7 +61,7 @@ bool FrameReader::push(std::string_view octets) {
   return !broken_;
 }
 
-/// Of all heads that are here.
+/// Checks the prefixes of all frames that have arrived.
 bool FrameReader::is_right() {
   while (octets_.size() >= checked_ + kHead) {
     const std::string_view head = std::string_view(octets_).substr(checked_, kHead);

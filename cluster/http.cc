@@ -27,7 +27,7 @@ struct Transfer {
   Request request;
   std::string body;
   std::size_t sent = 0;
-  std::size_t answers = 0;  ///< where there is to be one
+  std::size_t answers = 0;  ///< answers that were handed on, of a call with one answer
   grpc::FrameReader frames{kLongestAnswer};
   grpc::Trailers trailers;
   std::array<char, CURL_ERROR_SIZE> words{};
@@ -74,8 +74,8 @@ std::size_t on_header(char* line, std::size_t size, std::size_t count, void* tra
   return static_cast<Transfer*>(transfer)->trailers.take({line, n}) ? n : 0;
 }
 
-/// There is no function that goes back to the beginning: so curl cannot send a request again
-/// when a connection that was used before ends while it waits for the answer.
+/// There is deliberately no function that seeks to the beginning of the body: so curl cannot repeat
+/// a request when a reused connection ends while it waits for the answer.
 std::size_t on_send(char* to, std::size_t size, std::size_t count, void* of) noexcept {
   auto& transfer = *static_cast<Transfer*>(of);
   const std::size_t n = std::min(size * count, transfer.body.size() - transfer.sent);
@@ -90,7 +90,7 @@ bool set(CURL* easy, CURLoption option, Value value) {
   return curl_easy_setopt(easy, option, value) == CURLE_OK;  // NOLINT(*-vararg)
 }
 
-/// Sockets and the timer of libcurl in the loop. Calls share it with the channel.
+/// Runs the sockets and the timer of libcurl in the event loop. The channel and its calls share it.
 class Engine : public std::enable_shared_from_this<Engine> {
  public:
   Engine(sd_event* loop, Settings settings, std::string endpoint)
@@ -100,7 +100,7 @@ class Engine : public std::enable_shared_from_this<Engine> {
   Engine(Engine&&) = delete;
   Engine& operator=(Engine&&) = delete;
   ~Engine() {
-    multi_.reset();  // it says which sockets are not watched any more
+    multi_.reset();  // this calls on_socket() for the sockets that are no longer watched
   }
 
   Result<void> begin() {
@@ -128,7 +128,7 @@ class Engine : public std::enable_shared_from_this<Engine> {
     return {};
   }
 
-  /// Nothing: no memory.
+  /// Starts a transfer; nullptr without memory.
   std::shared_ptr<Transfer> start(Request request) {
     auto transfer = std::make_shared<Transfer>();
     transfer->body = grpc::framed(request.message);
@@ -165,16 +165,16 @@ class Engine : public std::enable_shared_from_this<Engine> {
            set(easy, CURLOPT_NOSIGNAL, 1L) && set(easy, CURLOPT_TCP_KEEPALIVE, 1L) &&
            set(easy, CURLOPT_SSLVERSION, long{CURL_SSLVERSION_TLSv1_2}) &&
            set(easy, CURLOPT_CAINFO, settings_.ca.c_str()) &&
-           // Nobody else's authorities.
+           // The authorities of the system are not trusted.
            set(easy, CURLOPT_CAPATH, static_cast<char*>(nullptr)) &&
            set(easy, CURLOPT_SSLCERT, settings_.certificate.c_str()) &&
            set(easy, CURLOPT_SSLKEY, settings_.key.c_str()) &&
-           // A key with a passphrase is refused and not asked for.
+           // A key with a passphrase is refused; otherwise curl would ask for it on the terminal.
            set(easy, CURLOPT_KEYPASSWD, "") && set(easy, CURLOPT_CONNECTTIMEOUT_MS, timeout) &&
            set(easy, CURLOPT_TIMEOUT_MS, static_cast<long>(transfer.request.timeout_ms)) &&
            set(easy, CURLOPT_HTTPHEADER, headers_.get()) && set(easy, CURLOPT_POST, 1L) &&
-           // The end of a request goes with its last octets: a server that answers before the end
-           // has come closes the stream, and curl 7.88 then gives up the connection.
+           // The last octets of a request and its end are sent together: a server that answers
+           // before the end arrives closes the stream, and curl 7.88 then gives up the connection.
            set(easy, CURLOPT_POSTFIELDSIZE_LARGE,
                transfer.request.stays_open ? curl_off_t{-1}
                                            : static_cast<curl_off_t>(transfer.body.size())) &&
@@ -252,7 +252,7 @@ class Engine : public std::enable_shared_from_this<Engine> {
     deliver();
   }
 
-  /// What has come is handed on, of calls that still are.
+  /// Hands received answers to the calls that still exist.
   void deliver() {
     const auto all = transfers_;
     for (const auto& transfer : all) deliver(*transfer);
@@ -272,7 +272,7 @@ class Engine : public std::enable_shared_from_this<Engine> {
     if (const auto on_end = std::exchange(transfer.request.on_end, nullptr))
       on_end(end_of(transfer));
   }
-  /// Who answers twice may do so without end.
+  /// Ends a transfer whose server sends more answers than one: it could go on without end.
   void refuse(Transfer& transfer) {
     if (!std::exchange(transfer.done, true))
       curl_multi_remove_handle(multi_.get(), transfer.easy.get());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlcca-cluster: the way of mlccad to the store that gateways share. It alone has the key to the
-// store, and gives no meaning to what it carries.
+// mlcca-cluster: the process between mlccad and the store that gateways share. It alone has the key
+// of the gateway's certificate, and it interprets nothing that it carries.
 #include <netdb.h>
 #include <sys/socket.h>
 #include <systemd/sd-event.h>
@@ -29,7 +29,7 @@ namespace mlcca::cluster {
 namespace {
 
 constexpr int kWrongUse = 2;
-constexpr std::uint64_t kAlive = 1'000'000;  // µs between signs of life
+constexpr std::uint64_t kAlive = 1'000'000;  // µs between signs of life to the service manager
 constexpr mode_t kOwnerAlone = 0600;
 
 void say(const std::string& text) { write_at_once(STDERR_FILENO, "mlcca-cluster: " + text + '\n'); }
@@ -40,13 +40,14 @@ struct Options {
   bool check = false;
 };
 
-/// Where systemd puts what a unit names by LoadCredential.
+/// The folder in which systemd puts the files of LoadCredential, or the default folder.
 std::string credentials() {
   const char* folder = std::getenv("CREDENTIALS_DIRECTORY");  // NOLINT(concurrency-mt-unsafe)
   return folder != nullptr && *folder == '/' ? folder : "/etc/mlcca/cluster";
 }
 
-/// Libraries that look up names are loaded by the first look-up, which needs no network.
+/// Resolves a name once: the C library loads the modules for name resolution at the first call,
+/// which the sandbox would not permit later. "localhost" needs no network.
 void prepare_names() {
   addrinfo* found = nullptr;
   if (::getaddrinfo("localhost", nullptr, nullptr, &found) == 0) ::freeaddrinfo(found);

@@ -30,7 +30,8 @@ void Outbox::begin(std::int64_t revision) {
 }
 
 void Outbox::put(Batch batch) {
-  // One without entries says up to where all is known; the latest is enough.
+  // A batch without entries only states up to which revision everything is known; the latest
+  // suffices.
   if (batch.entries.empty() && !feed_.empty())
     if (auto* last = std::get_if<Part>(&feed_.back());
         last != nullptr && last->batch.entries.empty())

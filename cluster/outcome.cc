@@ -9,7 +9,7 @@ namespace mlcca::cluster {
 
 using core::cluster::Outcome;
 
-// The words are those of etcd 3.4 (etcdserver/api/v3rpc/rpctypes/error.go).
+// The texts are those of etcd 3.4 (etcdserver/api/v3rpc/rpctypes/error.go).
 Outcome outcome_of(const End& end) {
   const auto says = [&end](std::string_view words) {
     return end.text.find(words) != std::string::npos;
@@ -26,7 +26,7 @@ Outcome outcome_of(const End& end) {
       if (says("space exceeded")) return Outcome::full;
       return says("too many requests") ? Outcome::unavailable : Outcome::invalid;
     case grpc::kUnavailable:
-      // Of a member without a leader, before it takes anything.
+      // A member without a leader refuses before it takes the transaction.
       return says("no leader") ? Outcome::unavailable : Outcome::unsure;
     default:
       return Outcome::unsure;

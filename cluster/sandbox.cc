@@ -19,7 +19,8 @@
 namespace mlcca::cluster {
 namespace {
 
-constexpr rlim_t kMemory = rlim_t{512} << 20U;  // bytes of address space, stacks of threads too
+constexpr rlim_t kMemory = rlim_t{512} << 20U;  // bytes of address space, including the stacks of
+                                                // threads
 constexpr rlim_t kDescriptors = 64;
 
 Result<void> limit_resources() {
@@ -30,7 +31,7 @@ Result<void> limit_resources() {
   return kSanitized ? Result<void>{} : limit_resource(RLIMIT_AS, kMemory);
 }
 
-/// Whatever their arguments.
+/// System calls that are allowed with any arguments.
 constexpr std::array kAllowedCalls{
     SYS_read,
     SYS_write,
@@ -83,7 +84,7 @@ constexpr std::array kAllowedCalls{
     SYS_fcntl,
     SYS_ppoll,
     SYS_clock_nanosleep,
-    // What a thread begins with.
+    // Calls that every thread makes when it starts.
     SYS_set_robust_list,
     SYS_sched_getaffinity,
     SYS_prlimit64,
@@ -111,7 +112,7 @@ Result<void> filter_calls() {
   filter.allow_without(SYS_mmap, 2, PROT_EXEC);
   filter.allow_without(SYS_mprotect, 2, PROT_EXEC);
   filter.allow_with(SYS_ioctl, FIONREAD, 1);
-  // The flags of clone3 are in memory, which a filter cannot read.
+  // A filter cannot read the flags of clone3, which are in memory; the C library then uses clone.
   filter.hide(SYS_clone3);
   filter.allow_having(SYS_clone, 0, CLONE_THREAD);
   return filter.install();

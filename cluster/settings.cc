@@ -37,7 +37,7 @@ bool is_of_ipv6(char c) {
   return (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F') || (c >= '0' && c <= '9') || c == ':';
 }
 
-/// How long the host at the front is; 0: there is none.
+/// The length of the host name or address at the front of `text`; 0 if there is none.
 std::size_t host_size(std::string_view text) {
   if (text.starts_with('[')) {
     const auto end = text.find(']');

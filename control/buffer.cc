@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Room is made by moving the content to the front only when that frees at least half, else by
-// doubling: each byte is moved a bounded number of times.
+// The content is moved to the front only if that frees at least half of the buffer; otherwise the
+// buffer is doubled. So each byte is moved a bounded number of times.
 #include "control/buffer.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// One write per request; replies are read in large pieces and decoded as they become whole.
+// A request is sent by one write; replies are read in large pieces and decoded once complete.
 #include "control/client.hpp"
 
 #include <poll.h>
@@ -40,7 +40,8 @@ std::unexpected<mlcca::Error> cannot_connect(const std::string& path, int error)
   }
 }
 
-/// Waits without limit until one of them can be read or has ended: whether it is `first`.
+/// Waits without a time limit until a descriptor is readable or closed. Returns whether it is
+/// `first`.
 Result<bool> wait_for_either(int first, int second) {
   std::array<pollfd, 2> waiting{pollfd{.fd = first, .events = POLLIN, .revents = 0},
                                 pollfd{.fd = second, .events = POLLIN, .revents = 0}};
@@ -73,7 +74,7 @@ Client::Client(Fd socket, std::chrono::milliseconds patience)
   const auto seconds = std::chrono::floor<std::chrono::seconds>(patience);
   const timeval limit{.tv_sec = seconds.count(),
                       .tv_usec = std::chrono::microseconds(patience - seconds).count()};
-  // Also bounds connect(): a stopped daemon stops accepting. Cannot fail on a socket.
+  // This also limits connect(): a stopped daemon no longer accepts. It cannot fail on a socket.
   ::setsockopt(socket_.get(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
   ::setsockopt(socket_.get(), SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
 }
@@ -89,7 +90,7 @@ Result<Reply> Client::call(Request request) {
   std::optional<Reply> whole;
   for (;;) {
     auto reply = receive();
-    // What could not be sent may have been answered: refused, then closed.
+    // A request that was not sent completely may have an answer: the daemon refused it and closed.
     if (!reply) return sent ? std::move(reply) : std::unexpected(sent.error());
     if (auto* event = std::get_if<Event>(&reply->body)) {
       events_.push_back(std::move(*event));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Framing: one pass over the bytes of a message, each way.
+// Adds and removes the length of messages, in one pass over the bytes.
 #include "control/codec.hpp"
 
 #include <cstdint>
@@ -13,12 +13,12 @@
 namespace mlcca::control {
 namespace {
 
-/// A length of 16 MiB needs four bytes; a fifth can only be wrong.
+/// The largest length, 16 MiB, takes four bytes; a fifth byte is an error.
 constexpr std::size_t kMaxPrefix = 4;
 
 struct Prefix {
-  std::size_t bytes = 0;   ///< of the prefix itself, 0: incomplete
-  std::size_t length = 0;  ///< of the message behind it
+  std::size_t bytes = 0;   ///< length of the prefix itself; 0: it is incomplete
+  std::size_t length = 0;  ///< length of the message behind it
 };
 
 Result<Prefix> read_prefix(std::string_view from) {
@@ -50,7 +50,7 @@ Result<std::optional<Message>> decode(Buffer& buffer, Result<Message> (*read)(st
   return std::move(*message);
 }
 
-/// A message of two parts behind its length.
+/// The message that consists of `front` and `rest`, behind its length.
 std::string framed(std::string_view front, std::string_view rest) {
   std::string bytes;
   bytes.reserve(kMaxPrefix + front.size() + rest.size());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What copies, moves and destroys a Request or a Reply: it would be instantiated in each file that
-// has one, which took a third of the time of compiling it.
+// The functions that copy, move and destroy a Request or a Reply. They are instantiated here once;
+// instantiating them in each file took a third of its compile time.
 #include "control/messages.hpp"
-// After that.
+// This must follow the header, whose declarations it uses.
 #include "control/oneofs.inc"

@@ -44,7 +44,7 @@ void put(Reservations& to, Reservations& from) {
       move_behind(same->reservations, resource.reservations);
   }
 }
-/// Lists go on, single values are replaced.
+/// Merges a slice into `to`: lists are appended, single values replaced.
 template <class Body>
 void put(Body& to, Body& from) {
   for_each_field(from, [&](const Field& field, auto& source) {
@@ -61,7 +61,7 @@ void put(Body& to, Body& from) {
   });
 }
 
-/// Rows go to the slice that is being filled; a full one is followed by a fresh one.
+/// Distributes rows over slices: rows go to the current slice until it is full, then to a new one.
 class Slicer {
  public:
   Slicer(std::uint64_t id, std::size_t rows) : id_(id), rows_(rows) {}
@@ -94,7 +94,7 @@ class Slicer {
     for (Reply& reply : out_) std::get<Channels>(reply.body).left_out = all.left_out;
     return std::move(out_);
   }
-  /// All of it but the interfaces stands in each slice.
+  /// Each slice repeats everything but the interfaces.
   std::vector<Reply> operator()(Status& all) {
     auto interfaces = std::move(all.interfaces);
     all.interfaces.clear();
@@ -199,7 +199,7 @@ class Slicer {
       ++filled_;
     }
   }
-  /// All of it but the list stands in each slice.
+  /// Each slice repeats everything but the list.
   template <class Body, class Row>
   std::vector<Reply> slice_list(Body& all, std::vector<Row> Body::* list) {
     auto rows = std::move(all.*list);

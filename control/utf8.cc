@@ -11,8 +11,8 @@ namespace {
 
 using Byte = unsigned char;
 
-/// Well-formed sequences whose first byte is in a range: the second one is in another, all further
-/// ones are 0x80 to 0xbf.
+/// A set of well-formed sequences: the first byte is in one range, the second in another, and all
+/// further bytes are 0x80 to 0xbf.
 struct Sequences {
   Byte first_from, first_to;
   Byte second_from, second_to;
@@ -35,7 +35,8 @@ bool within(char c, Byte from, Byte to) {
 
 bool is_ascii(char c) { return within(c, 0, 0x7f); }
 
-/// Length of the well-formed sequence at the front of a text that is not empty, 0 for none.
+/// The length of the well-formed sequence at the front of `text`, which must not be empty; 0 if
+/// there is none.
 std::size_t sequence_length(std::string_view text) {
   if (is_ascii(text.front())) return 1;
   for (const auto& row : kLonger) {
