@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the gates have refused, with what a description would need for it.
+// Output of audit mode: what the gates refused or would have refused, and the elements that a
+// description would need to admit it.
 #pragma once
 #include <string>
 #include <vector>
@@ -9,21 +10,25 @@
 
 namespace mlcca::tools {
 
-/// For each finding the elements that it lacks, in lines, with a comment that says what was seen
-/// and where each belongs. Findings of one subject share its channel, which the first of them has.
-/// Empty where no channel can have such frames, where former additions have it, and of a delivery.
+/// For each finding of `audit`, in the same order: the XML elements that the description lacks,
+/// with a comment that states what was seen and where each element belongs. Findings of one subject
+/// share a channel, which is in the text of the first of them. A text is empty if no channel can
+/// have such frames, if the texts before it contain all that is needed, or if the finding is about
+/// a described delivery.
 std::vector<std::string> additions_of(const control::Audit& audit);
-/// Those that are not empty, an empty line between two.
+/// The texts of additions_of() that are not empty, separated by blank lines.
 std::string additions(const control::Audit& audit);
 
-/// "123", "0x4e6f626f64790000", "emergency-switch of switch"; empty: frames that cannot be read.
+/// What a finding is about: "123" (a CAN identifier), "0x4e6f626f64790000" (a subject),
+/// "emergency-switch of switch" (a delivery); empty for frames that cannot be decoded.
 std::string name_of(const control::Finding& finding);
-/// Of a delivery: what to do where its frames are wanted, in a line; empty: nothing to advise.
+/// For a finding about a described delivery: one line of advice for the case that its frames are
+/// wanted; empty if there is none.
 std::string advice(const control::Finding& finding);
-/// "192.0.2.7 (02:00:5e:10:00:01)", "node 23"; empty: not known.
+/// The sender: "192.0.2.7 (02:00:5e:10:00:01)" or "node 23"; empty if it is not known.
 std::string sender_of(const control::Finding& finding);
 
-/// A table, and below it the additions of the first findings.
+/// A table of the findings, and below it the additions of the first of them.
 std::string render(const control::Audit& audit, Color color);
 
 }  // namespace mlcca::tools

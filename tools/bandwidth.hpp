@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlccactl bandwidth: what a chain of radio links carries, without asking anyone.
+// mlccactl bandwidth: what a chain of radio links carries, computed without the daemon.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -10,12 +10,12 @@
 
 namespace mlcca::tools {
 
-/// As typed; empty: not given.
+/// The arguments as typed; an empty one is not given.
 struct BandwidthArguments {
-  std::vector<std::string> rates;       ///< RATE or RATE:LOSS of each link
-  std::optional<std::uint32_t> packet;  ///< bytes of payload
-  std::optional<std::uint32_t> header;  ///< bytes
-  std::string overhead;                 ///< us
+  std::vector<std::string> rates;       ///< RATE or RATE:LOSS of each link, in order
+  std::optional<std::uint32_t> packet;  ///< payload of a packet in bytes
+  std::optional<std::uint32_t> header;  ///< header of a packet in bytes
+  std::string overhead;                 ///< time for a packet beside its bits, in µs
   std::string loss;
   std::string limit;
   std::string background;
@@ -24,12 +24,13 @@ struct BandwidthArguments {
 };
 
 struct BandwidthAnswer {
-  std::string text;  ///< lines for a person; the first is the rate by the paper's equation alone
+  std::string text;  ///< lines for a person; the first one is the rate by the paper's equation (1/R
+                     ///< = sum of 1/R_link)
   std::string json;  ///< one object on one line
-  bool fits = true;  ///< the demand, if there is one
+  bool fits = true;  ///< the demand fits, or there is none
 };
 
-/// An error says which argument is wrong and what would be right.
+/// Evaluates the chain. An error states which argument is wrong and what would be right.
 Result<BandwidthAnswer> bandwidth(const BandwidthArguments& arguments);
 
 }  // namespace mlcca::tools

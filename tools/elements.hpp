@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What elements of a drafted description have: names, numbers, subjects, times; and what the
-// identifier of a frame says of its channel.
+// The parts of a drafted description (by learn and by audit mode): names, numbers, subjects and
+// times; and the channel that the identifier of a CAN frame belongs to.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -11,50 +11,56 @@
 
 namespace mlcca::tools {
 
-/// A name that a description may have, like `text`: a letter, then letters, digits, dots,
-/// underscores, hyphens.
+/// A valid name of a description that resembles `text`: a letter, then letters, digits, dots,
+/// underscores and hyphens, of bounded length.
 [[nodiscard]] std::string name_like(std::string_view text);
-/// A name that an interface may have: that of a recording can be longer, or have other characters.
+/// A valid interface name that resembles `text`, which comes from a recording and may be longer or
+/// have other characters. A valid name is returned as it is.
 [[nodiscard]] std::string interface_like(std::string_view text);
-/// The same subject whenever a channel of that name is drafted.
+/// The subject for a drafted channel of that name: its hash, so that it is the same in every draft;
+/// never 0.
 [[nodiscard]] std::uint64_t subject_of(std::string_view name);
-/// What an identifier says in a profile.
+/// What a profile encodes in the identifier of a frame.
 struct IdentifierParts {
-  /// Of the channel: an identifier (raw) with core::kExtendedFlag where it has 29 bits, a COB-ID,
-  /// PGN, subject-id or etag.
+  /// The number of the channel: an identifier (raw) with core::kExtendedFlag if it has 29 bits, a
+  /// COB-ID, PGN, subject-id or etag.
   std::uint32_t number = 0;
-  std::uint32_t node = 0;      ///< of the sender, where the profile has nodes
-  std::uint32_t priority = 0;  ///< where the profile has priorities, as it has them
-  bool is_fragment = false;    ///< FAMOUSO: one frame of several
+  std::uint32_t node = 0;      ///< of the sender, in profiles that have nodes
+  std::uint32_t priority = 0;  ///< in profiles that have priorities, in the profile's own scale
+  bool is_fragment = false;    ///< FAMOUSO: the frame is one fragment of an event
 };
-/// Of an identifier with its flags. Nothing where no channel of the profile can have it: it has the
-/// other form, or is of a service or a management tag.
+/// Decodes an identifier with its flags (CAN_EFF_FLAG). Nullopt if no channel of the profile can
+/// have it: it has the other length, or it belongs to a service or to management.
 [[nodiscard]] std::optional<IdentifierParts> parts_of(core::Profile profile, std::uint32_t id);
 
-/// The profile's own control traffic, which needs no channel. Not what has a tag that a broker
-/// deals: any channel may have that identifier.
+/// Whether the identifier is control traffic of the profile, which needs no channel. False for an
+/// etag that a broker assigns: any channel may get it.
 [[nodiscard]] bool is_control(core::Profile profile, std::uint32_t id);
 
-/// A number of a channel as descriptions have it: "0x123".
+/// The number of a channel in the form of descriptions: "0x123".
 [[nodiscard]] std::string number_text(core::Profile profile, std::uint32_t number);
-/// "can0-123", "can0-pgn-F004".
+/// A name for a drafted channel: "can0-123", "can0-pgn-F004".
 [[nodiscard]] std::string channel_name(core::Profile profile, std::string_view network,
                                        std::uint32_t number);
-/// "eth0-44697374616e6365", of a subject as frames of Ethernet carry it.
+/// The same for a subject in Ethernet frames: "eth0-44697374616e6365".
 [[nodiscard]] std::string channel_name(std::string_view network, core::Subject subject);
-/// "Distance": what a subject of FAMOUSO spells; empty: it spells nothing that people write.
+/// The text that the octets of a FAMOUSO subject spell ("Distance"); empty if they are not
+/// printable text.
 [[nodiscard]] std::string spelled(core::Subject subject);
-/// What a Binding contains. `priority`: of profiles whose bindings have one; nothing: any.
+/// The content of a Binding element. `priority` is for profiles whose bindings have one; nullopt
+/// admits any.
 [[nodiscard]] std::string binding_element(core::Profile profile, std::uint32_t number,
                                           std::optional<std::uint32_t> priority);
+/// The profile's word in descriptions.
 [[nodiscard]] std::string profile_word(core::Profile profile);
 
-/// "50ms", "1.25ms", "320us": exact.
+/// The exact time in the largest unit that is not longer than it: "50ms", "1.25ms", "320us".
 [[nodiscard]] std::string time_words(std::uint64_t ns);
-/// The largest of the numbers 1, 1.2, 1.25, 1.5, 1.6, 2, 2.5, 3, 4, 5, 6, 8 times a power of ten
-/// that is within 2 % of `ns`; `ns` itself to two digits, rounded down, where there is none.
+/// The period that a measured period probably stands for: the largest of 1, 1.2, 1.25, 1.5, 1.6, 2,
+/// 2.5, 3, 4, 5, 6, 8 times a power of ten within 2 % of `ns`. If there is none: `ns` rounded down
+/// to two digits.
 [[nodiscard]] std::uint64_t nominal(std::uint64_t ns);
-/// Period of what was seen once, ns: it is assumed.
+/// The period, in ns, that is assumed for a channel of which only one event was seen.
 inline constexpr std::uint64_t kPeriodOfOne = 100'000'000;
 
 }  // namespace mlcca::tools

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Verbs that other programs carry out: they are beside mlccactl in a build tree, in
-// ../libexec/mlcca where they are installed.
+// The verbs that other programs carry out. Their programs are in the folder of mlccactl in a build
+// tree, and in ../libexec/mlcca once installed.
 #pragma once
 #include <array>
 #include <span>
@@ -12,7 +12,7 @@ namespace mlcca::tools {
 
 struct Program {
   const char* name;
-  const char* what;  ///< for whom it is missing
+  const char* what;  ///< text for a user on whose machine the program is not installed
 };
 inline constexpr Program kDesign{"mlcca-design",
                                  "The verbs of design time are a program of their own"};
@@ -41,12 +41,12 @@ inline constexpr std::array kOtherVerbs = {
     OtherVerb{"doctor", "examine a CAN controller before it is trusted; asks no daemon", &kDoctor},
 };
 
-/// The program that carries out what the first word that is no option asks for, gate only with
-/// --verify; nullptr: mlccactl itself.
+/// The program for the verb of a command line (the first word that is no option; gate only with
+/// --verify); nullptr if mlccactl carries it out itself.
 const Program* program_for(std::span<char*> arguments);
 
-/// Becomes that program, with the same arguments. Returns only if it cannot be started, which has
-/// been said then.
+/// Replaces this process by the program, with the same arguments. Returns only if it cannot be
+/// started, after an error message.
 Exit become(const Program& program, char** arguments);
 
 }  // namespace mlcca::tools

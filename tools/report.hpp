@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The page of cockpit/ with what mlccad says now, as one file.
+// The page of cockpit/ with the present answers of mlccad, as one HTML file.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -8,7 +8,8 @@
 
 namespace mlcca::tools {
 
-/// `answers`: the JSON of verbs by their names, as to_json() makes it. The file loads nothing.
+/// `answers` are pairs of a verb's name and its JSON, made by to_json(). The page loads nothing
+/// from elsewhere.
 std::string report_page(const std::vector<std::pair<std::string, std::string>>& answers,
                         std::uint64_t taken_unix_ns);
 

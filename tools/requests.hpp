@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What verbs send that is more than a name: arguments as typed become messages.
+// Requests of verbs with arguments: they convert what was typed into messages.
 #pragma once
 #include <chrono>
 #include <cstdint>
@@ -10,26 +10,26 @@
 
 namespace mlcca::tools {
 
-/// How long what is held outlives its holder, unless --lease says otherwise.
+/// How long an admission that is held outlives the process that holds it, without --lease.
 inline constexpr std::chrono::nanoseconds kHoldLease = std::chrono::seconds{10};
 
-// An error says which argument is wrong and what would be right.
+// In each of these an error states which argument is wrong and what would be right.
 
 Result<control::Query> query(const Arguments& from);
 Result<control::Admit> admit(const Arguments& from);
 Result<control::AnnounceRequest> announce(const Arguments& from);
 
-/// --link is [NETWORK/]FROM,TO=RATE: names of networks and nodes have neither '/' nor ',' nor '='.
-/// RATE 0: the link is gone.
+/// Each --link is [NETWORK/]FROM,TO=RATE; names of networks and nodes contain no '/', ',' or '='.
+/// RATE 0 means that the link is gone.
 Result<control::WhatIfRequest> what_if(const Arguments& from);
 
-/// Of the read-only parts; of the others only whether the options go with them.
+/// The request for a part that only reads. For the other parts it only checks that the options fit.
 Result<control::ClusterRequest> cluster(const Arguments& from);
 
-/// --when-clean is a span as parse_span() reads it.
+/// --when-clean is a span; see parse_span().
 Result<control::ModeRequest> mode(const Arguments& from);
 
-/// --since and --until are moments as parse_moment() reads them.
+/// --since and --until are moments; see parse_moment().
 Result<control::HistoryRequest> history(const Arguments& from, std::uint64_t now_unix_ns);
 
 }  // namespace mlcca::tools

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Text for a terminal: columns as wide as their content, colour where it is wanted.
+// Text tables for a terminal: columns as wide as their content, with colour on request.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -12,13 +12,15 @@ enum class Color : bool { no, yes };
 enum class Style : std::uint8_t { plain, bold, dim, good, bad, warning };
 enum class Align : std::uint8_t { left, right };
 
-/// Colour on a terminal, unless it is forbidden here, by NO_COLOR or by a dumb TERM.
+/// Whether output to `fd` is coloured: on a terminal, unless `forbidden`, NO_COLOR is set or TERM
+/// is "dumb".
 Color color_of(int fd, bool forbidden);
 
-/// `text` with each control character as '?', so that no name or alias can steer the terminal.
+/// `text` with '?' for each control character, so that no name or alias can send commands to the
+/// terminal.
 std::string printable(std::string_view text);
 
-/// printable() text in the colour of `style`.
+/// The printable() text in the colour of `style`.
 std::string styled(std::string_view text, Style style, Color color);
 
 struct Cell {
@@ -31,16 +33,17 @@ struct Column {
   Align align = Align::left;
 };
 
+/// Collects rows and aligns them in columns.
 class Table {
  public:
   explicit Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
 
-  /// One cell for each column.
+  /// Adds a row with one cell for each column.
   void add(std::vector<Cell> row);
 
   [[nodiscard]] bool empty() const { return rows_.empty(); }
 
-  /// Header and rows, each a line that starts with `indent`. Columns in which every cell is empty
+  /// Header and rows, each a line that begins with `indent`. Columns in which all cells are empty
   /// are left out.
   [[nodiscard]] std::string text(Color color, std::string_view indent = "") const;
 

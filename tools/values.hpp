@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Attribute values as people write and read them: "Period=50ms", "400 kB/s", "0.5 %".
+// Attribute values for people: "Period=50ms", "400 kB/s", "0.5 %".
 #pragma once
 #include <cstdint>
 #include <string>
@@ -13,49 +13,50 @@
 
 namespace mlcca::tools {
 
-/// What a value on the command line states; decides the side to which it is rounded.
+/// What a value on the command line states, which determines the side to which it is rounded.
 enum class Role : std::uint8_t {
-  required,  ///< of a subscriber: rounded towards harder
-  offered,   ///< of a publisher: requirements towards harder, traffic towards more of it
+  required,  ///< by a subscriber: rounded so that it is harder to fulfil
+  offered,   ///< by a publisher: requirements likewise, traffic rounded towards more traffic
 };
 
-/// Reads "Name=Value": a name of mlcca::kAttributeTable and a decimal number with a unit, which
-/// only Omission and MaxPayload may leave out. Exact: what the attribute's own unit cannot hold is
-/// rounded as `role` says. The error says what would be right.
+/// Parses "Name=Value": a name of mlcca::kAttributeTable and a decimal number with a unit, which is
+/// optional only for Omission and MaxPayload. A value that is no multiple of the attribute's unit
+/// is rounded as `role` states. An error states what would be right.
 Result<control::Attribute> parse_attribute(std::string_view text, Role role);
 
-/// The same; and where the table has no such name, what the description in force may define, as it
-/// is written: value and unit of "Temperature=31.5K" are 315 and "1e-1 K". The daemon says whether
-/// there is such an attribute and what it is stated in.
+/// As parse_attribute(), but a name that is not in the table may be an attribute that the
+/// description in force defines. It is passed on as written: "Temperature=31.5K" becomes value 315
+/// with unit "1e-1 K". The daemon checks the name and the unit.
 Result<control::Attribute> parse_stated(std::string_view text, Role role);
 
-/// The unit `name` (may be empty, where none is needed) of attributes whose own unit is `base`
-/// (AttributeInfo::unit); nullptr if they do not take it.
+/// The unit `name` (which may be empty, if none is needed) for attributes whose unit in the table
+/// (AttributeInfo::unit) is `base`; nullptr if they do not have such a unit.
 const Unit* unit_of(std::string_view base, std::string_view name);
 
-/// bit/s of "24Mbit/s", "1.5 MB/s", "400 KByte/s" or, as radios are called, "54M". 1 or more.
+/// bit/s of "24Mbit/s", "1.5 MB/s", "400 KByte/s" or "54M" (as radios state it); at least 1.
 Result<std::uint64_t> parse_bit_rate(std::string_view text, Rounding rounding);
 
-/// Parts of `whole` in "0.25" or "25%", at most all of it.
+/// The part of `whole` that "0.25" or "25%" states; at most `whole`.
 Result<std::uint64_t> parse_share(std::string_view text, std::uint64_t whole, Rounding rounding);
 
-/// ns of "12.5", a number of microseconds.
+/// ns of a number of microseconds, such as "12.5".
 Result<std::uint64_t> parse_microseconds(std::string_view text, Rounding rounding);
 
-/// "7.542857 Mbit/s" of bit/s, exactly.
+/// Exact text of bit/s: "7.542857 Mbit/s".
 std::string print_bit_rate(std::uint64_t bits_per_second);
 
-/// "50 ms"; for an attribute that is not in mlcca::kAttributeTable "12 apples", and "1.2 apples" of
-/// the unit "1e-1 apples".
+/// A value with its unit: "50 ms". An attribute that is not in mlcca::kAttributeTable is printed in
+/// its own unit: "12 apples", and "1.2 apples" for the unit "1e-1 apples".
 std::string print_value(std::string_view attribute, std::uint64_t value, std::string_view unit);
 
-/// "50 ms" of nanoseconds, "for ever" of 2^64-1.
+/// Text of nanoseconds: "50 ms"; 2^64-1 is "for ever".
 std::string print_duration(std::uint64_t ns);
 
-/// "500 kbit/s", "unknown" of 0.
+/// Text of bit/s: "500 kbit/s"; 0 is "unknown".
 std::string print_bitrate(std::uint32_t bits_per_second);
 
-/// Identifier as candump prints it ("123", "0123abcd"), then " RTR" or " error" where it is one.
+/// A CAN identifier in the form of candump ("123", "0123abcd"), followed by " RTR" or " error" for
+/// such frames.
 std::string print_can_id(std::uint32_t can_id);
 
 }  // namespace mlcca::tools
