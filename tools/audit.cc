@@ -17,7 +17,7 @@
 namespace mlcca::tools {
 namespace {
 
-/// So many additions stand below the table.
+/// At most so many additions are printed below the table.
 constexpr std::size_t kMostAdditions = 8;
 
 std::string advice_lines(const control::Audit& audit) {
@@ -33,7 +33,7 @@ std::string advice_lines(const control::Audit& audit) {
   return out;
 }
 
-/// For how long nothing would have been dropped.
+/// For how long audit mode would have dropped nothing.
 std::string clean_words(const control::Audit& audit) {
   constexpr std::uint64_t second = 1'000'000'000;
   if (audit.clean_ns >= second)

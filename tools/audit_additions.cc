@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Elements for what the gates refused. A subject names one channel of the whole system: whatever is
-// seen of it at several gates becomes one channel.
+// Drafts the elements for what the gates refused. A subject names one channel of the whole system,
+// so findings of several gates about one subject become one channel.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ bool is_can_frame(const control::Finding& f) {
   return f.channel.empty() && f.subject == 0 && f.reason == "unknown subject";
 }
 
-/// What the identifier of a CAN frame says of its channel; nothing where it has none.
+/// Decodes the identifier of a CAN frame; nullopt if no channel of the profile has it.
 std::optional<IdentifierParts> channel_of(const control::Finding& f) {
   const auto profile = core::words::kProfiles.find(f.profile);
   if (!profile || *profile == Profile::none) return std::nullopt;
@@ -38,12 +38,12 @@ std::optional<IdentifierParts> channel_of(const control::Finding& f) {
   return is_control(*profile, id) ? std::nullopt : parts_of(*profile, id);
 }
 
-/// What an addition is made of.
+/// What the elements for one finding are made from.
 struct Elements {
   std::string channel;
   std::string subject;
-  std::string binding;    ///< empty: frames carry the subject
-  std::string publisher;  ///< further attributes of it
+  std::string binding;    ///< empty: frames carry the subject itself
+  std::string publisher;  ///< further XML attributes of the publisher
   std::uint32_t bytes = 0;
   std::string note;
 };
@@ -85,16 +85,17 @@ std::optional<Elements> elements_of(const control::Finding& f) {
   return out;
 }
 
-/// A channel that is drafted or described.
+/// A channel that is drafted or described, with what all findings say about it.
 struct Channel {
   std::string name;
-  std::uint64_t period = 0;  ///< of its fastest sender, ns; 0: nothing was seen twice
+  std::uint64_t period = 0;  ///< of its fastest sender, in ns; 0: no event was seen twice
   std::uint32_t bytes = 1;
   bool is_described = false;
-  bool stands = false;          ///< an addition has it
-  std::set<std::string> parts;  ///< what additions have of it, without the names
+  bool stands = false;          ///< an addition contains it
+  std::set<std::string> parts;  ///< elements that additions already contain, without their names
 };
 
+/// Drafts the additions, and remembers what the former ones contain.
 class Additions {
  public:
   explicit Additions(const control::Audit& audit) : audit_(audit) {
@@ -102,7 +103,8 @@ class Additions {
       if (const auto elements = elements_of(f)) note(f, *elements);
   }
 
-  /// In the order of the findings. Empty: nothing, or former additions have it.
+  /// The addition for the next finding; call it in the order of the findings. Empty if nothing is
+  /// needed or former additions contain it.
   std::string next(const control::Finding& f) {
     const auto elements = elements_of(f);
     if (!elements) return {};
@@ -175,7 +177,8 @@ class Additions {
                        escaped(name(elements.channel)), escaped(channel.name), end);
   }
 
-  /// What comes to a described channel has its receivers.
+  /// A subscriber for the frames that were seen. A described channel has its own on the gateway's
+  /// side.
   std::string subscriber(const control::Finding& f, Channel& channel, const Elements& elements) {
     if (channel.is_described && !f.egress) return {};
     const std::string end = f.egress ? fmt::format(R"(network="{}")", escaped(f.network))
@@ -185,7 +188,7 @@ class Additions {
                        escaped(name(elements.channel + "-receiver")), escaped(channel.name), end);
   }
 
-  /// That no other element of the additions has.
+  /// A name like `wanted` that no other element of the additions has.
   std::string name(const std::string& wanted) {
     std::string out = wanted;
     for (int number = 2; !names_.insert(out).second; ++number)

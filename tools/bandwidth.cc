@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The links become a chain of nodes 1, 2, 3, ..., evaluated as the daemon evaluates a route.
+// The links become a chain of nodes 1, 2, 3, …, which is evaluated as the daemon evaluates a route.
 #include "tools/bandwidth.hpp"
 
 #include <fmt/format.h>
@@ -28,12 +28,12 @@ constexpr std::uint32_t kMaxHopDistance = 16;
 struct Question {
   mesh::Mesh mesh;
   mesh::Graph graph;
-  Value background = 0;         ///< ps/s of each domain
+  Value background = 0;         ///< medium time that each domain has lost to other traffic, ps/s
   std::optional<Value> demand;  ///< bytes/s
-  bool detailed = false;        ///< more than the paper's equation is asked for
+  bool detailed = false;        ///< more than the paper's equation was requested
 };
 
-/// Reads what is given, and leaves what is not.
+/// Parses an option into `target`; an empty text leaves `target` unchanged.
 template <class Target, class Parse>
 Result<void> read(std::string_view option, const std::string& text, Target& target, Parse parse) {
   if (text.empty()) return {};
@@ -43,7 +43,7 @@ Result<void> read(std::string_view option, const std::string& text, Target& targ
   return {};
 }
 
-/// "single-domain" or "2-hop".
+/// Parses --domain: "single-domain" or "2-hop".
 Result<void> read_domain(const std::string& text, mesh::Mesh& to) {
   if (text.empty() || text == "single-domain") return {};
   std::string_view rest = text;
@@ -60,7 +60,7 @@ Result<Value> parse_loss(std::string_view text) {
   return parse_share(text, kCertainLoss, Rounding::up);
 }
 
-/// A further link of the chain: RATE or RATE:LOSS.
+/// Appends a link to the chain: RATE or RATE:LOSS, with `loss` by default.
 Result<void> append_link(std::string_view text, Value loss, mesh::Graph& chain) {
   const auto colon = std::min(text.find(':'), text.size());
   const auto rate = parse_bit_rate(text.substr(0, colon), Rounding::down);
@@ -90,7 +90,7 @@ Result<void> read_links(const BandwidthArguments& from, mesh::Graph& chain) {
 }
 
 Result<void> read_medium(const BandwidthArguments& from, Question& to) {
-  // What is not asked for costs nothing: a bare rate is the paper's.
+  // Overheads that are not stated are 0, so that rates alone give the result of the paper.
   to.mesh.header_bytes = from.header.value_or(0);
   to.mesh.packet_bytes = from.packet.value_or(to.mesh.packet_bytes);
   const auto limit = [](const std::string& text) {
@@ -128,12 +128,12 @@ Result<Question> understand(const BandwidthArguments& from) {
   return result;
 }
 
-/// What is printed.
+/// The results that are printed.
 struct Numbers {
   Value paper = 0;      ///< bit/s
   Value available = 0;  ///< bit/s
   std::string limited_by;
-  Value demand_time = 0;  ///< ps/s that the demand takes of what limits
+  Value demand_time = 0;  ///< medium time, in ps/s, that the demand takes in the limiting domain
   bool fits = true;
 };
 
@@ -158,7 +158,7 @@ Numbers evaluate(const Question& question) {
   return result;
 }
 
-/// "42.43 %" of ps/s, rounded up.
+/// Medium time (ps/s) as a percentage, rounded up: "42.43 %".
 std::string percent(Value time) {
   const Value hundredths = div_up(time, mesh::kFullTime / 10'000);
   return fmt::format("{}.{:02} %", hundredths / 100, hundredths % 100);

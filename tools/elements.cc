@@ -26,7 +26,8 @@ std::string name_like(std::string_view text) {
 }
 
 std::string interface_like(std::string_view text) {
-  constexpr std::size_t longest = 15;  // IFNAMSIZ; characters as the schema has them
+  constexpr std::size_t longest = 15;  // IFNAMSIZ without its null character; the characters are
+                                       // those of the schema
   std::string like = name_like(text).substr(0, longest);
   if (text.empty() || text.size() > longest || std::string_view(".@+-").contains(text.front()))
     return like;
@@ -38,9 +39,10 @@ std::uint64_t subject_of(std::string_view name) {
   return hash == 0 ? 1 : hash;
 }
 
-/// SAE J1939-21: below this PDU format a PGN has no group extension, but the address it is for.
+/// SAE J1939-21: a PGN with a PDU format below this has no group extension; the octet is the
+/// destination address.
 constexpr std::uint32_t kPdu2 = 240;
-/// FAMOUSO: those below are of management.
+/// FAMOUSO: tags below this one are for management.
 constexpr std::uint32_t kFirstTag = 0x64;
 
 std::optional<IdentifierParts> parts_of(Profile profile, std::uint32_t id) {
@@ -123,7 +125,7 @@ std::string channel_name(std::string_view network, core::Subject subject) {
 std::string spelled(core::Subject subject) {
   std::string out;
   for (const std::uint8_t octet : big_endian(subject)) out += static_cast<char>(octet);
-  out.erase(out.find_last_not_of('\0') + 1);  // short ones are filled up
+  out.erase(out.find_last_not_of('\0') + 1);  // short names are padded with null characters
   const bool is_written = std::ranges::all_of(
       out, [](char c) { return is_alphanumeric(c) || std::string_view("_.!/: ").contains(c); });
   return is_written ? out : std::string();

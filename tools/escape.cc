@@ -7,7 +7,8 @@
 namespace mlcca::tools {
 namespace {
 
-constexpr std::size_t kMostOnALine = 1000;  // a Description has 1024; room for a cut character
+constexpr std::size_t kMostOnALine = 1000;  // a Description in XML has 1024; the rest is room for a
+                                            // character that is cut
 
 }  // namespace
 
@@ -41,7 +42,7 @@ std::string html_text(std::string_view text) { return escaped(printable(text), "
 
 std::string one_line(std::string_view from) {
   auto text = control::to_utf8(from);
-  // U+FFFE and U+FFFF are no characters of XML.
+  // U+FFFE and U+FFFF are not allowed in XML.
   for (const std::string_view none : {"\xef\xbf\xbe", "\xef\xbf\xbf"})
     for (auto at = text.find(none); at != std::string::npos; at = text.find(none))
       text.replace(at, none.size(), "?");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A template over the fields of control.proto, and the few messages that say it in another way.
+// A template converts all fields of control.proto to JSON; overloads convert the few messages that
+// have another form.
 #include "tools/json.hpp"
 
 #include <fmt/format.h>
@@ -31,14 +32,15 @@ using control::Message;
 template <class T>
 Json json_of(const T& value);
 
-/// Reasons as {"no-slot": 3}.
+/// Counted reasons as an object: {"no-slot": 3}.
 Json of(const std::vector<control::ReasonCount>& counts) {
   auto out = Json::object();
   for (const auto& count : counts) out[count.reason] = count.frames;
   return out;
 }
 
-/// What the kind of gate reports: a subject with its sender, or an identifier.
+/// An unknown frame, with the fields that its kind of gate knows: a subject and its sender, or an
+/// identifier.
 Json of(const control::Unknown& u) {
   Json out = {{"length", u.length}, {"egress", u.egress}, {"frames", u.frames}};
   if (u.subject != 0) {
@@ -63,7 +65,7 @@ Json json_of_field(const Field& field, const T& value) {
   return json_of(value);
 }
 
-/// The fields of a message, but of a field that is not known, NAME_known says so, null.
+/// All fields of a message. A field NAME with a companion NAME_known that is false becomes null.
 template <Message M>
 Json fields_of(const M& message) {
   auto out = Json::object();
@@ -85,14 +87,14 @@ Json fields_of(const M& message) {
   return out;
 }
 
-/// With the identifier as candump writes it.
+/// A slot, with its identifier also in the form of candump.
 Json of(const control::GateSlot& s) {
   auto out = fields_of(s);
   out["identifier"] = print_can_id(s.id);
   return out;
 }
 
-/// An Ethernet gate goes by subject: its slots have no identifier.
+/// Slots of an Ethernet gate have no identifier, because they are found by subject.
 Json of(const control::Gate& g) {
   auto out = fields_of(g);
   if (g.masked_room != 0) return out;
@@ -102,7 +104,8 @@ Json of(const control::Gate& g) {
   return out;
 }
 
-/// Each finding with its identifier as candump writes it, and with what a description would need.
+/// The findings, each with its identifier in the form of candump and the elements that a
+/// description would need.
 Json of(const control::Audit& a) {
   auto out = fields_of(a);
   const std::vector<std::string> additions = additions_of(a);
@@ -118,7 +121,7 @@ Json of(const control::Audit& a) {
   return out;
 }
 
-/// A receiver on the gateway has the name of its socket, and not its key: what is printed is kept
+/// Of a receiver on the gateway only the name of its socket is printed, not its key: output is kept
 /// in logs.
 Json of(const control::Endpoint& e) {
   auto out = fields_of(e);
@@ -126,14 +129,14 @@ Json of(const control::Endpoint& e) {
   return out;
 }
 
-/// Rates are those of a mesh.
+/// Rates are meaningful only for a mesh.
 Json of(const control::MediumUse& m) {
   auto out = fields_of(m);
   if (m.paper_rate == 0) out["available"] = nullptr;
   return out;
 }
 
-/// Where no gate counts frames, how many have passed is not known.
+/// If no gate counts the frames, the number that passed is not known.
 Json of(const control::Channel& c) {
   auto out = fields_of(c);
   if (c.crosses_no_gate) out["passed"] = nullptr;
@@ -147,7 +150,7 @@ concept Optional = requires(const T& value) { value.has_value(); };
 template <class T>
 concept List = requires { typename T::value_type; } && !std::same_as<T, std::string>;
 
-/// Numbers in lists are ids and counts: none of them is without a bound.
+/// Numbers in lists are ids and counts, so 2^64-1 does not mean "unbounded" there.
 template <class T>
 Json list(const std::vector<T>& elements) {
   auto out = Json::array();
@@ -177,8 +180,8 @@ Json json_of(const T& value) {
     return value;
 }
 
-/// JSON allows DEL and the control characters of C1 as they are; a terminal obeys them. They stand
-/// in strings only.
+/// Replaces DEL and the control characters of C1, which JSON allows unescaped but a terminal obeys.
+/// They occur only in strings of the JSON.
 std::string without_controls(std::string_view json) {
   std::string out;
   out.reserve(json.size());

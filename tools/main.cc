@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlccactl: each verb is a row of the table below; asking, printing and the exit status are common.
+// mlccactl: each verb is a row of the table below; all of them connect, print and exit alike.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -40,7 +40,7 @@ using namespace mlcca;         // NOLINT(google-build-using-namespace)
 using namespace mlcca::tools;  // NOLINT(google-build-using-namespace)
 using control::Reply;
 
-/// Exit::world, said on standard error, when standard output cannot be written.
+/// Prints to standard output and returns `status`; Exit::world if that fails.
 Exit print(const std::string& text, Exit status) {
   if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0)
     return status;
@@ -57,7 +57,7 @@ Exit print_error(const Options& options, const control::Error& error) {
   return status;
 }
 
-/// What we found out ourselves.
+/// Prints an error that mlccactl found itself.
 Exit print_error(const Options& options, control::ErrorKind kind, const std::string& message) {
   return print_error(options, control::Error{.kind = kind, .message = message, .details = {}});
 }
@@ -73,7 +73,7 @@ bool a_delivery_loses(const Reply& reply) {
   return what_if != nullptr && std::ranges::any_of(what_if->outlooks, loses);
 }
 
-/// Prints the reply to a Question; only some ask for a verdict.
+/// Prints the reply to a Question. Only some questions make the exit status depend on a verdict.
 template <class Question>
 Exit print_reply(const Options& options, const Reply& reply) {
   constexpr bool explains = std::is_same_v<Question, control::ExplainRequest>;
@@ -92,7 +92,7 @@ Exit print_reply(const Options& options, const Reply& reply) {
       status);
 }
 
-/// Asked over a connection of its own.
+/// Sends a request over a connection of its own.
 template <class Question>
 Result<Reply> answer_to(const Options& options, Question question) {
   auto client = control::Client::connect(options.socket, options.patience);
@@ -100,7 +100,7 @@ Result<Reply> answer_to(const Options& options, Question question) {
   return client->call({0, std::move(question)});
 }
 
-/// The same; without an answer that was said.
+/// As answer_to(), but prints the error if there is no answer.
 template <class Question>
 std::expected<Reply, Exit> reply_to(const Options& options, Question question) {
   auto reply = answer_to(options, std::move(question));
@@ -120,7 +120,7 @@ Exit ask_plain(const Options& options, const Arguments&) {
   return ask(options, Question{});
 }
 
-/// Asks what the arguments were understood to be.
+/// Sends a request that was made from the arguments, or prints why it could not be made.
 template <class Question>
 Exit ask_made(const Options& options, Result<Question> request) {
   if (!request) return print_error(options, control::ErrorKind::invalid, request.error().text);
@@ -146,7 +146,7 @@ Exit ask_reservations(const Options& options, const Arguments& arguments) {
   return ask(options, control::ReservationsRequest{arguments.place});
 }
 
-/// What the gates hold, and what the status reports of their interfaces.
+/// Prints what the gates contain, with what the status reports of their interfaces.
 Exit ask_gate(const Options& options, const Arguments& arguments) {
   auto client = control::Client::connect(options.socket, options.patience);
   if (!client) return print_error(options, control::ErrorKind::world, client.error().text);
@@ -179,7 +179,8 @@ std::set<std::uint64_t> admissions_of(const control::Channels& channels) {
   return ids;
 }
 
-/// Prints what happens to admissions while the connection holds them; ends when none is left.
+/// Prints the events of admissions that the connection holds. Ends when none is left or standard
+/// input, a pipe, is closed.
 Exit hold(const Options& options, control::Client& client, std::set<std::uint64_t> admissions) {
   const bool known = !admissions.empty();
   const int input = is_pipe(STDIN_FILENO) ? STDIN_FILENO : -1;
@@ -215,7 +216,7 @@ Exit ask_admit(const Options& options, const Arguments& arguments) {
   return request->hold ? hold(options, *client, std::move(admissions)) : status;
 }
 
-/// Prints the events of a connection for as long as it lives.
+/// Prints the events of a connection until it ends.
 Exit print_events(const Options& options, control::Client& client) {
   for (;;) {
     const auto event = client.next_event();
@@ -243,8 +244,8 @@ Exit ask_release(const Options& options, const Arguments& arguments) {
                                               .key = arguments.key});
 }
 
-/// Says what would stop, and asks whether it should. An exit status: no person can be asked, or the
-/// person declines.
+/// Prints what would stop and asks for confirmation. Returns an exit status if no person can be
+/// asked or the person declines, nullopt to go on.
 std::optional<Exit> ask_back(const Options& options, const std::string& what,
                              const char* question) {
   if (::isatty(STDIN_FILENO) == 0 || options.json)
@@ -260,9 +261,10 @@ std::optional<Exit> ask_back(const Options& options, const std::string& what,
   return Exit::refused;
 }
 
-/// On a connection of its own: an answer may take longer than the daemon keeps an idle one.
+/// Uses a connection for each request: the person may take longer to answer than the daemon keeps
+/// an idle connection.
 Exit ask_withdraw(const Options& options, const Arguments& arguments) {
-  // A program that reads JSON has the reply.
+  // With --json and --yes the reply itself says what has stopped.
   if (!arguments.yes || !options.json) {
     const auto now = reply_to(options, control::ExplainRequest{arguments.channel});
     if (!now) return now.error();
@@ -273,7 +275,7 @@ Exit ask_withdraw(const Options& options, const Arguments& arguments) {
       if (const auto ended = ask_back(options, what, "Withdraw it?")) return *ended;
       return ask(options, control::WithdrawRequest{arguments.channel});
     }
-    // Nothing is said to stop where the daemon refuses the request.
+    // What stops is printed only after the daemon has accepted the request.
     const auto done = reply_to(options, control::WithdrawRequest{arguments.channel});
     if (!done) return done.error();
     if (std::holds_alternative<control::Done>(done->body)) fmt::print(stderr, "{}", what);
@@ -327,7 +329,8 @@ Exit watch(const Options& options, const Arguments& arguments) {
   return follow(options, arguments.top);
 }
 
-/// What the page asks, each over the one connection, which the daemon answers in order.
+/// Asks one question of the page and adds the answer. All use one connection, whose requests the
+/// daemon answers in order.
 template <class Question>
 std::optional<Exit> add_answer(const Options& options, control::Client& client, const char* verb,
                                Question question,
@@ -367,7 +370,7 @@ Exit print_report(const Options& options, const Arguments& arguments) {
   return print(report_page(answers, clock_ns(CLOCK_REALTIME)), Exit::fine);
 }
 
-/// As monitoring systems take it: OK, WARNING, CRITICAL, UNKNOWN.
+/// The exit statuses of monitoring plugins: OK 0, WARNING 1, CRITICAL 2, UNKNOWN 3.
 Exit exit_of(control::HealthState health) {
   switch (health) {
     case control::HealthState::healthy:
@@ -382,7 +385,7 @@ Exit exit_of(control::HealthState health) {
   return Exit{3};
 }
 
-/// One line on standard output, whatever has happened: monitoring systems show nothing else.
+/// Prints "unknown" as one line on standard output: monitoring systems show nothing else.
 Exit unknown_health(const Options& options, const control::Error& why) {
   constexpr auto state = control::HealthState::unknown;
   return print(options.json ? to_json(Reply{0, why})
@@ -390,7 +393,7 @@ Exit unknown_health(const Options& options, const control::Error& why) {
                exit_of(state));
 }
 
-/// Only the health of the answer.
+/// Prints only the health of an answer.
 template <class Answer, class Question>
 Exit check(const Options& options, Question question) {
   const auto reply = answer_to(options, std::move(question));
@@ -410,7 +413,7 @@ Exit ask_status(const Options& options, const Arguments& arguments) {
   return ask(options, control::StatusRequest{});
 }
 
-/// Of another gateway the daemon says what is wrong with that.
+/// Drains this gateway; for another one the daemon refuses and says why, so nothing is asked.
 Exit ask_drain(const Options& options, const Arguments& arguments) {
   if (!arguments.yes || !options.json) {
     const auto now = reply_to(options, control::ClusterRequest{});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// CLI11 lives here, and so do its exceptions.
+// Parses the command line with CLI11. The library and its exceptions stay in this file.
 #include "tools/options.hpp"
 
 #include <fmt/format.h>
@@ -27,7 +27,7 @@ constexpr const char* kFooterOfStatus =
     "Exit status: 0 fine, 2 usage, 3 no daemon or the outside world failed.\n"
     "With --check: 0 healthy, 1 degraded, 2 closed, 3 unknown; 2 without a line on\n"
     "standard output: usage.";
-constexpr unsigned kMaxNode = 253;  // of any profile
+constexpr unsigned kMaxNode = 253;  // the largest of all profiles
 constexpr unsigned kMaxPriority = 127;
 constexpr unsigned kMaxPacket = 65535;
 constexpr unsigned kMaxEntries = 10'000;  // of the history
@@ -35,7 +35,7 @@ constexpr unsigned kMaxEntries = 10'000;  // of the history
 constexpr double kShortestDelay = 0.1;  // s
 constexpr unsigned kMostTables = 1'000'000'000;
 
-/// CLI::Range would let nan through.
+/// Checks a number of seconds, NaN included, which CLI::Range would accept.
 std::string check_seconds(const std::string& text, double least, double most) {
   const auto seconds = number_in<double>(text);
   return seconds && *seconds >= least && *seconds <= most
@@ -283,7 +283,7 @@ void add_arguments(CLI::App& app, Takes takes, Arguments& to) {
       break;
     case Takes::gate:
       app.add_option("place", to.place, "only this interface or network")->type_name("PLACE");
-      // Another program answers (is_read_back): here it is only named.
+      // Another program carries it out (is_read_back()); it is an option here only for the help.
       app.add_flag("--verify", to.verify,
                    "read back what is in force, without the daemon: see --verify --help");
       break;
@@ -322,12 +322,12 @@ void add_arguments(CLI::App& app, Takes takes, Arguments& to) {
   }
 }
 
-/// Options of which one is needed stand under the words that say so.
+/// Formats the help of option groups: their heading says that one of the options is required.
 class OptionsOfGroups : public CLI::Formatter {
  public:
   std::string make_expanded(const CLI::App* group) const override {
     std::string text = CLI::Formatter::make_expanded(group);
-    // What CLI11 says of them: "  [Exactly 1 of the following options is required]".
+    // The heading of CLI11: "  [Exactly 1 of the following options is required]".
     constexpr std::string_view last = "required]\n";
     const auto said = text.find(last);
     if (!group->get_name().empty() || said == std::string::npos) return text;
@@ -338,7 +338,8 @@ class OptionsOfGroups : public CLI::Formatter {
   }
 };
 
-/// With the help that says more: of the verb that was understood, or else of all.
+/// The error message `what` with a hint at the help of the verb, or of mlccactl if there is no
+/// verb.
 std::string wrong(const CLI::App& app, std::string_view what) {
   const auto verbs = app.get_subcommands();
   return fmt::format("mlccactl: {}\n'mlccactl {}--help' says more.\n", what,
@@ -354,7 +355,7 @@ std::string no_verb(std::span<const Verb> verbs, std::string_view instead) {
                      fmt::join(names, ", "));
 }
 
-/// What is wrong about the arguments that nothing took; empty: nothing.
+/// What is wrong about arguments that no option took; empty if there are none.
 std::string leftover(const CLI::App& app, const Command& command, std::span<const Verb> verbs) {
   auto extra = app.remaining(true);
   std::erase(extra, "--");
@@ -397,7 +398,7 @@ std::variant<Command, Exit> parse(std::span<const Verb> verbs, int argc, const c
     sub->callback([&command, &verb] { command.verb = &verb; });
     add_arguments(*sub, verb.takes, command.arguments);
   }
-  // For the help: main() has given them to their program before.
+  // Only for the help: main() has already started the programs for these verbs.
   for (const auto& verb : kOtherVerbs) app.add_subcommand(verb.name, verb.help);
 
   try {

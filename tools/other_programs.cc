@@ -15,7 +15,7 @@
 namespace mlcca::tools {
 namespace {
 
-/// Folder of this program, with the slash; empty where it is unknown.
+/// The folder of this program with its final slash; empty if it is unknown.
 std::string own_folder() {
   std::array<char, 4096> path{};
   const auto size = ::readlink("/proc/self/exe", path.data(), path.size());
@@ -24,7 +24,7 @@ std::string own_folder() {
   return std::string(whole.substr(0, whole.rfind('/') + 1));
 }
 
-/// The first word that is neither an option nor its value.
+/// The first word that is neither an option nor the value of one.
 std::string_view verb_of(std::span<char*> arguments) {
   for (std::size_t i = 1; i < arguments.size(); ++i) {
     const std::string_view word = arguments[i];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What happens on the channels: verdicts, deliveries, events and errors.
+// Text about channels: verdicts, deliveries, events and errors.
 #include "tools/render.hpp"
 
 #include <fmt/format.h>
@@ -32,7 +32,7 @@ Cell frames(std::uint64_t count, Style style = Style::plain) {
   return {fmt::format("{}", count), count == 0 ? Style::plain : style};
 }
 
-/// What is wrong now, of several things the first.
+/// The most important trouble of a channel now, and how many more there are.
 Cell now_cell(const control::Channel& channel) {
   if (channel.withdrawn) return {"WITHDRAWN", Style::bad};
   if (channel.troubles.empty()) return {};
@@ -79,7 +79,7 @@ std::string verdict_line(const control::Channel& channel, Color color) {
   return line + '\n';
 }
 
-/// "awds 600 kB/s free or its own, robot-can response 310 us"
+/// What each medium gives: "awds 600 kB/s free or its own, robot-can response 310 us".
 std::string media_of(const control::Channel& channel) {
   std::vector<std::string> parts;
   for (const auto& use : channel.media) {
@@ -92,15 +92,16 @@ std::string media_of(const control::Channel& channel) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-/// To a microsecond: what lies below is of no use to a person.
+/// A time in whole microseconds; less is of no use to a person.
 std::string about(std::uint64_t ns) { return print_duration(ns - ns % 1'000); }
 
-/// "1001 events, 19.975 a second, jitter 6 ms, 4 missing; the latest 200 ms ago, 49 ms after …"
+/// How events arrive: "1001 events, 19.975 a second, jitter 6 ms, 4 missing; the latest 200 ms ago,
+/// …".
 std::string arrivals_of(const control::Watch& watch) {
   if (watch.events == 0)
     return fmt::format("nothing has come for {}{}", about(watch.since_last_ns),
                        watch.missing_now ? ": MISSING" : "");
-  // Of several publishers: how regularly one of them sends is not known.
+  // Publishers share the identifier, so the regularity of one of them is not known.
   if (watch.shared)
     return fmt::format(
         "only whether none of those that look alike sends; the latest event {} ago{}",
@@ -114,7 +115,7 @@ std::string arrivals_of(const control::Watch& watch) {
   return text;
 }
 
-/// "44 ms to 101 ms, the latest 49 ms; in periods 0.875 to 1: 499, …"
+/// The gaps between events: "44 ms to 101 ms, the latest 49 ms; in periods 0.875 to 1: 499, …".
 std::string gaps_of(const control::Watch& watch) {
   if (watch.last_gap_ns == 0 || watch.shared) return {};
   std::vector<std::string> bins;
@@ -175,7 +176,8 @@ std::string delivery(const control::Channel& channel, Color color, bool in_full)
   return text;
 }
 
-/// Admissions that carry nothing; empty: there are none.
+/// The admissions for which the description has no place, so that they carry nothing; empty if there
+/// are none.
 std::string left_out_text(const control::Channels& channels, Color color) {
   std::string text;
   for (const control::LeftOutAdmission& one : channels.admissions_left_out)
@@ -257,7 +259,8 @@ std::string what_stops(const control::Channels& channels, std::string_view name,
     if (!channel.reaction.empty())
       text += fmt::format("         reaction to its loss: {}\n", printable(channel.reaction));
   }
-  // What is refused is listed first: beside a listed one that is granted, all others are, too.
+  // Refused deliveries are listed first: if a listed one is granted, all that are not listed are,
+  // too.
   const std::size_t others = channels.left_out;
   std::string head = "nothing of it is granted now";
   if (granted + others != 0) head = many(granted + others, "delivery stops", "deliveries stop");
@@ -272,7 +275,6 @@ std::string what_stops(const control::Channels& channels, std::string_view name,
          text;
 }
 
-/// What the holder of a lease must know.
 std::string lease_note(const control::Admit& request, const std::set<std::uint64_t>& admissions) {
   const auto lease = print_duration(request.lease_ns);
   if (request.hold)

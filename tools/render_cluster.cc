@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The gateways that share networks by a store, and what they have reserved there.
+// Text about the cluster: the gateways that share networks through a store, and their reservations.
 #include <fmt/format.h>
 
 #include <string>
@@ -14,7 +14,7 @@
 namespace mlcca::tools {
 namespace {
 
-constexpr std::size_t kShownDigits = 12;  // of a digest
+constexpr std::size_t kShownDigits = 12;  // shown of a digest
 constexpr std::uint64_t kMsOfTime = 1'000'000;
 constexpr std::uint64_t kKilobyte = 1000;
 
@@ -25,7 +25,8 @@ std::string in_no_cluster(const std::string& gateway) {
       printable(gateway));
 }
 
-/// To a microsecond, from a millisecond on to that, and from a second on to a tenth.
+/// A time with less precision the longer it is: microseconds below 1 ms, then milliseconds, from 1
+/// s tenths of a second, and from 60 s seconds.
 std::string about_time(std::uint64_t ns) {
   constexpr std::uint64_t second = 1000 * kMsOfTime;
   if (ns >= 60 * second) return print_duration(ns - ns % second);
@@ -104,7 +105,7 @@ std::string carries_of(const control::ClusterMember& member) {
   return out;
 }
 
-/// What the description does not have any more, and the store still has.
+/// Members that the description no longer has but whose entries are still in the store.
 std::string left_by_removed(const control::ClusterMembers& members) {
   std::string out;
   for (const auto& one : members.members) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Decisions that would be made, and those that were.
+// Text about decisions: those that assumed changes would cause, and past ones.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 namespace mlcca::tools {
 namespace {
 
-/// In the order of printing.
+/// The effects of a change on a delivery, in the order of printing.
 enum class Effect : std::uint8_t { lost, switched_down, switched_up, gained, same };
 constexpr std::size_t kEffects = 5;
 
@@ -45,7 +45,7 @@ Cell cell_of(Effect effect) {
   return {"as now"};
 }
 
-/// Names the set where it is not the preferred one now and then.
+/// "granted", "refused" or, unless the preferred set is in use now and then, the number of the set.
 std::string state(const control::Outlook& outlook, bool granted, std::uint32_t set) {
   if (!granted) return "refused";
   return outlook.set_now == 0 && outlook.set_then == 0 ? "granted" : fmt::format("set {}", set + 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the gates hold: control traffic, then channels, with limits and counters.
+// Text about the contents of gates: control traffic, then channels, with limits and counters.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,10 +12,10 @@
 namespace mlcca::tools {
 namespace {
 
-/// "50/s, 256 at once", "250 kB/s", nothing where it is not policed.
+/// The policing of a slot: "50/s, 256 at once", "250 kB/s"; empty if it is not policed.
 std::string limit(const control::GateSlot& slot) {
   constexpr double second = 1e9;
-  constexpr double unit = 256;  // of per_byte
+  constexpr double unit = 256;  // per_byte counts ns/256
   const char* const excess = slot.excess_passes ? ", more is reported" : "";
   if (slot.per_frame_ns != 0) {
     const double rate = second / static_cast<double>(slot.per_frame_ns);
@@ -40,19 +40,19 @@ Cell number(std::uint64_t n, Style style = Style::plain) {
   return {n == 0 ? "" : fmt::format("{}", n), style};
 }
 
-/// What audit mode let through stands among what would have been dropped.
+/// The excess frames that were dropped. Those that audit mode passed are in another column.
 Cell excess(const control::GateSlot& slot) {
   return number(slot.excess - std::min(slot.excess, slot.would_exceed), Style::warning);
 }
 
-/// Of Ethernet there is none: slots go by subject.
+/// The identifier of a slot; empty on Ethernet, where slots are found by subject.
 Cell identifier(const control::GateSlot& slot, bool ethernet) {
   return {ethernet ? "" : print_can_id(slot.id)};
 }
 
 Cell mask(const control::GateSlot& slot, bool ethernet) {
   if (ethernet) return {};
-  // All 29 bits of an 11-bit identifier count, whatever is open of the 11.
+  // The gate compares all 29 bits of an 11-bit identifier; only the 11 are shown.
   const unsigned digits = slot.id >> 31 != 0 ? 8 : 3;
   const std::uint32_t bits = digits == 8 ? 0x1fffffff : 0x7ff;
   return {fmt::format("{:0{}x}", slot.mask & bits, digits)};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What can be promised only once: who holds what, and what is left.
+// Text about reservations: who holds how much of each resource, and what is left.
 #include <fmt/format.h>
 
 #include "mlcca/arithmetic.hpp"
@@ -10,11 +10,11 @@
 namespace mlcca::tools {
 namespace {
 
-/// A second in the units of a bus and of a domain.
+/// One second of medium time in the units of a bus (us) and of a contention domain (ps).
 constexpr std::uint64_t kBusSecond = 1'000'000;
 constexpr std::uint64_t kDomainSecond = 1'000'000'000'000;
 
-/// "12.5 %" of the time, "400 kB/s".
+/// An amount of a resource: "12.5 %" of its time, or "400 kB/s".
 std::string amount(const control::Resource& resource, std::uint64_t value) {
   if (resource.unit == "ppm") return percent(value, kBusSecond);
   if (resource.unit == "ps/s") return percent(value, kDomainSecond);
@@ -47,7 +47,7 @@ std::string overview(const control::Reservations& reservations, Color color) {
   return table.empty() ? "nothing that can be reserved is described\n" : table.text(color);
 }
 
-/// Cells of defaults are empty: the preferred set, no importance, no lease.
+/// `shown`, or an empty cell if `n` is 0, the default (preferred set, no importance, no lease).
 std::string unless_zero(std::uint64_t n, std::uint64_t shown) {
   return n == 0 ? "" : fmt::format("{}", shown);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The ways that data takes and what they give: routes, media, links of meshes, rules of can-gw.
+// Text about the ways of data and what they provide: routes, media, links of meshes, rules of
+// can-gw.
 #include <fmt/format.h>
 
 #include <string>
@@ -96,7 +97,8 @@ std::string links(const std::vector<control::MeshLink>& all, Color color) {
   return table.empty() ? "" : "\nlinks\n" + table.text(color, "  ");
 }
 
-/// "1f480064", of several with the bits that count: "100/7ff"; "all"; "not" what is left out.
+/// The filter of a rule: an identifier "1f480064", several with the mask of the bits that count
+/// "100/7ff", or "all"; inverted filters begin with "not".
 std::string filter_of(const control::CanRule& rule) {
   constexpr std::uint32_t form = 0x80000000;
   constexpr std::uint32_t only_data = 0x40000000;

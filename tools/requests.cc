@@ -34,7 +34,8 @@ Result<std::vector<control::Attribute>> attributes(const std::vector<std::string
   return result;
 }
 
-/// The daemon resolves no names for clients: a directory that hangs would keep it from its work.
+/// The number of a user. The daemon does not resolve names for clients, because a directory service
+/// that hangs would delay it.
 Result<std::string> user_number(const std::string& user) {
   if (user.find_first_not_of("0123456789") == std::string::npos) return user;
   std::vector<char> buffer(std::size_t{1} << 20);
@@ -48,7 +49,7 @@ Result<std::string> user_number(const std::string& user) {
   return std::to_string(found->pw_uid);
 }
 
-/// "robot-can=0x123", "robot-can=101"
+/// Parses "robot-can=0x123" or "robot-can=101".
 Result<control::Identifier> identifier(const std::string& text) {
   const auto equals = text.rfind('=');
   const auto wrong = [&] {
@@ -113,7 +114,7 @@ Result<std::uint64_t> lease(const Arguments& from) {
   return span;
 }
 
-/// A rate rounded down: the worse side for whoever needs it.
+/// Parses the rate of a link. It is rounded down, to the worse side for a channel.
 Result<std::uint64_t> link_rate(std::string_view text) {
   return text == "0" ? std::uint64_t{0} : parse_bit_rate(text, Rounding::down);
 }
@@ -139,7 +140,7 @@ Result<control::LinkChange> link_change(std::string_view text) {
       .rate = *rate};
 }
 
-/// 0 of an option that is not given.
+/// Parses the moment of an option; 0 if it is not given.
 Result<std::uint64_t> moment(std::string_view option, const std::string& text, std::uint64_t now) {
   if (text.empty()) return std::uint64_t{0};
   auto result = parse_moment(text, now);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Widths count UTF-8 characters; padding is never coloured.
+// Widths are counted in UTF-8 characters; padding is never coloured.
 #include "tools/table.hpp"
 
 #include <unistd.h>
@@ -51,7 +51,7 @@ std::string printable(std::string_view text) {
   result.reserve(text.size());
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto c = static_cast<unsigned char>(text[i]);
-    // C1 controls are 0xc2 0x80 .. 0xc2 0x9f in UTF-8.
+    // The control characters of C1 are 0xc2 0x80 to 0xc2 0x9f in UTF-8.
     const bool c1 =
         c == 0xc2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xa0;
     result.push_back(c < 0x20 || c == 0x7f || c1 ? '?' : text[i]);
@@ -84,7 +84,7 @@ std::string Table::text(Color color, std::string_view indent) const {
   std::string result;
   const auto line = [&](auto cell_of) {
     std::string text(indent);
-    std::size_t gap = 0;  // written only when something follows
+    std::size_t gap = 0;  // written only before the next text, so that no line ends with blanks
     for (const auto i : shown) {
       const Cell cell = cell_of(i);
       const std::size_t padding = widths[i] - width(cell.text);

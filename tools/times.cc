@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mktime() knows the time zone; what it had to correct was no date.
+// mktime() converts local time; if it had to correct a field the input was not a date.
 #include "tools/times.hpp"
 
 #include <fmt/chrono.h>
@@ -23,9 +23,9 @@ constexpr std::uint64_t kMillisecond = 1'000'000;
 constexpr std::uint64_t kSecond = 1'000'000'000;
 constexpr std::uint64_t kDay = units::kDay * kSecond;
 
-/// Spans are of milliseconds and longer ones.
+/// The unit of a span; units below a millisecond are not accepted.
 const Unit* unit_named(std::string_view name) {
-  if (name == "m") name = "min";  // as sleep(1) and systemd.time(7) have it
+  if (name == "m") name = "min";  // as sleep(1) and systemd.time(7) abbreviate it
   if (const Unit* const longer = units::find(Measure::nanoseconds, name, units::kLongTimes))
     return longer;
   const Unit* const unit = units::find(Measure::nanoseconds, name);
@@ -36,7 +36,8 @@ void skip_blanks(std::string_view& text) {
   text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
 }
 
-/// Takes a whole number and its unit off the front: nanoseconds.
+/// Removes an integer and its unit from the front of `text` and returns nanoseconds; nullopt if
+/// there is none.
 std::optional<std::uint64_t> take_part(std::string_view& text) {
   const auto digits = text.substr(0, text.find_first_not_of("0123456789"));
   const auto number = Decimal::read(digits);
@@ -69,7 +70,8 @@ std::tm local(std::time_t unix_s) {
   return result;
 }
 
-/// Nothing for a moment that is none (31 February, 25 o'clock) or lies outside 1970 to 2554.
+/// Nanoseconds since 1970 of a local time. Nullopt if it does not exist (31 February, 25 o'clock)
+/// or is not between 1970 and 2554.
 std::optional<std::uint64_t> unix_ns(std::tm when) {
   const auto said = when;
   when.tm_isdst = -1;
@@ -82,7 +84,7 @@ std::optional<std::uint64_t> unix_ns(std::tm when) {
   return ns == kUnbounded ? std::nullopt : std::optional(ns);
 }
 
-/// `separator`, then digits, off the front.
+/// Removes `separator` and the number behind it from the front of `text`.
 bool take_behind(char separator, std::string_view& text, int& to) {
   if (!text.starts_with(separator)) return false;
   text.remove_prefix(1);
@@ -91,7 +93,7 @@ bool take_behind(char separator, std::string_view& text, int& to) {
   return number.has_value();
 }
 
-/// Reads "14:00" or "14:00:30" into `to`.
+/// Parses "14:00" or "14:00:30".
 bool read_time(std::string_view text, std::tm& to) {
   const auto hour = take_number<std::uint16_t>(text);
   if (!hour) return false;
@@ -100,7 +102,7 @@ bool read_time(std::string_view text, std::tm& to) {
   return text.empty() || (take_behind(':', text, to.tm_sec) && text.empty());
 }
 
-/// Reads "2026-11-21", with or without a time.
+/// Parses "2026-11-21", with or without a time of day.
 bool read_date(std::string_view text, std::tm& to) {
   const auto year = take_number<std::uint16_t>(text);
   if (!year || *year < 1970 || !take_behind('-', text, to.tm_mon) ||
@@ -124,7 +126,7 @@ std::optional<std::uint64_t> read_moment(std::string_view text, std::uint64_t no
   if (text == "now") return now;
   if (text == "today") return unix_ns(midnight);
   if (text == "yesterday") {
-    // Noon of yesterday first: a day may have 23 or 25 hours.
+    // Go back 24 hours from noon, because the day before may have 23 or 25 hours.
     midnight.tm_hour = 12;
     const auto noon = unix_ns(midnight);
     if (!noon || *noon < kDay) return std::nullopt;

@@ -20,7 +20,8 @@ namespace {
 
 using units::measure_of;
 
-/// "ns, us, ms, s, min or h"; spellings that are not ASCII are accepted but not named.
+/// The units to name in an error: "ns, us, ms, s, min or h". Accepted spellings that are not ASCII
+/// are left out.
 std::string units_of(std::string_view base) {
   std::vector<std::string_view> names;
   for (const auto& unit : units::kAll)
@@ -52,7 +53,7 @@ Result<Attribute> attribute_named(std::string_view name) {
       fmt::format("unknown attribute '{}': must be one of {}", name, fmt::join(names, ", ")));
 }
 
-/// Its digits fit 64 bits, and 18 decimals suffice.
+/// Whether the digits fit 64 bits and there are at most 18 decimals.
 bool is_moderate(const Decimal& number) {
   constexpr std::size_t most_decimals = 18;
   return number.decimals() <= most_decimals &&
@@ -85,7 +86,7 @@ Result<Value> read_value(Attribute attribute, std::string_view text, Role role) 
   return *value;
 }
 
-/// What does not fit 64 bits is too large: it must be `most` or less.
+/// Parses a number with a unit. `most`, for the error text, is the largest value.
 Result<WithUnit> read_quantity(std::string_view text, std::string_view most) {
   constexpr std::size_t most_decimals = 18;
   auto quantity = number_and_unit(text);

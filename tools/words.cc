@@ -12,7 +12,7 @@ namespace mlcca::tools {
 namespace {
 
 constexpr std::uint64_t kBitsPerByte = 8;
-/// Of a percent, in the whole.
+/// thousandths of a percent in 100 %
 constexpr std::uint64_t kThousandths = 100'000;
 
 struct BitRateUnit {
@@ -22,7 +22,7 @@ struct BitRateUnit {
 constexpr std::array kBitRates = {BitRateUnit{"Gbit/s", 1'000'000'000},
                                   BitRateUnit{"Mbit/s", 1'000'000}, BitRateUnit{"kbit/s", 1'000}};
 
-/// `count` / `unit`, rounded to thousandths; unit is 1 or a multiple of 1000.
+/// `count` / `unit` rounded to thousandths; `unit` is 1 or a multiple of 1000.
 std::string decimal(std::uint64_t count, std::uint64_t unit) {
   const std::uint64_t step = unit < 1'000 ? 1 : unit / 1'000;
   const std::uint64_t steps = count / step + (count % step >= (step + 1) / 2 && step > 1 ? 1 : 0);
