@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Attributes as a description has them: the one place that knows how they are written.
+// Writes attributes in the syntax of descriptions; no other code does.
 #pragma once
 #include <string>
 #include <string_view>
@@ -8,8 +8,8 @@
 
 namespace mlcca::tools::design {
 
-/// `element` (Attributes, Provision or PerHop) with these attributes, exactly, each line behind
-/// `indent` and with an end. Without attributes: nothing.
+/// An `element` (Attributes, Provision or PerHop) with the exact values of `attributes`. Each line
+/// begins with `indent` and ends with a newline. Empty if there are no attributes.
 std::string attribute_list(std::string_view element, const AttributeSet& attributes,
                            std::string_view indent);
 

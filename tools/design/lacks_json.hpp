@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What has no counterpart, as JSON.
+// Converts Lacks to JSON.
 #pragma once
 #include <nlohmann/json.hpp>
 #include <utility>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Deadlines that the CAN buses of a drafted description can keep. Traffic does not say what must
-// arrive in time, and without a Deadline a description asks for the Period: which a bus need not
-// keep where senders have bursts.
+// Deadlines, queue lengths and Periods for a description drafted from traffic, chosen so that its
+// CAN buses can keep them. Traffic does not show what must arrive in time; without a Deadline a
+// description requires the Period as Deadline, which a bus need not keep if senders have bursts.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -14,16 +14,17 @@
 
 namespace mlcca::tools::design {
 
-/// By name of the channel, ns: of those that could take longer than they may, if everything that is
-/// described is sent. A quarter is added to what they take. Channels without a bound are left out.
+/// Deadlines by name of channel, in ns, for channels whose response time, if everything described
+/// is sent, exceeds what they require now. They are a quarter longer than the response time.
+/// Channels without a bound are left out.
 [[nodiscard]] std::map<std::string, std::uint64_t> deadlines_that_hold(const core::System& system);
 
-/// Names of channels whose messages the transport protocol of J1939 cannot send as often as their
-/// Period says, with the pauses that it may make between packets.
+/// The names of channels whose messages the transport protocol of J1939 cannot send as often as
+/// their Period states, because of the pauses that it may make between packets.
 [[nodiscard]] std::set<std::string> too_often_for_transport(const core::System& system);
 
-/// As draft_of(), with Periods of few events, Deadlines that can be kept, and queues that lose
-/// nothing.
+/// As draft_of(), with longer Periods where few events were seen, Deadlines that the buses can
+/// keep, and queues that lose nothing.
 [[nodiscard]] learn::Draft draft_that_holds(const learn::Observer& observer,
                                             const std::vector<std::string>& names,
                                             learn::DraftOptions options);

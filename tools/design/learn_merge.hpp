@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What was learned against what is described already: the difference, as a patch that a person
-// reads and applies, and what contradicts the description.
+// Compares what was learned with an existing description. The difference becomes a patch that a
+// person reads and applies; contradictions are listed.
 #pragma once
 #include <string>
 #include <utility>
@@ -12,23 +12,24 @@
 
 namespace mlcca::tools::design {
 
-/// Networks and the gateway of a described system, by the names of interfaces: for DraftOptions.
-/// Interfaces that no port names are left out. `gateway` may be empty where there is one alone.
+/// Takes the networks and the gateway of a described system into `options`, by the names of
+/// interfaces. Interfaces that no port has are left out. `gateway` may be empty if there is only
+/// one.
 Result<void> adopt(const core::System& system, const std::string& gateway,
                    learn::DraftOptions& options);
 
 struct Merged {
-  /// Each file that would change: its path, and what it would be.
+  /// The path and new content of each file that would change.
   std::vector<std::pair<std::string, std::string>> files;
-  std::vector<std::string> differs;  ///< a line each: what was seen and is not as it is described
+  std::vector<std::string> differs;  ///< lines about what was seen and is described differently
 };
 
-/// `system` was read of a description; its files must not have changed since. An interface that it
-/// does not have is an error: its network would have to be described first.
+/// Compares a draft with `system`, whose files must not have changed since they were read. An error
+/// if the system does not have an interface: its network must be described first.
 Result<Merged> merge(const core::System& system, const learn::Draft& draft,
                      const learn::DraftOptions& options);
 
-/// A unified diff, as diff(1) makes it, of a file against what it would be.
+/// A unified diff (diff -u) from the file `path` to the new content `text`.
 Result<std::string> diff_of(const std::string& path, const std::string& text);
 
 }  // namespace mlcca::tools::design

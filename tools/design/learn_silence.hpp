@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Why nothing was seen on an interface that was listened to, and how far listening is.
+// The progress of listening on an interface, and the reason if no frame arrived.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -10,14 +10,15 @@
 
 namespace mlcca::tools::design {
 
-/// What mlccad says of itself; nothing: there is none that answers, or the caller may not ask.
+/// The status of the daemon; nullopt if none answers or the caller has no permission.
 [[nodiscard]] std::optional<control::Status> status_of_daemon(const std::string& socket);
 
-/// In words. `is_up`: as the kernel says it. `status`: of a daemon that may gate the interface.
+/// The reason why no frame arrived. `is_up` is the state of the interface; `status` is that of a
+/// daemon that may gate it.
 [[nodiscard]] std::string reason_of_silence(const std::string& interface, bool is_up,
                                             const std::optional<control::Status>& status);
 
-/// A line on standard error that is written over once a second, if that is a terminal.
+/// Shows a line with the progress on standard error, updated once a second, if that is a terminal.
 class Listening {
  public:
   explicit Listening(std::uint64_t ns);
@@ -28,7 +29,7 @@ class Listening {
   Listening& operator=(Listening&&) = delete;
 
   void count() { ++frames_; }
-  /// To be called often.
+  /// Updates the line if it is due; to be called often.
   void show();
 
   [[nodiscard]] static std::string line(std::uint64_t frames, std::uint64_t left_ns);

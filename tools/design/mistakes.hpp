@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Nothing leaves a verb that a daemon would not read.
+// Checks a generated description before it is written: a verb must not write one that the daemon
+// cannot read.
 #pragma once
 #include <optional>
 #include <string>
@@ -10,8 +11,8 @@
 
 namespace mlcca::tools::design {
 
-/// Why a description that a verb has made is not written; nothing: it can be read. `name` stands
-/// for it in the details.
+/// Why `text`, a description that a verb has generated, is not written; nullopt if it can be read.
+/// `name` is its name in the details.
 inline std::optional<Refusal> mistakes_in(
     const std::string& text, const std::string& name,
     description::Users users = description::Users::of_this_machine) {

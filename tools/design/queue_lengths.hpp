@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// How long the queues of the gateways of a drafted description must be.
+// The queue lengths that a drafted description needs at the ports of its gateways.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -9,9 +9,9 @@
 
 namespace mlcca::tools::design {
 
-/// Makes the queues of the ports on each CAN bus as long as they must be if all that is described
-/// is sent, and gives those lengths by number of the network: those alone that are longer than the
-/// queue of a port is by default. Without a bound there is none. `system` has sorted bindings.
+/// Lengthens the queues of the ports on each CAN bus as far as needed if everything that is
+/// described is sent. Returns the lengths that exceed the default, by index of the network; none
+/// for a bus without a bound. `system` must have sorted bindings.
 std::map<std::size_t, std::uint32_t> lengthen_queues(core::System& system);
 
 }  // namespace mlcca::tools::design

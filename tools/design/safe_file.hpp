@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Files that are read and replaced as a whole: a reader sees the old content or the new one.
+// Reads and replaces files atomically: a reader sees the old content or the new one.
 #pragma once
 #include <sys/stat.h>
 
@@ -15,29 +15,29 @@
 
 namespace mlcca::tools::design {
 
-/// A file as it was when it was read.
+/// A file and its state when it was read.
 struct FileContent {
-  std::string path;  ///< with symbolic links followed, unless they are refused
+  std::string path;  ///< symbolic links are resolved, unless they are refused
   std::string text;
   struct stat status{};
 };
 
-/// What becomes of a path whose last part is a symbolic link.
+/// Whether a path whose last component is a symbolic link is followed or refused.
 enum class Links : std::uint8_t { follow, refuse };
 
-/// The regular file `path`, of at most `limit` bytes; nullopt if there is none.
+/// Reads the regular file `path` of at most `limit` bytes; nullopt if there is none.
 Result<std::optional<FileContent>> read_file(const std::string& path, std::size_t limit,
                                              Links links = Links::follow);
 
-/// Puts `text` in the place of `old`, with the same mode and owner: written and synced beside it,
-/// then renamed. Refused, and nothing happens, if the file has changed since it was read.
+/// Replaces the file `old` by `text`, with the same mode and owner: writes and syncs a file beside
+/// it, then renames that. An error, without a change, if the file has changed since it was read.
 Result<void> replace_file(const FileContent& old, std::string_view text);
 
-/// Creates `path` in the same way. Refused if it exists by then.
+/// Creates `path` in the same way; an error if it exists by then.
 Result<void> create_file(const std::string& path, std::string_view text);
 
-/// Many files of one folder, each as replace_file() and create_file() do it, and all synced
-/// together: one sync a file is most of the time that thousands of small ones take.
+/// Replaces and creates many files of one folder as replace_file() and create_file() do, but syncs
+/// all together: one sync for each file takes most of the time for thousands of small files.
 class FileBatch {
  public:
   explicit FileBatch(std::string folder);
@@ -45,14 +45,14 @@ class FileBatch {
   FileBatch(FileBatch&&) = delete;
   FileBatch& operator=(const FileBatch&) = delete;
   FileBatch& operator=(FileBatch&&) = delete;
-  /// What was not committed is removed.
+  /// Removes what was not committed.
   ~FileBatch();
 
-  /// Written beside the file that it shall become.
+  /// Writes a temporary file beside the one that it will replace or create.
   Result<void> replace(FileContent old, std::string_view text);
   Result<void> create(const std::string& path, std::string_view text);
-  /// Syncs all of them, then renames one after the other, in their order. With an error those
-  /// before it are there, and the others are as they were.
+  /// Syncs all files, then renames them one by one in their order. After an error the files before
+  /// it are in place and the others unchanged.
   Result<void> commit();
 
  private:

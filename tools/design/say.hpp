@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the verbs of design time say: results on standard output, refusals as mlccactl puts them.
+// Output of the design-time verbs: results on standard output, refusals in the form of mlccactl.
 #pragma once
 #include <expected>
 #include <string>
@@ -15,22 +15,22 @@ namespace mlcca::tools::design {
 struct Refusal {
   Exit exit = Exit::usage;
   std::string message;
-  std::vector<std::string> details;  ///< each a line; empty: the message says it all
+  std::vector<std::string> details;  ///< lines; empty if the message says everything
 };
 
-/// How a verb ends.
+/// The end of a verb: an exit status or a refusal.
 using Finished = std::expected<Exit, Refusal>;
 [[nodiscard]] inline std::unexpected<Refusal> refuse(Exit exit, std::string message) {
   return std::unexpected(Refusal{exit, std::move(message), {}});
 }
 
-/// To standard output. Exit::fine, or Exit::world where it cannot be written, which has been said.
+/// Prints to standard output. Exit::fine, or Exit::world after an error message if that fails.
 Exit say(std::string_view text);
 
-/// To standard error, or as {"error": {"kind", "message", "details"}} to standard output. The exit
-/// status of the refusal.
+/// Prints a refusal to standard error, or with `json` as {"error": {"kind", "message", "details"}}
+/// to standard output. Returns the exit status of the refusal.
 Exit say(const Refusal& refused, bool json);
-/// The exit status, of what was refused after it was said.
+/// The exit status of a verb; a refusal is printed.
 inline Exit finish(const Finished& done, bool json) {
   return done ? *done : say(done.error(), json);
 }

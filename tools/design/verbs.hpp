@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The verbs of design time. Each adds itself to the command line; the callback carries it out.
+// The design-time verbs. Each function adds a verb to the command line with a callback that carries
+// it out.
 #pragma once
 #include <CLI/App.hpp>
 #include <string>
@@ -9,12 +10,12 @@
 
 namespace mlcca::tools::design {
 
-/// What every verb gets, and where it leaves its exit status.
+/// What every verb receives, and where it stores its exit status.
 struct Context {
   bool json = false;
-  bool no_color = false;                           ///< as asked for; see color_of()
-  std::string socket = "/run/mlcca/control.sock";  ///< of mlccad, for verbs that ask it
-  double timeout_s = 10;                           ///< for one answer of it
+  bool no_color = false;                           ///< the option; see color_of()
+  std::string socket = "/run/mlcca/control.sock";  ///< socket of mlccad, for verbs that ask it
+  double timeout_s = 10;                           ///< limit in seconds for an answer of mlccad
   Exit exit = Exit::fine;
 };
 

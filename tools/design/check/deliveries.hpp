@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The deliveries of a system, as the page shows them: verdict, way, margin and reaction in words.
+// The deliveries of a system in words for the page: verdict, route, margin and reaction time.
 #pragma once
 #include <cstddef>
 #include <optional>
@@ -15,29 +15,31 @@
 
 namespace mlcca::tools::design {
 
-/// From a publisher to a place with subscribers.
+/// A delivery from a publisher to a place with subscribers.
 struct ReportedDelivery {
   std::size_t channel = 0;
   std::size_t publisher_number = 0;
   std::string publisher;
-  std::string subscribers;  ///< "a, b, c and 5 more"
+  std::string subscribers;  ///< names, such as "a, b, c and 5 more"
   Outcome outcome = Outcome::fit;
   std::size_t set = 0;
   core::Place from;
   core::Place to;
-  core::Route route;                        ///< of a refusal the one that was tried; may be empty
+  core::Route route;                        ///< if refused, the route that was tried; may be empty
   std::optional<core::Place> refused_at{};  ///< the first place of the route that does not fit
-  std::string margin;                       ///< the smallest, with what it is of; or why not
-  Value share = 0;                          ///< of the margin, as core::slack() has it; 0: why not
-  std::string reaction;                     ///< "174 ms", at worst; empty: not known
-  std::string reaction_terms;               ///< "(Omission 2 + 1) x Period 50 ms + …"
+  std::string margin;    ///< the smallest margin and the attribute that it belongs to; or why there
+                         ///< is none
+  Value share = 0;       ///< the margin as a share, see core::slack(); 0: there is none
+  std::string reaction;  ///< the worst case, such as "174 ms"; empty: not known
+  std::string reaction_terms;  ///< the sum that it results from: "(Omission 2 + 1) x Period 50 ms +
+                               ///< …"
 };
 
 ReportedDelivery in_words(const core::System& system, const core::Members& members,
                           const core::Verdict& verdict);
 
-/// A grant may have a smaller margin on one of the buses of its way: they are known at last, with
-/// what is sent there though it is refused.
+/// Lowers the margin of a grant to that on a bus of its route, if that is smaller. The margins on
+/// buses are known only when all buses are analysed, including refused messages that are sent.
 void consider(const core::System& system, std::span<const core::SentMessage* const> messages,
               ReportedDelivery& delivery);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the script of the page draws: the networks of a system, and the ways of its deliveries.
+// The data for the drawing of the page: the networks of a system and the ways of its deliveries.
 #pragma once
 #include <cstddef>
 #include <nlohmann/json.hpp>
@@ -9,10 +9,10 @@
 
 namespace mlcca::tools::design {
 
-/// Deliveries that go the same way with the same outcome are one way.
+/// The map. Deliveries with the same route and outcome share a way.
 struct Map {
   nlohmann::ordered_json json;      ///< {"places": […], "ways": […]}
-  std::vector<std::size_t> way_of;  ///< of each delivery, its number among them
+  std::vector<std::size_t> way_of;  ///< for each delivery, the index of its way
 };
 
 Map map_of(const SystemReport& report);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Where a report goes.
+// Writes a report to its destination.
 #pragma once
 #include <string>
 #include <string_view>
@@ -9,11 +9,11 @@
 
 namespace mlcca::tools::design {
 
-/// To the file `path`: whoever opens it sees the old content or the new. A device or pipe is
-/// written as it is.
+/// Writes the file `path` atomically: a reader sees the old content or the new. A device or pipe is
+/// written directly.
 Result<void> write_output(const std::string& path, std::string_view text);
 
-/// Whether `path` is the same file as one of `files`, whatever its name.
+/// Whether `path` is the same file as one of `files`, also under another name.
 bool is_one_of(const std::string& path, const std::vector<std::string>& files);
 
 }  // namespace mlcca::tools::design

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// How far a long work is, on one line of a terminal.
+// Shows the progress of long work on one line of a terminal.
 #pragma once
 #include <chrono>
 #include <functional>
@@ -7,15 +7,15 @@
 
 namespace mlcca::tools::design {
 
-/// Writes "reading 45 %" over itself: nothing in the first second, then at most ten times a second.
-/// What was written is erased at the end.
+/// Writes "reading 45 %" over the former text: nothing in the first second, then at most ten times
+/// a second. The text is erased at the end.
 class ProgressLine {
  public:
   using Time = std::chrono::steady_clock::time_point;
   using Now = std::function<Time()>;
   using Write = std::function<void(std::string_view)>;
 
-  /// The work begins now.
+  /// Starts the first second.
   ProgressLine(Now now, Write write)
       : now_(std::move(now)), write_(std::move(write)), next_(now_() + kSilence) {}
   ~ProgressLine() { erase(); }
@@ -24,9 +24,9 @@ class ProgressLine {
   ProgressLine& operator=(const ProgressLine&) = delete;
   ProgressLine& operator=(ProgressLine&&) = delete;
 
-  /// `done` from 0 to 1.
+  /// Shows the progress `done`, from 0 to 1.
   void show(std::string_view what, double done);
-  /// The line is empty again; it may be shown again.
+  /// Erases the text; show() may be called again.
   void erase();
 
   static constexpr std::chrono::milliseconds kSilence{1000};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a check found, ready to be written: names instead of numbers.
+// The result of a check with names instead of indices, ready for output.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -16,33 +16,35 @@
 
 namespace mlcca::tools::design {
 
-/// Texts are empty where they do not apply.
+/// A finding. A text that does not apply is empty.
 struct ReportedFinding {
   core::FindingId id = core::FindingId::rule;
   std::string file;
-  int line = 0;         ///< 1.., or 0: the file as a whole
-  std::string element;  ///< of the description, for what its rules found
+  int line = 0;         ///< from 1; 0: the finding is about the file
+  std::string element;  ///< name of the XML element, for findings about the description itself
   std::string text;
   std::string hint;
   std::string channel;
   std::string publisher;
   std::string subscriber;
-  std::string place;  ///< network or gateway
+  std::string place;  ///< name of a network or gateway
   std::string attribute;
-  std::string required;  ///< with unit
+  std::string required;  ///< value with its unit
   std::string provided;
 };
 
-/// One System with the files that belong to it.
+/// The result for one System with its files.
 struct SystemReport {
-  std::string file;  ///< as it was named on the command line
+  std::string file;  ///< the path as given on the command line
   bool readable = false;
-  bool usable = false;          ///< no rule of descriptions is broken: mlccad would take it
-  bool inspected = false;       ///< names and places are known, so that deliveries could be decided
-  core::System system;          ///< only its files unless readable
-  core::Inspection inspection;  ///< without findings: they are below; empty unless inspected
-  std::vector<ReportedFinding> findings;  ///< by file as they appear, line, number
-  /// With Depth::deliveries: by channel, each in the attribute set that is used.
+  bool usable = false;          ///< it breaks no rule of descriptions, so mlccad would accept it
+  bool inspected = false;       ///< names and places are resolved, so deliveries could be decided
+  core::System system;          ///< contains only its files unless `readable`
+  core::Inspection inspection;  ///< without findings, which are in the next member; empty unless
+                                ///< `inspected`
+  std::vector<ReportedFinding> findings;  ///< sorted by file in the order of reading, line, and
+                                          ///< number
+  /// With Depth::deliveries: the deliveries by channel, each in the attribute set in use.
   std::vector<ReportedDelivery> deliveries;
   core::InspectedBuses buses;
 };
@@ -53,43 +55,43 @@ struct Totals {
   std::size_t notes = 0;
 };
 
-/// The channels of a system by what became of them.
+/// The numbers of channels of a system by their outcome.
 struct ChannelCounts {
   std::size_t fit = 0;
   std::size_t run_time = 0;
   std::size_t unfit = 0;
-  std::size_t unused = 0;  ///< nothing to decide: nobody publishes, or nobody subscribes
+  std::size_t unused = 0;  ///< nothing to decide, because there is no publisher or no subscriber
 };
 
 struct Report {
   std::vector<SystemReport> systems;
-  std::vector<std::string> part_files;  ///< that belong to no System
-  std::vector<ReportedFinding> parts;   ///< what is wrong with them
+  std::vector<std::string> part_files;  ///< files that belong to no System
+  std::vector<ReportedFinding> parts;   ///< findings in those files
 
   [[nodiscard]] Totals totals() const;
   [[nodiscard]] bool readable() const;
-  /// Every file that was read, or should have been, each once, in the order in which they appear.
+  /// Every file that was or should have been read, once each, in the order of the report.
   [[nodiscard]] std::vector<std::string> files() const;
 };
 
-/// Part of the work that is done, from 0 to 1, in words such as "reading".
+/// Reports progress: `done` is from 0 to 1, `what` is a word such as "reading".
 using ReportProgress = std::function<void(std::string_view what, double done)>;
 
-/// What a report has beside findings and counts; more takes longer.
+/// How much a report contains; `deliveries` takes longer.
 enum class Depth : std::uint8_t { findings, deliveries };
 
-/// Checks every file whose root is a System; files with a part as root count as included in each of
-/// them, or are held against the schema where there is no System. A path that is given twice counts
-/// once.
+/// Checks every file whose root is a System. A file with a part as root counts as included in each
+/// System; if there is none it is only validated against the schema. A path that is given twice
+/// counts once.
 Report make_report(const std::vector<std::string>& paths, const ReportProgress& progress,
                    Depth depth = Depth::findings);
 
-/// fine (notes do not count), refused (errors or warnings), or usage (a file cannot be read).
+/// Exit::fine (notes do not count), refused (errors or warnings) or usage (a file cannot be read).
 [[nodiscard]] Exit status_of(const Report& report);
 
 [[nodiscard]] ChannelCounts counts_of(const SystemReport& system);
 
-/// All in one order: those of each system, then those of parts.
+/// Calls `each` for the findings of each system, then for those of parts.
 void for_each_finding(const Report& report,
                       const std::function<void(const ReportedFinding&)>& each);
 

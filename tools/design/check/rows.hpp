@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A table of the page. On a narrow screen each row becomes a card, in which cells say their column.
+// An HTML table of the page. On a narrow screen CSS makes a card of each row, whose cells show the
+// titles of their columns.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -11,21 +12,22 @@
 
 namespace mlcca::tools::design {
 
-/// Rows of one table; more are counted, not shown.
+/// Rows that a table shows at most; further ones are only counted.
 inline constexpr std::size_t kMaxRows = 2000;
 
-/// Cells are HTML; the first of a row is its heading. Empty cells do not show on a card.
+/// Builds a table. Cells are HTML; the first cell of a row is its heading. On a card, empty cells
+/// are hidden.
 class Rows {
  public:
-  /// `title` is HTML without tags.
+  /// `title` must be HTML without tags.
   Rows(std::string title, std::vector<const char*> columns);
 
-  /// False where the row would not be shown: it need not be made.
+  /// Counts a row. False if it would not be shown, so that the caller need not make it.
   bool wants_more();
   void add(const std::vector<std::string>& cells, std::string_view kind = {},
            std::string_view id = {});
 
-  /// Heading and table, or nothing where there is no row. `before`: HTML between the two.
+  /// Heading, `before` and the table as HTML; empty if there is no row.
   [[nodiscard]] std::string html(std::string_view before = {}) const;
 
  private:
@@ -35,20 +37,20 @@ class Rows {
   std::size_t all_ = 0;
 };
 
-/// Mark, word and class of an outcome; the word carries it without colour.
+/// How an outcome appears: symbol, word and CSS class. The word alone suffices without colour.
 struct Said {
   const char* mark;
   const char* word;
   const char* kind;
 };
 [[nodiscard]] Said said(Outcome outcome);
-/// The same for any word.
+/// The HTML of these.
 [[nodiscard]] std::string verdict(const Said& said);
 
-/// "12.5 %" with a bar for the eye; the bar is full at `limit_ppm`.
+/// "12.5 %" with a bar that is full at `limit_ppm`.
 [[nodiscard]] std::string meter(std::uint64_t ppm, std::uint64_t limit_ppm);
 
-/// Text in which a path may be broken behind its slashes.
+/// HTML in which a path can be broken after its slashes.
 [[nodiscard]] std::string path_text(std::string_view path);
 
 }  // namespace mlcca::tools::design

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Paths of files as URI references (RFC 3986), for readers that follow links.
+// Converts file paths into URI references (RFC 3986) for SARIF and HTML.
 #pragma once
 #include <string>
 #include <string_view>
 
 namespace mlcca::tools::design {
 
-/// A path as a reader of SARIF or HTML wants it.
+/// A file as URI reference.
 struct FileUri {
   std::string text;       ///< percent-encoded, without dot segments
-  bool relative = false;  ///< to the folder in which the check runs; otherwise file:///…
+  bool relative = false;  ///< relative to the working directory of the check; otherwise it is
+                          ///< file:///…
 };
 
-/// Relative where the path is relative and stays below the working directory. `folder` is that
-/// directory, absolute: a path that leaves it becomes absolute.
+/// The reference to `path`. `folder` is the absolute working directory; a relative path that stays
+/// below it gives a relative reference, any other path an absolute one.
 FileUri file_uri(std::string_view path, std::string_view folder);
 
 /// The same for the working directory of this process.

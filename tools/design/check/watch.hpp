@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Waits until one of some files is saved, however the editor does that.
+// Waits until one of several files is saved, in whatever way the editor does that (inotify(7)).
 #pragma once
 #include <time.h>  // NOLINT(modernize-deprecated-headers): timespec of POSIX
 
@@ -14,12 +14,13 @@
 
 namespace mlcca::tools::design {
 
-/// What wait() has seen.
+/// Why wait() has returned.
 enum class Woken : std::uint8_t { changed, ended };
 
-/// The time that file systems use for their stamps.
+/// The present time by the clock of file time stamps (CLOCK_REALTIME_COARSE).
 timespec file_time();
 
+/// Watches files through the folders that contain them.
 class FileWatch {
  public:
   ~FileWatch();
@@ -28,22 +29,23 @@ class FileWatch {
   FileWatch(const FileWatch&) = delete;
   FileWatch& operator=(const FileWatch&) = delete;
 
-  /// From now on SIGINT, SIGTERM and SIGHUP end wait() instead of the process.
+  /// Opens the watch. From then on SIGINT, SIGTERM and SIGHUP end wait() and not the process.
   static Result<FileWatch> open();
 
-  /// Watches these files and no others; they need not exist. True if one that was not watched
-  /// before has changed since then: that change would go unnoticed.
+  /// Watches these files instead of the former ones; they need not exist. True if a newly watched
+  /// file has changed since `since`, a change that wait() would miss.
   Result<bool> follow(const std::vector<std::string>& files, timespec since);
 
-  /// Until one of them is written, replaced, removed or appears. The many events of one save are
+  /// Waits until a file is written, replaced, removed or created. The events of one save count as
   /// one change.
   Result<Woken> wait();
 
  private:
-  /// What counts in one folder.
+  /// The file names that are watched in a folder.
   struct Folder {
     std::set<std::string> names;
-    bool any = false;  ///< it stands for one that does not exist
+    bool any = false;  ///< all names count, because it is an ancestor of a folder that does not
+                       ///< exist
   };
 
   FileWatch(Fd events, Fd signals) : events_(std::move(events)), signals_(std::move(signals)) {}
@@ -52,7 +54,7 @@ class FileWatch {
 
   Fd events_;
   Fd signals_;
-  std::map<int, Folder> folders_;  ///< by watch descriptor
+  std::map<int, Folder> folders_;  ///< by inotify watch descriptor
   std::set<std::string> files_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Questions on a terminal, one for each field of a channel.
+// The dialogue of `describe` on a terminal, with a question for each field of a channel.
 #pragma once
 #include <optional>
 #include <string>
@@ -9,32 +9,33 @@
 
 namespace mlcca::tools::design {
 
-/// A person at a keyboard: prompts go to standard error, so that standard output can be redirected.
+/// A terminal with a person. Prompts go to standard error, so that standard output can be
+/// redirected.
 class Terminal {
  public:
-  /// Standard input and standard error are a terminal.
+  /// Whether standard input and standard error are a terminal.
   static bool is_there();
 
   static void say(const std::string& line);
-  /// The answer without blanks around it; nullopt at the end of the input (Ctrl-D).
+  /// Asks and returns the answer without surrounding blanks; nullopt at the end of input (Ctrl-D).
   std::optional<std::string> ask(const std::string& question);
 
  private:
   std::string unread_;
 };
 
-/// Asks for every field of channel number `channel`, with the present value as default, and carries
-/// each answer out at once. A wrong answer is explained and asked for again. False when the input
-/// ends: the text is not to be used then.
+/// Asks for every field of channel number `channel`, with the present value as default, and makes
+/// each change at once. An invalid answer is explained and asked for again. False if the input
+/// ended; the caller must then discard the text.
 bool ask_for_changes(Terminal& terminal, Markup& markup, std::size_t channel);
 
-/// "yes" by default; false for no, and at the end of the input.
+/// Asks for yes (the default) or no; false also at the end of input.
 bool confirm(Terminal& terminal, const std::string& question);
 
-/// A subject that no other channel has: 64 random bits of the kernel, not 0.
+/// A random subject: 64 bits from the kernel, not 0.
 Result<std::string> random_subject();
 
-/// What stands against that quantity in a file that declares its attribute with another unit.
+/// An error if the file declares the attribute of the quantity with another unit.
 Result<void> check_declared(const Markup& markup, const Quantity& quantity);
 
 }  // namespace mlcca::tools::design

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Changes of one event channel, each as a replacement of the bytes that it concerns.
+// Changes of an event channel. Each replaces only the bytes that it concerns.
 #pragma once
 #include <optional>
 #include <string>
@@ -9,33 +9,34 @@
 
 namespace mlcca::tools::design {
 
-/// A field that is one text; an empty one removes what may be absent.
+/// Sets a text field; an empty text removes an optional field.
 struct SetField {
   enum class Which : std::uint8_t { subject, name, description, safe_side };
   Which which = Which::subject;
   std::string text;
 };
-/// One attribute of the set of that priority; without a priority, of the only set. A set that is
-/// not there is made first, as a copy of the one that is preferred until then.
+/// Sets an attribute in the set of that priority (without one, in the only set). A set that does
+/// not exist is created as a copy of the one with the highest priority.
 struct SetAttribute {
   Quantity quantity;
   std::optional<int> priority;
 };
+/// Removes an attribute from the set of that priority (without one, from the only set).
 struct UnsetAttribute {
   std::string name;
   std::optional<int> priority;
 };
-/// A whole set, with what stands in it.
+/// Removes an attribute set with its content.
 struct RemoveSet {
   int priority = 0;
 };
 using Edit = std::variant<SetField, SetAttribute, UnsetAttribute, RemoveSet>;
 
-/// Carries it out in the channel that is number `channel` of the text. The error names what is not
-/// there, or what the priority leaves open; the text is then as it was.
+/// Makes a change in the channel with index `channel`. An error says what does not exist, or that
+/// the set is ambiguous; the text is unchanged then.
 Result<void> apply(Markup& markup, std::size_t channel, const Edit& edit);
 
-/// An event-channel file with that subject and nothing else.
+/// The text of an event-channel file that has only this subject.
 std::string new_channel_file(const std::string& subject);
 
 }  // namespace mlcca::tools::design

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Lists of attributes in a text: <Attributes>, <Provision> and <PerHop>, in their two forms.
+// The lists of attributes in a text (<Attributes>, <Provision>, <PerHop>), in the short form (XML
+// attributes) and in the paper's (Attribute elements).
 #pragma once
 #include <array>
 #include <optional>
@@ -13,8 +14,8 @@
 
 namespace mlcca::tools::design {
 
-/// One attribute of a list: an Attribute element, or an XML attribute in the short form. The other
-/// one is null.
+/// An attribute of a list. Either `element` or `key` is set, according to its form; the other is
+/// null.
 struct Listed {
   Quantity quantity;
   const Node* element = nullptr;
@@ -22,19 +23,20 @@ struct Listed {
   int line = 0;
 };
 
-/// All of a list, XML attributes first. The schema has accepted it.
+/// All attributes of a list, XML attributes first. The list must be valid by the schema.
 std::vector<Listed> attributes_of(const Markup& markup, const Node& list);
 
-/// Its value in the short form, in a list of that name; nothing where it stays an element.
+/// The value in the short form, in a list of that element name; nullopt if only an element can
+/// state it.
 std::optional<std::string> short_value(std::string_view list, const Quantity& quantity);
 
-/// The element <Attribute> that states it.
+/// The <Attribute> element that states the quantity.
 NewElement attribute_element(const Quantity& quantity);
 
-/// The unit and Magnitude that a <Dimension> element states; null: a plain number.
+/// The unit and magnitude of a <Dimension> element; `node` null: a number without unit.
 description::Dimension dimension_of(const Markup& markup, const Node* node);
 
-/// The elements of base units, in the order of description::Unit.
+/// The element names of the base units, in the order of description::Unit.
 inline constexpr std::array<const char*, description::kBaseUnits> kBaseElements = {
     "Seconds", "Bytes", "Metres", "Kilograms", "Amperes", "Kelvins", "Moles", "Candelas"};
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a check of a description admits, for files that other tools read.
+// What a check of a description admits, and its export to files for other tools.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -16,14 +16,15 @@
 
 namespace mlcca::tools::design {
 
+/// The decisions about a system on which all exports are based.
 class Admitted {
  public:
-  /// `system` has sorted bindings, and must outlive this.
+  /// `system` must have sorted bindings and outlive this object.
   explicit Admitted(const core::System& system);
 
   [[nodiscard]] const core::System& system() const { return system_; }
   [[nodiscard]] const core::Members& members() const { return members_; }
-  /// Of each channel, in the attribute set that it uses.
+  /// The decision about each channel, in the attribute set in use.
   [[nodiscard]] const std::vector<core::Decision>& decisions() const { return decisions_; }
 
  private:
@@ -32,33 +33,36 @@ class Admitted {
   std::vector<core::Decision> decisions_;
 };
 
-/// What is written, and what of the description it cannot say.
+/// The text of an export, and what of the description the format cannot express.
 struct Exported {
   std::string text;
   Lacks lacks;
 };
 
-/// A publisher's frames on a CAN network, admitted to somebody behind or on it.
+/// The frames of a publisher on a CAN network that are admitted to a subscriber on it or behind it.
 struct AdmittedFrames {
   std::size_t channel = 0;
   std::size_t publisher = 0;
   std::size_t set = 0;
   core::FrameIdentity identity;
-  std::string sender;                  ///< component or publisher, or the gateway that forwards
-  std::vector<std::string> receivers;  ///< the same, each once
+  std::string sender;  ///< name of the component, the publisher, or the gateway that forwards
+  std::vector<std::string> receivers;  ///< names of the same kinds, without duplicates
 };
-/// In the order of the channels. What is not admitted on the network is added to `lacks`.
+/// The admitted frames on a network, in the order of channels. What is not admitted there is added
+/// to `lacks`.
 std::vector<AdmittedFrames> frames_on(const Admitted& admitted, std::size_t network, Lacks& lacks);
 
-/// What rules of the kernel do not carry over a gateway: what is refused, and what crosses by
-/// mlcca-relay alone.
+/// Adds what kernel rules do not carry over a gateway: refused deliveries, and those that only
+/// mlcca-relay can carry.
 void list_not_carried(const Admitted& admitted, std::size_t gateway, Lacks& lacks);
 
+/// A DBC file of a CAN network.
 Exported export_dbc(const Admitted& admitted, std::size_t network);
-/// Shell scripts. Refused where a port does not state the name of its interface.
+/// Shell scripts with rules of can-gw, or with em_canid filters. An error if a port does not state
+/// the name of its interface.
 Result<Exported> export_can_gw(const Admitted& admitted, std::size_t gateway);
 Result<Exported> export_em_canid(const Admitted& admitted, std::size_t number);
-/// Lua, for Wireshark and tshark.
+/// A Lua script for Wireshark and tshark.
 Exported export_wireshark(const Admitted& admitted);
 
 }  // namespace mlcca::tools::design

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Lists of attributes from one form into the other. All else of the text stays as it is, byte by
-// byte.
+// Converts lists of attributes between the short form and the paper's. All other bytes of the text
+// stay.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace mlcca::tools::design {
 
 enum class Form : std::uint8_t { brief, paper };
 
-/// An attribute that is built in and stays an element, and why.
+/// A built-in attribute that stays an element, and the reason.
 struct Kept {
   int line = 0;
   std::string name;
@@ -21,14 +21,14 @@ struct Kept {
 
 struct Rewritten {
   std::string text;
-  std::size_t attributes = 0;  ///< that have the other form now
+  std::size_t attributes = 0;  ///< the number of attributes that were converted
   std::vector<Kept> kept;
 };
 
-/// A text that the schema accepts, with its lists in that form. Values are exact. An Attribute
-/// stays an element if no unit says its value exactly, a comment stands in it, before it or behind
-/// it on its line, it alone is or is not dynamic, or its list has it already. A text in that form,
-/// and the result, are left as they are.
+/// Converts the lists of a text that is valid by the schema; values stay exact. An attribute stays
+/// an element if no unit expresses its value exactly, if a comment is in it, before it or behind it
+/// on the line, if it alone is or is not dynamic, or if its list states it twice. The conversion is
+/// idempotent.
 Rewritten rewritten(std::string text, Form form);
 
 }  // namespace mlcca::tools::design

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Attribute values as the types of mlcca/attribute_list.hpp, and as DER.
+// Attribute values in generated code: as types of mlcca/attribute_list.hpp and as DER.
 #pragma once
 #include <map>
 #include <string>
@@ -10,23 +10,24 @@
 
 namespace mlcca::tools::design {
 
-/// The struct that stands for each user-defined attribute, by its index in the system.
+/// The name of the struct that is generated for each user-defined attribute, by its index in the
+/// system.
 using UserTypes = std::map<std::uint32_t, std::string>;
 
-/// "mlcca::AttributeList<mlcca::Period<50_ms>, mlcca::Omission<2>>", an attribute on a line, as in
-/// figure 3 of the paper. A literal is in the largest
-/// unit of which the value is a whole multiple. `user` names every attribute that is in `values`.
+/// A type such as "mlcca::AttributeList<mlcca::Period<50_ms>, mlcca::Omission<2>>", with one
+/// attribute on a line (figure 3 of the paper). A literal has the largest unit of which the value
+/// is an integral multiple. `user` must contain every attribute of `values`.
 std::string attribute_list(const AttributeSet& set, const core::UserValues& values,
                            const UserTypes& user);
 
-/// An unsigned number that has the same type for every compiler.
+/// A literal that has the same unsigned type for every compiler.
 std::string number(Value value);
 
-/// The run-time representation of an end, proto/mlcca.asn1. The error says why there is none.
+/// The DER encoding of an end by proto/mlcca.asn1. An error says why it cannot be encoded.
 Result<std::string> der_of(const core::System& system, der::Role role, core::Subject subject,
                            const AttributeSet& set, const core::UserValues& values);
 
-/// The user-defined values in the order of DER: by the bytes of their names.
+/// The values in the order that DER requires: by the bytes of their names.
 core::UserValues sorted_by_name(const core::System& system, core::UserValues values);
 
 }  // namespace mlcca::tools::design

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Snippets for Make and CMake: what was generated, and how it is generated again.
+// Snippets for Make and CMake that list the generated files and the command that generates them.
 #pragma once
 #include <string>
 #include <vector>
@@ -13,8 +13,9 @@ struct BuildFiles {
   std::string cmake;  ///< mlcca_generated.cmake
 };
 
-/// `only` is what --component named. Files that the description includes are named relative to it;
-/// those elsewhere are left out, because no path may get into generated text.
+/// `only` are the names given with --component. Included files are named relative to the
+/// description; those outside its folder are left out, because generated text must not contain
+/// paths of a machine.
 BuildFiles build_files(const core::System& system, const std::vector<Unit>& units,
                        const std::vector<std::string>& only);
 

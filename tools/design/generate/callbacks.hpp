@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The file in which an application writes its handlers. What stands between its markers belongs to
-// the user and survives: also when its channel is renamed or removed, at the end of the file.
+// The file in which an application implements its handlers. The code between its markers belongs to
+// the user and is always kept: if its channel is renamed or removed, at the end of the file.
 #pragma once
 #include <optional>
 #include <string>
@@ -12,14 +12,14 @@
 
 namespace mlcca::tools::design {
 
-/// The file as it is generated, with the user's code of `old`, the file as it is now. The error
-/// says why `old` cannot be taken over: its markers do not match, or something was changed outside
-/// of them; `force` gives such changes up.
+/// The new content of the file, with the user's code from `old`, its present content. An error if
+/// the markers of `old` do not match or something outside of them was changed; `force` discards
+/// such changes.
 Result<std::string> callbacks_of(const core::System& system, const Unit& unit,
                                  const std::vector<Callback>& callbacks,
                                  const std::optional<std::string>& old, bool force);
 
-/// Names of regions whose code is kept at the end of the file, because nothing uses it any more.
+/// The names of the regions at the end of a file that no handler uses any more.
 std::vector<std::string> kept_regions(std::string_view text);
 
 }  // namespace mlcca::tools::design

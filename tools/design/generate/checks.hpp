@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which checks the compiler shall make for a unit: between whom, over which hops, and what only the
-// core can refuse.
+// Selects the checks that the compiler makes for a unit: the pairs of ends, the hops between them,
+// and the refusals that only the core can find.
 #pragma once
 #include <cstddef>
 #include <map>
@@ -18,38 +18,41 @@
 
 namespace mlcca::tools::design {
 
-/// A network or gateway that events cross, and what it gives them: stated, or computed.
+/// A hop of a route: a network or gateway and its effective provision.
 struct RouteHop {
   core::Place place;
   Hop gives;
   bool granted = true;
-  bool late = false;  ///< refused there: a bus gives what it would be held to, and no response time
-  bool left = false;  ///< refused there: the Bandwidth of a mesh is what other channels leave
+  bool late = false;  ///< refused there by a CAN bus; `gives` is the bound that it would be held
+                      ///< to, not a response time
+  bool left = false;  ///< refused there by a mesh; the Bandwidth in `gives` is what other channels
+                      ///< leave
 };
 
-/// What `mlccactl check` decides about a whole system, in every attribute set.
+/// What `mlccactl check` decides about a system, for every attribute set.
 class Decisions {
  public:
-  /// `system` has sorted bindings.
+  /// `system` must have sorted bindings.
   explicit Decisions(const core::System& system);
 
+  /// A delivery in one attribute set.
   struct Delivery {
-    std::vector<RouteHop> hops;  ///< empty: both on one gateway, or an obstacle
+    std::vector<RouteHop> hops;  ///< empty if both ends are on one gateway or there is an obstacle
     bool granted = false;
-    /// Of the channel in that set; errors alone.
+    /// The errors (not warnings) of the channel in that set.
     std::shared_ptr<const std::vector<core::Finding>> errors;
   };
-  /// From a publisher to all subscribers at a place.
+  /// The delivery from a publisher to all subscribers at a place, in the attribute set `set`.
   [[nodiscard]] const Delivery& of(std::size_t publisher, core::Place to, std::size_t set) const {
     return deliveries_.at({publisher, to, set});
   }
-  /// The attribute set that a channel uses, if all best cases hold.
+  /// The attribute set that a channel uses if all best cases are real.
   [[nodiscard]] std::size_t set_of(std::size_t channel) const { return sets_.at(channel); }
-  /// Which set it uses is decided at run time: it depends on which best cases hold.
+  /// Whether it depends on best cases, and so on the run time, which set a channel uses.
   [[nodiscard]] bool has_open_set(std::size_t channel) const { return open_sets_.at(channel); }
-  /// Who publishes and who subscribes each channel.
+  /// The publishers and subscribers of each channel.
   [[nodiscard]] const core::Members& members() const { return members_; }
-  /// Errors of a channel in the set that it uses.
+  /// The errors of a channel in the set that it uses.
   [[nodiscard]] const std::vector<core::Finding>& errors_of(std::size_t channel) const {
     return *errors_.at(channel);
   }
@@ -62,23 +65,24 @@ class Decisions {
   std::vector<std::shared_ptr<const std::vector<core::Finding>>> errors_;
 };
 
-/// A publisher and a subscriber of the same channel, one of them of the unit; or one end alone,
-/// where the system has no endpoint on the other side.
+/// A publisher and a subscriber of the same channel, at least one of them in the unit. Only one end
+/// if the system has none on the other side.
 struct Pair {
   std::optional<End> publisher;
   std::optional<End> subscriber;
 };
 
-/// All of a unit, in the order of its ends. `members` are those of the system.
+/// All pairs of a unit, in the order of its ends; `members` are those of the system.
 std::vector<Pair> pairs_of(const core::System& system, const core::Members& members,
                            const Unit& unit);
 
-/// Whether the checks of static_check.hpp refuse a pair in an attribute set, over these hops.
+/// Whether the compile-time checks (static_check.hpp) refuse a pair in an attribute set over these
+/// hops.
 [[nodiscard]] bool is_refused_by_types(const core::System& system, std::size_t publisher,
                                        std::size_t subscriber, std::size_t set,
                                        const std::vector<RouteHop>& hops);
 
-/// Why a pair is refused that its own checks do not refuse: "MLCCA024: …".
+/// The reason, "MLCCA024: …", why the core refuses a pair that the compile-time checks accept.
 [[nodiscard]] std::string refusal_of(const core::System& system,
                                      const std::vector<core::Finding>& errors,
                                      std::size_t publisher, std::size_t subscriber);

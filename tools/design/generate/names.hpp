@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Names of a description as C++ identifiers and file names.
+// Converts names of a description into C++ identifiers and file names.
 #pragma once
 #include <map>
 #include <set>
@@ -8,25 +8,25 @@
 
 namespace mlcca::tools::design {
 
-/// "emergency-switch" -> "EmergencySwitch", "CAN" -> "Can", "0xa4ef" -> "Subject_a4ef": starts with
-/// a large letter, is no keyword and no macro of a standard header. Different names can give the
-/// same.
+/// A type name: "emergency-switch" -> "EmergencySwitch", "CAN" -> "Can", "0xa4ef" ->
+/// "Subject_a4ef". It begins with a capital letter and is no keyword and no macro of a standard
+/// header. Different names can give the same result; see Names.
 std::string type_name(std::string_view name);
 
-/// "emergency-switch" -> "emergency_switch", for file names.
+/// A file name: "emergency-switch" -> "emergency_switch".
 std::string file_name(std::string_view name);
 
-/// The same for namespaces: "switch" -> "switch_".
+/// A namespace: "switch" -> "switch_".
 std::string small_name(std::string_view name);
 
-/// Text of the description on one line of a comment: no control characters, nothing that a compiler
-/// or an editor takes for more than text. Ends with a quote, never with a backslash.
+/// Text of the description for one line of a comment, in quotes: no control characters and nothing
+/// with a meaning for a compiler or editor. It never ends with a backslash.
 std::string comment_text(std::string_view text);
 
-/// The same as a literal for a compiler's message.
+/// Text of the description as a string literal in a message of the compiler.
 std::string string_literal(std::string_view text);
 
-/// Hands out each name once: a second "Motor" is "Motor_2". Names that differ in case only count as
+/// Makes names unique: a second "Motor" becomes "Motor_2". Names that differ only in case count as
 /// equal, because some file systems do not distinguish them.
 class Names {
  public:
@@ -34,7 +34,7 @@ class Names {
 
  private:
   std::set<std::string> taken_;
-  std::map<std::string, int> next_;  ///< number to try, of a name that was wanted before
+  std::map<std::string, int> next_;  ///< the number to try next for a name that was taken before
 };
 
 }  // namespace mlcca::tools::design

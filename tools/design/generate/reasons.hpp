@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a generated exception handler is called with; generated.hpp of libmlcca says for what.
+// The generated enumeration that an exception handler receives; generated.hpp of libmlcca maps to
+// it.
 #pragma once
 #include <string_view>
 

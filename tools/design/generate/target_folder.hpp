@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Writes what was generated: only what is new or differs, and never over the work of another
-// program or person.
+// Writes generated files: only new and changed ones, and never over a file that was not generated.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -15,7 +14,7 @@
 namespace mlcca::tools::design {
 
 enum class FileKind : std::uint8_t {
-  text,  ///< ours if it carries kMark
+  text,  ///< ours if it contains kMark
   blob,  ///< ours if it is a DER encoding of a channel
 };
 
@@ -27,27 +26,28 @@ struct OutputFile {
 
 enum class Written : std::uint8_t { unchanged, created, changed };
 
-/// The folder of the generated files, made if needed.
+/// The folder for generated files.
 class TargetFolder {
  public:
+  /// Opens the folder and creates it if necessary.
   static Result<TargetFolder> open(const std::string& folder);
 
   [[nodiscard]] std::string path(const std::string& name) const { return folder_ + "/" + name; }
 
-  /// What is wrong with that name: it is a symbolic link, and could lead out of the folder.
+  /// An error if that name is a symbolic link, which could lead out of the folder.
   [[nodiscard]] Result<void> check_link(const std::string& name) const;
-  /// What is wrong with writing `file`: one of that name is there that we did not generate.
+  /// An error if a file of that name exists that we did not generate.
   [[nodiscard]] Result<void> check(const OutputFile& file) const;
-  /// The file of that name, of at most `limit` bytes; nullopt if there is none. Never through a
-  /// link.
+  /// The content of a file of at most `limit` bytes; nullopt if there is none. Symbolic links are
+  /// refused.
   [[nodiscard]] Result<std::optional<FileContent>> read(const std::string& name,
                                                         std::size_t limit) const {
     return read_file(path(name), limit, Links::refuse);
   }
-  /// Each atomically, and all are synced together (FileBatch); a file that has the content already
-  /// is not touched. What became of each.
+  /// Writes each file atomically and syncs all together (FileBatch). A file that has the content
+  /// already is not touched. Returns what was done with each file.
   [[nodiscard]] Result<std::vector<Written>> write(const std::vector<OutputFile>& files) const;
-  /// The generated headers in the folder that are not among `names`.
+  /// Generated headers in the folder that are not among `names`.
   [[nodiscard]] std::vector<std::string> leftovers(const std::vector<std::string>& names) const;
 
  private:

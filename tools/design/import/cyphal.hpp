@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Registers of Cyphal nodes, as `yakut register-batch` prints them: which subjects a node publishes
-// and subscribes on Cyphal/CAN.
+// Imports registers of Cyphal nodes, as `yakut register-batch` prints them: the subjects that a
+// node publishes and subscribes on Cyphal/CAN.
 #pragma once
 #include <optional>
 #include <string>
@@ -14,8 +14,8 @@ namespace mlcca::tools::design {
 Result<ImportedNetwork> import_cyphal(std::string_view text, const std::string& file,
                                       const ImportOptions& options);
 
-/// Most bytes of a message of that type and version, such as "uavcan.node.Heartbeat.1.0"; none: it
-/// is not known here.
+/// The largest size in bytes of a message of a type with version, such as
+/// "uavcan.node.Heartbeat.1.0"; nullopt if the type is not known here.
 std::optional<Value> cyphal_size(std::string_view type);
 
 }  // namespace mlcca::tools::design

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// DBC files: what they say of messages, nodes and the bus, and the network that it becomes.
+// Reads DBC files (messages, nodes and the bus) and converts them into a network.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -14,17 +14,18 @@
 
 namespace mlcca::tools::design {
 
-/// Of a value that an attribute states, as the file has it: a number, or a text.
+/// The value of a DBC attribute as the file states it, a number or a text; nullopt if there is
+/// none.
 using DbcValue = std::optional<std::string>;
 
 struct DbcMessage {
-  std::uint32_t id = 0;  ///< with bit 31 of extended ones
+  std::uint32_t id = 0;  ///< bit 31 marks an extended identifier
   std::string name;
   std::uint32_t bytes = 0;
   int line = 0;
   std::string comment;
   std::vector<std::size_t> senders;    ///< indices into DbcFile::nodes
-  std::vector<std::size_t> receivers;  ///< each once
+  std::vector<std::size_t> receivers;  ///< without duplicates
   std::size_t signals = 0;
   bool multiplexed = false;
   DbcValue cycle, fast, signal_cycle, delay, send_type, format, long_name;
@@ -43,10 +44,10 @@ struct DbcFile {
   Lacks lacks;
 };
 
-/// What the text of a DBC file states. `file` is its name in errors: "FILE:LINE: what is wrong".
+/// Parses a DBC file. `file` is its name in errors: "FILE:LINE: what is wrong".
 Result<DbcFile> read_dbc(std::string_view text, const std::string& file);
 
-/// What an ENUM states, and what it is by default, are resolved.
+/// Parses and converts a DBC file. Values of ENUM attributes and default values are resolved.
 Result<ImportedNetwork> import_dbc(std::string_view text, const std::string& file,
                                    const ImportOptions& options);
 

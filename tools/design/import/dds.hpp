@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Quality of service of DDS, as ROS 2 and XML profiles state it: what it says of periods, ages and
-// losses.
+// Imports the quality of service of DDS from ROS 2 output and XML profiles: what it states of
+// periods, lifespans and losses.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -14,38 +14,39 @@
 
 namespace mlcca::tools::design {
 
-/// A policy that has no counterpart, or a value that is not understood.
+/// A QoS policy that has no counterpart in a description, or whose value is not understood.
 struct DdsPolicy {
   std::string name;
   std::string value;
   int line = 0;
 };
 
-/// A data writer or a data reader of a topic.
+/// A data writer or data reader of a topic.
 struct DdsEnd {
   bool writes = false;
   int line = 0;
   std::string node;
   std::string topic;
   std::string type;
-  std::optional<Value> deadline, lifespan, lease;  ///< ns; none: not stated, or infinite
+  std::optional<Value> deadline, lifespan, lease;  ///< ns; nullopt: not stated, or infinite
   std::vector<DdsPolicy> policies;
 };
 
-/// What a duration says.
+/// The kind of a duration.
 enum class DdsDuration : std::uint8_t { finite, infinite, no_number };
 
-/// Of ns; 0 and the "infinite" of DDS (2147483647 s) and of ROS 2 state nothing.
+/// Stores a duration of `ns` in `to`. 0 and the values for "infinite" of DDS (2147483647 s) and ROS
+/// 2 leave `to` without a value.
 DdsDuration take_duration(std::optional<std::uint64_t> ns, std::optional<Value>& to);
 
-/// Ends of one file, with which it says what has no counterpart.
+/// Collects the writers and readers of a file and converts them into a network.
 class DdsEnds {
  public:
-  /// What is wrong with one more; empty: nothing.
+  /// Adds an end. Returns what is wrong with it; empty: nothing is.
   std::string add(DdsEnd end);
   Lacks lacks;
-  /// The network that they become; `error`: what was wrong with the file, if anything was;
-  /// `lacking`: what it ought to have, where it has no end.
+  /// The network of the ends. `error` is an error in the file, if there was one; `lacking` says
+  /// what a file without any end should have had.
   Result<ImportedNetwork> take(const std::string& file, const ImportOptions& options,
                                const std::string& error, std::string_view lacking);
 
@@ -54,13 +55,13 @@ class DdsEnds {
   std::set<std::string> nodes_;
 };
 
-/// qos_overrides in parameters of ROS 2 nodes.
+/// Imports qos_overrides from a parameter file of ROS 2 nodes.
 Result<ImportedNetwork> import_ros2_params(std::string_view text, const std::string& file,
                                            const ImportOptions& options);
-/// What `ros2 topic info --verbose` prints, of one topic or of several.
+/// Imports the output of `ros2 topic info --verbose` for one or several topics.
 Result<ImportedNetwork> import_ros2_topics(std::string_view text, const std::string& file,
                                            const ImportOptions& options);
-/// XML profiles of DDS-XML and Fast DDS.
+/// Imports XML profiles of DDS-XML and Fast DDS.
 Result<ImportedNetwork> import_dds_xml(std::string_view text, const std::string& file,
                                        const ImportOptions& options);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The description that imported networks become.
+// Makes a description of imported networks.
 #pragma once
 #include <string>
 #include <string_view>
@@ -10,20 +10,21 @@
 namespace mlcca::tools::design {
 
 struct DraftOptions {
-  std::string system;                   ///< its name
-  std::string gateway;                  ///< empty: none
-  std::vector<std::string> interfaces;  ///< of the gateway, one for each network
+  std::string system;                   ///< name of the system
+  std::string gateway;                  ///< name of the gateway; empty: there is none
+  std::vector<std::string> interfaces;  ///< interfaces of the gateway, one for each network
 };
 
-/// The 64 bits of a message: a hash of its network and identifier, so that importing again gives
-/// the same. Never 0.
+/// The subject of a message: a hash of its network and identifier, so that another import gives the
+/// same one. Never 0.
 std::uint64_t subject_of(std::string_view network, const ImportedMessage& message);
 
-/// `text` as a name of a description: other characters become '-', a letter in front, cut at 63.
+/// A valid name that resembles `text`: other characters become '-', it begins with a letter, and it
+/// has at most 63 characters.
 std::string name_from(std::string_view text);
 
-/// The XML. Names that two channels or nodes share get the network's name behind them, or a number,
-/// which is added to the lacks of the network.
+/// The XML of the description. If two channels or nodes have the same name, the network's name or a
+/// number is appended, and the lacks of the network list that.
 std::string draft_of(std::vector<ImportedNetwork>& networks, const DraftOptions& options);
 
 }  // namespace mlcca::tools::design

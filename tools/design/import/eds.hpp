@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// CANopen device descriptions (CiA 306): an EDS of a kind of device, a DCF of one device. The PDOs
-// and the heart-beat of a node.
+// Imports CANopen device descriptions (CiA 306): an EDS for a type of device, a DCF for one device.
+// The PDOs and the heart-beat of a node become messages.
 #pragma once
 #include <string>
 #include <string_view>

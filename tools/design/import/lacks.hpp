@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What an import assumed, and what of a file has no counterpart in a description.
+// Records what an import or export assumed, and what has no counterpart on the other side.
 #pragma once
 #include <cstddef>
 #include <string>
@@ -8,33 +8,35 @@
 
 namespace mlcca::tools::design {
 
-/// Things of one kind: all are counted, the first ones are kept with their lines.
+/// Things of one kind. All are counted; the first ones are kept with their lines.
 struct Lack {
-  std::string kind;  ///< short and stable, for tools: "no-cycle"
-  std::string what;  ///< what became of them, a sentence without a full stop
+  std::string kind;  ///< short and stable, for programs: "no-cycle"
+  std::string what;  ///< what was done with them, as a sentence without a full stop
   struct Item {
-    int line = 0;  ///< 0: the file as a whole
+    int line = 0;  ///< 0: the file in general
     std::string text;
   };
   std::vector<Item> items;
   std::size_t count = 0;
 };
 
-/// So many of a kind are listed.
+/// At most so many items of a kind are kept.
 inline constexpr std::size_t kMostItems = 20;
 
+/// The lists of all kinds.
 class Lacks {
  public:
+  /// Adds an item to its kind; `line` 0 means the file in general.
   void add(std::string_view kind, std::string_view what, int line, std::string item);
-  /// Those of another file.
+  /// Adds the items of another file.
   void add(const Lack& of_another, std::string_view file);
   [[nodiscard]] const std::vector<Lack>& all() const { return all_; }
 
  private:
-  std::vector<Lack> all_;  ///< in the order in which their kinds came
+  std::vector<Lack> all_;  ///< in the order of their first items
 };
 
-/// The lines for a person; `file` stands in front of the line numbers.
+/// The lists as text for a person; `file` precedes the line numbers.
 std::string to_text(const Lacks& lacks, std::string_view file);
 
 }  // namespace mlcca::tools::design

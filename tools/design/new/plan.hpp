@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A new system: what is asked of its networks, gateway and channels, and the description of it.
+// A new system as `mlccactl new` plans it from its arguments or questions, and the description made
+// from that.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -17,16 +18,16 @@ struct PlannedNetwork {
   std::string name;
   core::NetworkKind kind{};
   std::string interface;
-  std::uint32_t bitrate = 0;       ///< bit/s, of a CAN bus
-  std::uint32_t queue_length = 0;  ///< frames, of the gateway's port on it; 0: as by default
+  std::uint32_t bitrate = 0;       ///< bit/s of a CAN bus
+  std::uint32_t queue_length = 0;  ///< frames of the queue of the gateway's port; 0: the default
 };
 
 struct PlannedChannel {
   std::string name;
   Value period = 0;  ///< ns
   Value bytes = 0;
-  std::size_t from = 0;         ///< index of a network
-  std::vector<std::size_t> to;  ///< the same
+  std::size_t from = 0;         ///< index of the network
+  std::vector<std::size_t> to;  ///< indices of networks
 };
 
 struct Plan {
@@ -39,18 +40,17 @@ struct Plan {
 inline constexpr std::size_t kMostPlannedNetworks = 16;
 inline constexpr std::size_t kMostPlannedChannels = 1000;
 
-/// What is wrong with a name; empty: nothing.
+/// What is wrong with a name; empty: nothing is.
 std::string problem_of_planned_name(std::string_view name);
 
-/// "NAME:KIND:INTERFACE", of a CAN bus with ":BITRATE" behind it (500k where that is missing):
-/// added to the plan.
+/// Adds a network, "NAME:KIND:INTERFACE" with ":BITRATE" behind it for a CAN bus (default 500k).
 Result<void> add_network(Plan& plan, std::string_view text);
-/// "NAME:PERIOD:BYTES:FROM:TO", with commas between several networks that it goes to: the same.
+/// Adds a channel, "NAME:PERIOD:BYTES:FROM:TO" with commas between several destination networks.
 Result<void> add_channel(Plan& plan, std::string_view text);
 
-/// The XML. `random`: gives the subject of a channel, never 0.
+/// The XML of the description. `random` generates the subject of a channel, never 0.
 std::string description_of(const Plan& plan, std::uint64_t (*random)());
-/// The same, and the queues of the gateway hold what may wait there.
+/// As description_of(), with queues of the gateway that are long enough for what may wait there.
 std::string description_that_holds(Plan& plan, std::uint64_t (*random)());
 
 }  // namespace mlcca::tools::design
