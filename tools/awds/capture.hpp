@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Topology packets of AWDS as they come off one interface, also one that vanishes and comes back.
+// Receives the topology packets of AWDS from one network interface, which may disappear and come
+// back.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -10,20 +11,22 @@
 
 namespace mlcca::awds {
 
+/// A packet socket with a kernel filter for topology packets.
 class Capture {
  public:
-  /// Needs CAP_NET_RAW; nothing later does. Receives nothing before follow().
+  /// Creates the socket, which needs CAP_NET_RAW; nothing later does. It receives nothing before
+  /// follow().
   static Result<Capture> open(std::string interface);
 
-  /// Readable when a packet is there. The kernel lets nothing else through than floods of the kind
-  /// topology that can hold one (type and length): data on the air does not wake this program.
+  /// Readable when a packet has arrived. The socket filter passes only flood packets of type
+  /// topology with a plausible length, so that data on the air does not wake this program.
   [[nodiscard]] int fd() const { return socket_.get(); }
 
-  /// Listens to the interface if there is one of that name now. To be called again and again:
-  /// whoever comes back under the name is another interface.
+  /// Binds to the interface of that name if there is one now. To be called repeatedly: an interface
+  /// that comes back under the name has another index.
   Result<void> follow();
 
-  /// The next packet as it follows the Ethernet header, empty when there is none left.
+  /// The next packet without its Ethernet header, in `buffer`; empty if there is none.
   [[nodiscard]] std::span<const std::uint8_t> next(std::span<std::uint8_t> buffer) const;
 
  private:

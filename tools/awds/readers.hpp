@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Those who want the packets: connections to a local socket, each packet one message.
+// Distributes the packets to readers: connections to a local socket, on which each packet is one
+// message.
 #pragma once
 #include <systemd/sd-event.h>
 
@@ -14,9 +15,10 @@
 
 namespace mlcca::awds {
 
+/// The listening socket and its connections.
 class Readers {
  public:
-  static constexpr std::size_t kMost = 16;  ///< further ones are turned away
+  static constexpr std::size_t kMost = 16;  ///< further readers are refused
 
   Readers(sd_event* loop, Fd listening) : loop_(loop), listening_(std::move(listening)) {}
   Readers(const Readers&) = delete;
@@ -26,7 +28,8 @@ class Readers {
   ~Readers() = default;
 
   [[nodiscard]] Result<void> start();
-  /// One that does not keep up misses packets: AWDS says everything again.
+  /// Sends a packet to all readers. A reader that does not keep up misses packets: AWDS repeats its
+  /// topology.
   void send(std::span<const std::uint8_t> packet) const;
 
  private:
@@ -41,7 +44,7 @@ class Readers {
   sd_event* loop_;
   Fd listening_;
   Source source_;
-  std::map<int, Reader> readers_;  ///< by descriptor
+  std::map<int, Reader> readers_;  ///< by file descriptor
 };
 
 }  // namespace mlcca::awds

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is read of a CAN interface without sending anything, and what to think of it.
+// The passive checks of a CAN interface: what can be read without sending, and its assessment.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -13,28 +13,30 @@
 
 namespace mlcca::doctor {
 
+/// What mlccad's gate does on the interface.
 enum class Gate : std::uint8_t {
   none,
-  audit,      ///< drops nothing
-  enforcing,  ///< drops what was not admitted, the frames of doctor too
+  audit,      ///< it drops nothing
+  enforcing,  ///< it drops everything that is not admitted, also the frames of doctor
   unknown,
 };
 
+/// What was read about an interface.
 struct Device {
   net::Link link;
   net::Controller controller;
   Gate gate = Gate::none;
-  std::string gate_error;  ///< why it is unknown
+  std::string gate_error;  ///< why `gate` is unknown
 };
 
-/// vcan or vxcan: no controller, and no time on a bus.
+/// A vcan or vxcan interface: it has no controller, and frames take no time on a bus.
 [[nodiscard]] bool is_virtual(const Device& device);
 [[nodiscard]] core::can::Timing timing_of(const Device& device);
 
-/// Lines about all that was read.
+/// The result lines of all passive checks.
 [[nodiscard]] std::vector<Line> judge(const Device& device);
 
-/// Why no probe frame can be sent, and how it could be; nothing: it can.
+/// Why no probe frame can be sent and how to change that; nullopt if one can.
 [[nodiscard]] std::optional<std::string> why_not_send(const Device& device, bool may_send);
 
 }  // namespace mlcca::doctor

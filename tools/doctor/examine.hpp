@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// All checks of one interface, one after the other.
+// Runs all checks of one interface in order.
 #pragma once
 #include <functional>
 #include <optional>
@@ -12,17 +12,19 @@
 
 namespace mlcca::doctor {
 
+/// What the operator asks for.
 struct Request {
   std::string interface;
-  std::string bpf_root;  ///< where mlccad pins its gates
+  std::string bpf_root;  ///< bpffs folder in which mlccad pins its gates
   bool send = false;
   Identifier id;
-  std::optional<unsigned> fifo_depth;  ///< that the description says
-  unsigned bus_off_seconds = 0;        ///< 0: is not waited for
+  std::optional<unsigned> fifo_depth;  ///< depth of the controller's FIFO that the description
+                                       ///< states
+  unsigned bus_off_seconds = 0;  ///< how long to wait for a bus-off; 0: that check is left out
 };
 
-/// `say` prints for the operator what happens, and what to do. Errors: the interface cannot be
-/// read.
+/// Runs the checks. `say` prints what happens and what the operator must do. An error if the
+/// interface cannot be read.
 Result<std::vector<Line>> examine(const Request& request,
                                   const std::function<void(const std::string&)>& say);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What doctor says: a line for each check.
+// The output of doctor: a line for each check.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -17,11 +17,11 @@ struct Line {
 };
 
 [[nodiscard]] bool any_failed(std::span<const Line> lines);
-/// One of the checks that send could be made.
+/// Whether one of the checks that need --send was made.
 [[nodiscard]] bool was_tried(std::span<const Line> lines);
-/// "echo         FAILED: …", then a line with the sums.
+/// Lines such as "echo         FAILED: …", then a line with the counts.
 [[nodiscard]] std::string to_text(std::span<const Line> lines);
-/// One object on one line.
+/// The lines as a JSON object on one line.
 [[nodiscard]] std::string to_json(const std::string& interface, std::span<const Line> lines);
 
 }  // namespace mlcca::doctor

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A CAN socket of one interface: sends probe frames, and sees all frames with their times.
+// A CAN socket on one interface that sends probe frames and receives all frames with time stamps.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -16,14 +16,16 @@ struct Identifier {
   bool extended = false;
 };
 
-/// "0x1FFFFFFF": hexadecimal with or without 0x; up to 7FF it has 11 bits, above that 29.
+/// Parses "0x1FFFFFFF" (hexadecimal, 0x is optional). Up to 7FF the identifier has 11 bits, else
+/// 29.
 [[nodiscard]] Result<Identifier> read_identifier(const std::string& text);
 
+/// A received frame.
 struct Seen {
-  std::uint64_t ns = 0;      ///< CLOCK_REALTIME, by the kernel
-  bool own = false;          ///< a frame of ours that came back
-  std::uint32_t number = 0;  ///< of ours
-  std::uint32_t error = 0;   ///< CAN_ERR_* classes of an error frame, 0: it is none
+  std::uint64_t ns = 0;      ///< time stamp of the kernel (CLOCK_REALTIME)
+  bool own = false;          ///< the echo of a frame of ours
+  std::uint32_t number = 0;  ///< number of that frame
+  std::uint32_t error = 0;   ///< CAN_ERR_* classes of an error frame; 0: it is none
   core::can::WireFrame frame;
 };
 
@@ -32,11 +34,11 @@ class Probe {
   static Result<Probe> open(int ifindex, Identifier id, bool fd);
 
   [[nodiscard]] int fd() const { return socket_.get(); }
-  /// Frame number N as it is on the wire.
+  /// Probe frame `number` as it is on the wire.
   [[nodiscard]] core::can::WireFrame frame(std::uint32_t number, bool fd) const;
-  /// False: there is no room.
+  /// Sends probe frame `number`. False: the queue has no room.
   [[nodiscard]] Result<bool> send(std::uint32_t number, bool fd) const;
-  /// Nothing within this time.
+  /// The next frame; nullopt if none arrives in time.
   [[nodiscard]] Result<std::optional<Seen>> next(unsigned patience_ms) const;
 
  private:

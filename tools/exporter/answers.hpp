@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What mlccad says at one moment.
+// The answers of mlccad for one scrape.
 #pragma once
 #include <chrono>
 #include <optional>
@@ -12,14 +12,14 @@
 
 namespace mlcca::exporter {
 
-/// What mlccad makes in its loop at once. What could not be asked is not there.
+/// Answers that mlccad makes at once in its event loop. An answer that failed is nullopt.
 struct Live {
   std::optional<control::Status> status;
   std::optional<control::Channels> channels;
   std::optional<control::Cluster> cluster;
 };
 
-/// What it makes beside its loop, for which it forks: tens of ms, and not as often as one likes
+/// Answers for which mlccad forks a process: they take tens of ms, and their rate is limited
 /// (docs/reference/limits.md).
 struct Reports {
   std::optional<control::Networks> networks;
@@ -29,8 +29,9 @@ struct Reports {
   std::optional<control::ClusterMembers> members;
 };
 
+/// A request that failed.
 struct Failure {
-  std::string request;  ///< "status", …; "connect": no daemon was reached
+  std::string request;  ///< name of the request ("status"); "connect" if the daemon was not reached
   std::string why;
 };
 
@@ -40,8 +41,8 @@ struct Answers {
   double reports_age_s = 0;
 };
 
-/// A connection to the control socket for one scrape. After it has failed nothing more is asked;
-/// what the daemon refuses is one failure among answers.
+/// A connection to the control socket for one scrape. After an error of the connection no further
+/// request is sent; a request that the daemon refuses is one failure among answers.
 class Asking {
  public:
   Asking(const std::string& path, std::chrono::milliseconds patience);
@@ -55,7 +56,7 @@ class Asking {
   void failed(const char* request, std::string why) {
     failures_.push_back({request, std::move(why)});
   }
-  std::optional<control::Client> client_;  ///< none: it has failed
+  std::optional<control::Client> client_;  ///< empty after an error of the connection
   std::vector<Failure> failures_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The text format of Prometheus, version 0.0.4.
+// Writes the text format of Prometheus, version 0.0.4.
 #pragma once
 #include <cstdint>
 #include <initializer_list>
@@ -11,20 +11,20 @@ namespace mlcca::exporter {
 
 inline constexpr const char* kContentType = "text/plain; version=0.0.4; charset=utf-8";
 
-/// Of ns: times are in seconds in Prometheus.
+/// Prometheus states times in seconds.
 [[nodiscard]] inline double in_seconds(std::uint64_t ns) {
   constexpr double ns_in_a_second = 1e9;
   return static_cast<double>(ns) / ns_in_a_second;
 }
 
-/// "name=\"value\",…" of labels; what stands in a value is escaped.
+/// The labels of a sample, "name=\"value\",…", with escaped values.
 class Labels {
  public:
   Labels() = default;
   Labels(std::initializer_list<std::pair<std::string_view, std::string_view>> pairs) {
     for (const auto& [name, value] : pairs) add(name, value);
   }
-  /// Of what text() gave.
+  /// Labels from a result of text().
   static Labels made(std::string text) {
     Labels labels;
     labels.text_ = std::move(text);
@@ -42,10 +42,11 @@ class Labels {
   std::string text_;
 };
 
-/// A metric with all of its samples.
+/// A metric with all its samples.
 class Family {
  public:
-  /// `type`: "gauge" or "counter", whose `name` ends with _total. Both outlive this.
+  /// `type` is "gauge" or "counter" (then `name` ends with _total). All texts must outlive this
+  /// object.
   Family(std::string_view name, std::string_view type, std::string_view help);
 
   void add(const Labels& labels, double value);
@@ -55,7 +56,7 @@ class Family {
   void add(const Labels& labels, bool value) { add(labels, std::uint64_t{value ? 1U : 0U}); }
   void add(bool value) { add(Labels(), value); }
 
-  /// Empty without samples: Prometheus knows a metric by them.
+  /// The metric with its samples; empty without samples, because Prometheus then does not know it.
   [[nodiscard]] std::string text() const;
   void append_to(std::string& page) const;
 

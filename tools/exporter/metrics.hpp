@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What mlccad says, as metrics.
+// Converts answers of mlccad into metrics.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -11,27 +11,27 @@
 
 namespace mlcca::exporter {
 
-/// Of which so many get series of their own; the others are counted.
+/// At most so many objects get time series of their own; the others are only counted.
 struct Most {
   std::size_t deliveries = 2000;
-  /// Of each other kind: interfaces, networks, resources, links, control traffic, reasons.
+  /// Limit of each other kind: interfaces, networks, resources, links, control traffic, reasons.
   std::size_t others = 512;
 };
 
-/// Of this program since it was started.
+/// Counters of this program since its start.
 struct Past {
   std::uint64_t scrapes = 0;
-  std::map<std::string, std::uint64_t> failures;  ///< by request
+  std::map<std::string, std::uint64_t> failures;  ///< by name of the request
 };
 
-/// What was left out, by kind.
+/// The number of objects without series, by kind.
 using LeftOut = std::map<std::string, std::size_t>;
 
-/// The whole page. `took_s`: how long the daemon was asked.
+/// The complete page. `took_s` is how long the daemon took to answer.
 [[nodiscard]] std::string page(const Answers& answers, const Most& most, const Past& past,
                                double took_s);
 
-/// What each part of it adds.
+/// Each of these adds the metrics of a part.
 void add_status(const control::Status& status, const Most& most, LeftOut& left_out,
                 std::string& page);
 void add_networks(const Reports& reports, const Most& most, LeftOut& left_out, std::string& page);
@@ -42,8 +42,8 @@ void add_cluster(const control::Cluster& cluster, std::string& page);
 void add_members(const control::ClusterMembers& members, const Most& most, LeftOut& left_out,
                  std::string& page);
 
-/// A reason in which "N" stands for each number that stands alone: what counts frames or seconds
-/// would be another time series with each scrape.
+/// A reason with "N" in place of each number: a number that changes in a label would create another
+/// time series with each scrape.
 [[nodiscard]] std::string without_numbers(std::string_view reason);
 
 }  // namespace mlcca::exporter

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// When mlccad is asked for what.
+// Decides when mlccad is asked for what.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -18,19 +18,20 @@ struct Settings {
   Most most;
 };
 
-/// Answers scrapes, one after the other. What mlccad makes at once is asked in each. For reports it
-/// forks, so they are asked after a scrape and shown in the next one. None is shown that is older
-/// than a minute, or than the description in force, or while mlccad does not answer.
+/// Answers scrapes one after another. Answers of the kind Live are requested in each scrape.
+/// Reports make mlccad fork, so they are requested after a scrape and shown in the next one. A
+/// report is not shown if it is older than a minute or than the description in force, or while
+/// mlccad does not answer.
 class Scrapes {
  public:
   using Say = std::function<void(const std::string&)>;
-  /// `now_ns`: monotonic.
+  /// `now_ns` is a monotonic clock.
   Scrapes(Settings settings, Say say, std::function<std::uint64_t()> now_ns)
       : settings_(std::move(settings)), say_(std::move(say)), now_ns_(std::move(now_ns)) {}
 
   [[nodiscard]] std::string page();
 
-  /// Whether reports are to be asked, when nobody waits for a page.
+  /// Whether reports should be requested. Call work() then, when no scrape is waiting.
   [[nodiscard]] bool has_work() const { return due_; }
   void work();
 
@@ -44,10 +45,11 @@ class Scrapes {
   Say say_;
   std::function<std::uint64_t()> now_ns_;
   Past past_;
-  std::set<std::string> failed_;  ///< that was said
+  std::set<std::string> failed_;  ///< requests whose failure was reported
   Reports reports_;
-  std::uint64_t reports_at_ = 0;                        ///< ns, 0: there are none
-  std::pair<std::uint64_t, std::uint64_t> reports_of_;  ///< start and load of that daemon
+  std::uint64_t reports_at_ = 0;                        ///< ns; 0: there are none
+  std::pair<std::uint64_t, std::uint64_t> reports_of_;  ///< start time and load of the daemon that
+                                                        ///< made them
   bool due_ = false;
 };
 

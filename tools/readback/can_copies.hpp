@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Copies of CAN gates on pairs of virtual interfaces, with can-gw between them.
+// Tries CAN gates on copies: pairs of virtual CAN interfaces with the gate programs and can-gw
+// rules between them.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -17,22 +18,24 @@
 
 namespace mlcca::readback {
 
+/// The copies of all CAN gates of a reading.
 class CanCopies {
  public:
   CanCopies(const enforce::Reading& reading, const enforce::Control& control)
       : reading_(&reading), control_(&control) {}
 
-  /// In this network namespace. `gate` is of the reading.
+  /// Makes the copy of `gate`, a gate of the reading, in the present network namespace.
   Result<void> add(const enforce::GateReading& gate, const Original& original);
-  /// Sends frames through the copy of one gate.
+  /// Sends all probe frames through the copy of a gate and records the results; `closed` states
+  /// that the gates are closed.
   void run(std::uint32_t ifindex, bool closed, Trial& trial);
 
  private:
   struct Copy {
     const enforce::GateReading* original;
     enforce::Gate gate;
-    Fd near;  ///< a program on this machine
-    Fd far;   ///< the bus
+    Fd near;  ///< the end of programs on this machine
+    Fd far;   ///< the end of the bus
   };
   [[nodiscard]] const Copy* find(std::uint32_t ifindex) const;
   void run_through(std::uint32_t source, const std::vector<Probe>& frames, const Copy& copy,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Slot by slot: what a gate holds, compared with what the daemon wrote into it.
+// Compares the slots of a gate with what the daemon wrote into them, according to the journal.
 #pragma once
 #include <functional>
 #include <span>
@@ -12,15 +12,15 @@
 
 namespace mlcca::readback {
 
-/// How an interface is called, by its index.
+/// Returns the name of an interface for its index.
 using NameOf = std::function<std::string(std::uint32_t ifindex)>;
 
-/// A line each: interface, direction, subject, what is and what ought to be.
+/// The differences, a line each: interface, direction, subject, present and expected content.
 [[nodiscard]] std::vector<std::string> differences(const enforce::GateReading& gate,
                                                    std::span<const enforce::SlotSpec> ought,
                                                    const NameOf& name_of);
 
-/// Of the gates of all ports in the journal; they become problems of the gate.
+/// Compares the gates of all ports in the journal; differences become problems of the gate.
 void compare_slots(enforce::Reading& reading, const store::Contents& journal);
 
 }  // namespace mlcca::readback

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A copy of a gate of Ethernet or of IEEE 802.15.4, on a pair of virtual Ethernet interfaces.
+// Tries a gate of Ethernet or IEEE 802.15.4 on a copy: a pair of virtual Ethernet interfaces.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -15,16 +15,17 @@
 
 namespace mlcca::readback {
 
+/// The copy of one gate.
 class EtherCopy {
  public:
-  /// In this network namespace.
+  /// Makes the copy in the present network namespace.
   static Result<EtherCopy> make(const enforce::GateReading& gate, const Original& original,
                                 const enforce::Control& control);
 
   void run(bool closed, Trial& trial);
 
  private:
-  /// What has passed the gate from the wire, and the wire.
+  /// Sockets at both sides of the gate: `near` receives what has passed it, `far` is the wire.
   struct Ends {
     Fd near;
     Fd far;
@@ -36,7 +37,7 @@ class EtherCopy {
 
   enforce::EtherGate gate_;
   int near_index_;
-  std::map<std::uint16_t, Ends> ends_;  ///< by ethertype
+  std::map<std::uint16_t, Ends> ends_;  ///< by EtherType
   EtherProbes probes_;
 };
 

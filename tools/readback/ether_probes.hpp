@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which datagrams or frames of IEEE 802.15.4 prove what a gate holds, and what must become of them.
-// Pure.
+// Selects datagrams and IEEE 802.15.4 frames that prove the content of a gate, with their expected
+// fate. No I/O.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -11,31 +11,32 @@
 
 namespace mlcca::readback {
 
-/// An event in one UDP datagram, in one AWDS packet where its station has a MAC address, or in one
-/// frame of IEEE 802.15.4 where it is a station of that.
+/// An event in one frame: a UDP datagram, an AWDS packet if its station has a MAC address, or an
+/// IEEE 802.15.4 frame if the station belongs to that.
 struct EtherProbe {
-  bool out = false;  ///< sent by a program on this machine; else from the wire
+  bool out = false;  ///< sent by a program on this machine; otherwise it arrives from the wire
   std::uint64_t subject = 0;
   std::uint16_t payload = 0;  ///< bytes
-  std::uint32_t uid = 0;      ///< of the program
-  std::uint64_t station = 0;  ///< whom it is from, as ether_station()
+  std::uint32_t uid = 0;      ///< of the program that sends it
+  std::uint64_t station = 0;  ///< the sender, as ether_station() encodes it
 
   auto operator<=>(const EtherProbe&) const = default;
 };
 
+/// The probes for one gate.
 class EtherProbes {
  public:
-  /// Slots that are tried, at most; of more slots every n-th.
+  /// At most so many slots are tried; if there are more, every n-th.
   static constexpr std::size_t kMost = 4096;
 
   explicit EtherProbes(const enforce::GateReading& gate);
 
-  /// For every slot a datagram that fits it, one that is longer, and one from a station without a
-  /// slot; and a subject without a slot.
+  /// For every slot a datagram that fits, one that is too long and one from a station without a
+  /// slot; also one with a subject that has no slot.
   [[nodiscard]] const std::vector<EtherProbe>& probes() const { return probes_; }
-  /// Why others are out of reach, one line each.
+  /// Why further slots cannot be tried, one line each.
   [[nodiscard]] const std::vector<std::string>& untried() const { return untried_; }
-  /// What the gate lets pass while it is open.
+  /// Whether the gate should pass the probe while it is open.
   [[nodiscard]] bool is_admitted(const EtherProbe& probe) const;
 
  private:
@@ -43,17 +44,19 @@ class EtherProbes {
   [[nodiscard]] std::uint64_t station_without_slot(std::uint64_t subject) const;
 
   std::unordered_multimap<std::uint64_t, const enforce::SlotSpec*> slots_;  ///< by subject
-  std::uint64_t first_station_;  ///< of those that probes are made up from
+  std::uint64_t first_station_;  ///< the first of the station numbers that are used for stations
+                                 ///< without a slot
   std::vector<EtherProbe> probes_;
   std::vector<std::string> untried_;
 };
 
 std::string to_text(const EtherProbe& probe);
 
-/// By which the kernel sorts its frame on an Ethernet device, whatever it is.
+/// The EtherType by which the kernel dispatches the frame on an Ethernet device.
 [[nodiscard]] std::uint16_t ethertype_of(const EtherProbe& probe);
 
-/// The Ethernet frame, with the headers of IPv4 and UDP or of AWDS; or the MAC frame of 802.15.4.
+/// The bytes: an Ethernet frame with headers of IPv4 and UDP or of AWDS, or a MAC frame of
+/// 802.15.4.
 std::vector<std::uint8_t> frame_of(const EtherProbe& probe);
 
 }  // namespace mlcca::readback

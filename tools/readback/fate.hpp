@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What has become of something that was sent through a gate.
+// Determines what became of a frame that was sent through a gate.
 #pragma once
 #include <poll.h>
 
@@ -13,7 +13,7 @@
 
 namespace mlcca::readback {
 
-/// It has come where it should go, has been counted as dropped, or neither.
+/// The frame arrived, it was counted as dropped, or neither.
 enum class Fate : std::uint8_t { passed, dropped, lost };
 
 inline std::uint64_t drops_of(const enforce::PortGate& gate) {
@@ -26,11 +26,11 @@ inline std::uint64_t drops_of(const enforce::PortGate& gate) {
   return sum;
 }
 
-/// `to` is readable when it has come; `receive` returns whether that was it; `drops` counts what
-/// the gates on the way have dropped.
+/// Sends and waits for the result. `to` is readable when something has arrived; `receive` returns
+/// whether that was the frame; `drops` is the sum of drops of all gates on the way.
 template <class Drops, class Send, class Receive>
 Fate fate_of(const Fd& to, const Drops& drops, const Send& send, const Receive& receive) {
-  constexpr std::chrono::seconds patience{5};  // where others use the processors, too
+  constexpr std::chrono::seconds patience{5};  // long enough for a machine that is busy
   const std::uint64_t before = drops();
   const auto end = std::chrono::steady_clock::now() + patience;
   send();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which programs a gate has pinned, read before its pins are out of sight.
+// The programs that a gate has pinned. They are read before the process enters a mount namespace in
+// which the pins are not visible.
 #pragma once
 #include <array>
 #include <string>
@@ -11,7 +12,8 @@
 namespace mlcca::readback {
 
 struct Original {
-  std::array<std::string, 2> tags;  ///< of the instructions of its programs
+  std::array<std::string, 2> tags;  ///< tags of the ingress and the egress program: hashes of their
+                                    ///< instructions, by the kernel
 
   explicit Original(const std::string& directory)
       : tags{tag(directory, enforce::Direction::ingress),
@@ -24,10 +26,10 @@ struct Original {
   }
 };
 
-/// Far ends of pairs have indices that no gateway reaches.
+/// The first interface index for the far ends of pairs: no gateway reaches it.
 inline constexpr int kFarIndex = 1'000'000'000;
 
-/// The copy judges by other instructions than the original.
+/// The problem if the copy runs other instructions than the original.
 inline constexpr const char* kOtherVersion =
     "its programs are those of another version than this one: restart mlccad";
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A copy of the gateway in a network namespace of its own: virtual interfaces with the names and
-// indices of the real ones, our programs with copies of the tables in force. Frames that are sent
-// there touch no bus, no counter of the gateway and no publisher's share.
+// A replica of the gateway in a network namespace: virtual interfaces with the names and indices of
+// the real ones, and our gate programs with copies of the tables in force. Frames sent there touch
+// no bus, no counter of the gateway and no publisher's policing.
 #pragma once
 #include <string>
 #include <vector>
@@ -12,9 +12,9 @@
 
 namespace mlcca::readback {
 
-/// Sends frames through copies of all gates of the reading: as they are now, and closed. This
-/// thread enters the namespaces and stays there. `root`: the bpffs of the reading. Errors: no
-/// privilege, a kernel without virtual interfaces.
+/// Sends frames through copies of all gates of the reading, first as the gates are now, then
+/// closed. The calling thread enters the namespaces for good. `root` is the bpffs of the reading.
+/// An error without privileges or without virtual interfaces in the kernel.
 Result<std::vector<Trial>> try_gates(const enforce::Reading& reading, const std::string& root);
 
 }  // namespace mlcca::readback

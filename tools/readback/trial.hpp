@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What frames through the copy of one gate have shown.
+// The results of sending frames through the copy of a gate.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -15,9 +15,9 @@ struct Trial {
   std::size_t passed = 0;   ///< frames that had to pass and did
   std::size_t dropped = 0;  ///< frames that had to be dropped and were
   std::vector<std::string> problems;
-  std::vector<std::string> untried;  ///< what could not be shown, and why
+  std::vector<std::string> untried;  ///< what could not be tried, and why
 
-  /// `closed`: the gates were.
+  /// Records the fate of a frame; `closed` states that the gates were closed.
   void note(const std::string& frame, Fate fate, bool admitted, bool closed);
 };
 

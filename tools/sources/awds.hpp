@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Topology packets of AWDS. They come from the unit mlcca-awds@INTERFACE, which alone may listen to
-// a network interface; this end only reads a local socket.
+// The link source AWDS. The topology packets come from the unit mlcca-awds@INTERFACE, the only
+// process that may listen to the interface; this side reads a local socket.
 #pragma once
 #include "daemon/net/sources/source.hpp"
 
 namespace mlcca::net {
 
-/// Where mlcca-awds@INTERFACE.socket listens.
+/// The folder of the sockets of mlcca-awds@INTERFACE.socket.
 inline constexpr const char* kAwdsFolder = "/run/mlcca/awds/";
 
-/// `source.endpoint`, if it is an absolute path, is the socket instead of the one in kAwdsFolder.
+/// Opens the source. If `source.endpoint` is an absolute path, it is used instead of a socket in
+/// kAwdsFolder.
 [[nodiscard]] Result<std::unique_ptr<LinkSource>> open_awds(const core::mesh::Source& source,
                                                             const core::mesh::Mesh& mesh,
                                                             sd_event* loop,

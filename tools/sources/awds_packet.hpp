@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Topology packets of AWDS as bytes, and the graph that they add up to. No sockets and no clock:
-// whoever calls gives the time.
+// Decodes topology packets of AWDS and combines them into a graph. No sockets and no clock: the
+// caller gives the time.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -20,23 +20,25 @@ namespace mlcca::net::awds {
 
 inline constexpr std::uint16_t kEthertype = 0x8334;
 inline constexpr std::size_t kShortest = 23;   ///< a topology packet without links and without name
-inline constexpr std::size_t kLongest = 4096;  ///< AWDS's own packet buffer
-inline constexpr std::size_t kMaxNodes = 1024;     ///< anyone on the air can invent nodes
+inline constexpr std::size_t kLongest = 4096;  ///< size of AWDS's own packet buffer
+inline constexpr std::size_t kMaxNodes = 1024;     ///< a limit, because any station on the air can
+                                                   ///< invent nodes
 inline constexpr std::size_t kMaxNeighbours = 40;  ///< in one packet
 inline constexpr std::size_t kMaxName = 32;        ///< bytes
 
-/// Six octets, those of the mesh device.
+/// The MAC address of the mesh device.
 using NodeId = std::array<std::uint8_t, 6>;
 
-/// "02:00:00:00:00:01"
+/// The form "02:00:00:00:00:01".
 [[nodiscard]] std::string address_of(const NodeId& id);
 
 struct Neighbour {
   NodeId id{};
-  std::uint16_t quality = 0;  ///< what it means depends on the metric (core::mesh::AwdsMetric)
+  std::uint16_t quality = 0;  ///< its meaning depends on the metric (core::mesh::AwdsMetric)
   bool operator==(const Neighbour&) const = default;
 };
 
+/// A topology packet.
 struct Topology {
   NodeId source{};
   std::uint16_t sequence = 0;
@@ -46,44 +48,44 @@ struct Topology {
   bool operator==(const Topology&) const = default;
 };
 
-/// A packet as it follows the Ethernet header. Nothing: another kind of packet, or one that is cut
-/// off. Octets after the name are legal (a signature).
+/// Decodes a packet without its Ethernet header. Nullopt for another kind of packet or a truncated
+/// one. Octets after the name are accepted (a signature).
 [[nodiscard]] std::optional<Topology> parse(std::span<const std::uint8_t> packet);
 
-/// What the quality that `reporter` gives `neighbour` says of one direction of the link:
-/// hops: the link is there; etx: loss of neighbour -> reporter, 1 - n/32 where quality is
-/// 2047 (32 - n), at least 1; packet_pair: rate of reporter -> neighbour, 800 octets in
-/// quality / 655350 s; transmission_time: the same in quality / 65535 s. Rates include the overhead
-/// of each frame. The largest quality of the last two says that nothing was measured: rate 0.
-/// Nothing where the metric cannot have produced this quality. `taken` and `valid` are left alone.
+/// What the quality that `reporter` gives `neighbour` says about one direction of the link. hops:
+/// the link is there. etx: loss of neighbour -> reporter, 1 - n/32 where quality is 2047 (32 - n),
+/// at least 1. packet_pair: rate of reporter -> neighbour, 800 octets in quality / 655350 s.
+/// transmission_time: the same in quality / 65535 s. Rates include the overhead of each frame. The
+/// largest quality of the last two means that nothing was measured: rate 0. Nullopt if the metric
+/// cannot have produced this quality. `taken` and `valid` are not set.
 [[nodiscard]] std::optional<core::mesh::Sample> sample_of(core::mesh::AwdsMetric metric,
                                                           const NodeId& reporter,
                                                           const Neighbour& neighbour);
 
-/// What AWDS's own route computation charges for the link, from the quality that each end gives the
-/// other; 2^22 - 1 where `backward` is not known.
+/// The cost that AWDS's own route computation assigns to the link, from the qualities that both
+/// ends give each other; 2^22 - 1 if `backward` is not known.
 [[nodiscard]] std::uint64_t weight_of(core::mesh::AwdsMetric metric, std::uint16_t forward,
                                       std::optional<std::uint16_t> backward);
 
-/// The mesh as the packets of the last time describe it.
+/// The mesh as described by the packets that are still valid.
 class Graph {
  public:
-  /// `described`: addresses of nodes that always have room.
+  /// `described` are the addresses of nodes for which there is always room.
   explicit Graph(core::mesh::AwdsMetric metric, Described described = {})
       : metric_(metric), described_(std::move(described)) {}
 
-  /// False: a copy of a flood that is known, an older one, or one node too many. Of more than
-  /// kMaxNodes those stay that are known; a described one takes the room of the undescribed one
-  /// that came last. `now`: ns.
+  /// Adds a packet received at `now` (ns). False: it is a copy of a known flood, older than that,
+  /// or from one node too many. Beyond kMaxNodes the known nodes stay, but a described node
+  /// replaces the undescribed one that came last.
   bool take(Topology topology, std::uint64_t now);
-  /// What is still valid at `now`.
+  /// The nodes and links that are valid at `now` (ns).
   [[nodiscard]] core::mesh::Snapshot snapshot(std::uint64_t now);
 
  private:
   struct Received {
     Topology topology;
     std::uint64_t at = 0;     ///< ns
-    std::uint64_t since = 0;  ///< ns: when it was received first
+    std::uint64_t since = 0;  ///< ns: when the node was first received
     bool described = false;
     [[nodiscard]] std::uint64_t valid() const;
   };

@@ -8,14 +8,14 @@
 
 namespace mlcca::net {
 
-/// Where a server listens.
+/// The address of a server.
 struct Endpoint {
   sockaddr_storage address{};
   socklen_t size = 0;
   std::string text;  ///< as it was stated
 };
 
-/// HOST:PORT or [HOST]:PORT with a numeric host, or the absolute path of a socket.
+/// Parses HOST:PORT or [HOST]:PORT with a numeric host, or the absolute path of a socket.
 [[nodiscard]] Result<Endpoint> parse_endpoint(const std::string& text);
 
 }  // namespace mlcca::net

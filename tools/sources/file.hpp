@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A text file of links, read again when it changes.
+// The link source file: a text file of links, read again when it changes.
 #pragma once
 #include <string>
 #include <string_view>
@@ -22,7 +22,8 @@ inline constexpr std::size_t kMaxFileBytes = std::size_t{4} << 20U;
                                                                   const std::string& name,
                                                                   const core::mesh::Mesh& mesh);
 
-/// `source.endpoint`: path of the file. The folder is watched, so that a rename onto it is seen.
+/// Opens the source; `source.endpoint` is the path of the file. Its folder is watched, so that a
+/// rename onto the file is noticed.
 [[nodiscard]] Result<std::unique_ptr<LinkSource>> open_file(const core::mesh::Source& source,
                                                             const core::mesh::Mesh& mesh,
                                                             sd_event* loop,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A stream to a local server that speaks in lines: connects without blocking the loop, again and
-// again.
+// A client for a local server with a line protocol. It connects without blocking the event loop,
+// and reconnects.
 #pragma once
 #include <systemd/sd-event.h>
 
@@ -19,32 +19,34 @@ namespace mlcca::net {
 
 class LineClient {
  public:
-  /// Longest line; a server that sends a longer one is not the one we mean.
+  /// Longest line in bytes; a server that sends a longer one is not the expected one.
   static constexpr std::size_t kLongestLine = std::size_t{64} << 10;
-  /// Bytes of one answer; and of what is read in one turn of the loop.
+  /// Bytes of one answer, and bytes that are read in one turn of the loop.
   static constexpr std::size_t kLongestAnswer = std::size_t{4} << 20;
   static constexpr std::size_t kTurn = std::size_t{16} << 10;
 
   struct Handlers {
     std::function<void()> connected;
-    /// Without its end of line. What comes after the last one is a line too, when the server
+    /// Receives a line without its line ending. An incomplete line counts as a line when the server
     /// closes.
     std::function<void(std::string_view)> line;
-    /// The connection is over, or did not come about. Empty: the server has closed it.
+    /// The connection has ended or was not made. `why` is empty if the server closed it.
     std::function<void(const std::string& why)> ended;
   };
 
-  /// `pause`: µs between the end of a connection and the next attempt. `patience`: µs in which an
-  /// answer must be complete, from the beginning or from the one before. Connects in the first turn
-  /// of the loop; handlers are called from the loop, and none of them may destroy the client.
+  /// `pause` is the time in µs between the end of a connection and the next attempt. `patience` is
+  /// the time in µs in which an answer must be complete, from the beginning or the answer before.
+  /// Connects in the first turn of the loop. Handlers are called from the loop and must not destroy
+  /// the client.
   LineClient(Endpoint endpoint, std::uint64_t pause, std::uint64_t patience, Handlers handlers);
 
   [[nodiscard]] Result<void> start(sd_event* loop);
-  /// Requests are short and few: one that the socket does not take whole ends the connection.
+  /// Sends a request. Requests are short: one that the socket does not take completely ends the
+  /// connection.
   void send(std::string_view request);
-  /// An answer is complete: time and bytes are counted from 0 again.
+  /// States that an answer is complete: its time and size are counted from 0 again.
   void complete();
-  /// Ends the connection as if the server had; the next attempt comes after the pause.
+  /// Ends the connection as if the server had; the next attempt follows after the pause.
   void end(const std::string& why);
 
  private:
@@ -58,7 +60,7 @@ class LineClient {
   void on_time();
 
   Endpoint endpoint_;
-  Listeners listeners_;  ///< before the connection
+  Listeners listeners_;  ///< listening sockets found before connecting
   std::uint64_t pause_;
   std::uint64_t patience_;
   Handlers handlers_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Whose word is taken: that of root, of the user who runs this, and of the one who runs mlccad. Any
-// user can listen at a port, or at a path in a folder of its own.
+// Whose servers are trusted: those of root, of the user of this process, and of the user of mlccad.
+// Any user can listen at a port, or at a path in a folder of its own.
 #pragma once
 #include <sys/types.h>
 
@@ -16,25 +16,25 @@
 
 namespace mlcca::net {
 
-/// From now on also that of the user at the other end of this local socket.
+/// Also trusts the user at the other end of this local socket from now on.
 Result<void> trust_owner_of(int socket);
-/// `what` belongs to `owner`: an error in words if that user is not trusted.
+/// An error if `owner`, the user of `what`, is not trusted.
 [[nodiscard]] Result<void> check_owner(const std::string& what, uid_t owner);
-/// Who listens at the other end of a local socket.
+/// Checks who listens at the other end of a connected local socket.
 [[nodiscard]] Result<void> check_peer(int socket);
 
-/// A socket that listens.
+/// A listening socket.
 struct Listener {
-  std::uint64_t inode = 0;  ///< never used again
+  std::uint64_t inode = 0;  ///< never reused by the kernel
   uid_t owner = 0;
   auto operator<=>(const Listener&) const = default;
 };
 using Listeners = std::set<Listener>;
 
-/// Those in texts of /proc/net/tcp and tcp6 that a connection to `to` may reach. The kernel prefers
-/// a socket that listens at that very address to those that listen at all, and to an IPv4 address
-/// one of IPv4: any user can listen at [::] beside another one's 127.0.0.1 or 0.0.0.0 (IPV6_V6ONLY)
-/// without ever being reached there.
+/// Finds, in lines of /proc/net/tcp and tcp6, the sockets that a connection to `to` may reach. The
+/// kernel prefers a socket at that very address to one at any address, and for an IPv4 address a
+/// socket of IPv4. So any user can listen at [::] beside another user's 127.0.0.1 or 0.0.0.0
+/// (IPV6_V6ONLY) without ever being reached there; such a socket must not count.
 class Reachable {
  public:
   explicit Reachable(const Endpoint& to);
@@ -44,20 +44,20 @@ class Reachable {
   Reachable(Reachable&&) = delete;
   Reachable& operator=(Reachable&&) = delete;
 
-  /// One line; false: it is of a socket that does not listen.
+  /// Takes a line; false if its socket does not listen.
   bool take(std::string_view line);
   [[nodiscard]] const Listeners& listeners() const { return best_; }
 
  private:
   struct Place;
-  std::unique_ptr<Place> to_;  ///< none: a path
+  std::unique_ptr<Place> to_;  ///< empty for the path of a local socket
   int rank_ = 0;
   Listeners best_;
 };
-/// Those of one text.
+/// The reachable listeners in a complete table.
 [[nodiscard]] Listeners listeners_in(std::string_view text, const Endpoint& to);
-/// Those of this network namespace. An error: one of them belongs to a user that is not trusted.
-/// None for a path.
+/// The reachable listeners in this network namespace; none for a path. An error if one of them
+/// belongs to a user that is not trusted.
 [[nodiscard]] Result<Listeners> trusted_listeners(const Endpoint& at);
 
 }  // namespace mlcca::net

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The terminal as a screen, and as it was again whatever ends us.
+// The terminal as a screen, restored in whatever way the process ends.
 #pragma once
 #include <termios.h>
 
@@ -14,11 +14,11 @@
 
 namespace mlcca::tools::top {
 
-/// Both ends are a terminal that can place its cursor: not with TERM=dumb or without TERM.
+/// Whether standard input and output are a terminal that can position its cursor (not TERM=dumb).
 [[nodiscard]] bool has_screen();
 
-/// While it lives: keys come one by one and unseen, the screen is another one than the shell's, and
-/// the signals that end, stop or resize us are waited for with the keys.
+/// While it exists, keys are read one by one without echo, the alternate screen is shown, and the
+/// signals that end, stop or resize the process are received together with the keys.
 class Terminal {
  public:
   static Result<Terminal> take();
@@ -32,17 +32,18 @@ class Terminal {
   /// False if the terminal is gone.
   [[nodiscard]] static bool draw(const std::vector<std::string>& lines);
 
+  /// What wait() has received.
   struct Happened {
     std::string keys;
-    int signal = 0;     ///< that ends us, or stopped us and we go on
+    int signal = 0;     ///< one that ends, stops, continues or resizes; 0: none
     bool gone = false;  ///< the terminal is gone
   };
-  /// Waits for keys, a signal or the end of the time.
+  /// Waits for keys, a signal or the time limit.
   [[nodiscard]] Happened wait(std::chrono::milliseconds time) const;
 
-  /// SIGTSTP: gives the terminal back, stops, and takes it again when it goes on.
+  /// Handles SIGTSTP: restores the terminal, stops, and takes the terminal again when continued.
   void stop_and_go_on();
-  /// Gives the terminal back and ends the process by that signal, so that the shell knows.
+  /// Restores the terminal and ends the process by that signal, so that the shell sees the cause.
   [[noreturn]] void end_by(int signal);
 
  private:

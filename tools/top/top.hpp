@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlccactl top: a screen that follows the gateway, or one batch after the other.
+// mlccactl top: a screen that follows the gateway, or batches of output.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -10,11 +10,11 @@ namespace mlcca::tools {
 
 struct Options;
 
-/// As typed.
+/// The arguments as typed.
 struct TopArguments {
-  double delay = 1;  ///< s
+  double delay = 1;  ///< seconds
   bool batch = false;
-  std::uint32_t count = 0;  ///< of batches or screens, 0: no end
+  std::uint32_t count = 0;  ///< batches or screens; 0: without end
   std::string by = "subject";
   std::string sort = "rate";
   bool reverse = false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// How the user wants to see the rows: which, in which order; and what the keys do.
+// The user's view of the rows: selection, order and the effect of keys.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -14,31 +14,31 @@ namespace mlcca::tools::top {
 enum class Field : std::uint8_t { name, place, verdict, rate, jitter, loss, drops, reserved, used };
 inline constexpr std::size_t kFields = 9;
 
-/// "name", "way", …: as --sort takes it; `by_network` changes nothing.
+/// The name of a field as --sort accepts it: "name", "way", ….
 [[nodiscard]] std::string_view name_of(Field field);
 [[nodiscard]] std::optional<Field> field_named(std::string_view name);
-/// "name, way, …"
+/// All names: "name, way, …".
 [[nodiscard]] std::string field_names();
 
 struct View {
   bool by_network = false;
   Field sort = Field::rate;
-  bool reverse = false;  ///< else the largest first, and names from a to z
-  std::string filter;    ///< rows that contain it in name, place, verdict or subject
+  bool reverse = false;  ///< otherwise the largest first, and names from a to z
+  std::string filter;    ///< shows rows that contain it in name, place, verdict or subject
   bool paused = false;
   bool help = false;
-  bool typing = false;  ///< a filter
+  bool typing = false;  ///< the user is typing a filter
   std::string typed;
-  std::size_t first = 0;  ///< row at the top
+  std::size_t first = 0;  ///< index of the first visible row
   bool quit = false;
   bool operator==(const View&) const = default;
 };
 
-/// What was typed changes the view; `page`: rows that fit the screen. Octets of a key that has come
-/// in part are left in `keys`.
+/// The view after the keys that were typed; `page` is the number of rows that fit the screen. The
+/// bytes of an incomplete key stay in `keys`.
 [[nodiscard]] View after(View view, std::string& keys, std::size_t page);
 
-/// Those that fit the filter, in order.
+/// The rows that match the filter, in order.
 [[nodiscard]] std::vector<Row> arranged(std::vector<Row> rows, const View& view);
 
 }  // namespace mlcca::tools::top
