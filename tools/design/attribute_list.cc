@@ -13,9 +13,9 @@
 namespace mlcca::tools::design {
 namespace {
 
-/// A unit of the attribute table: its dimension, and how elements state it.
+/// A unit of the attribute table: its dimension, and the elements that express it.
 struct Shape {
-  std::string_view table_unit;  ///< as in AttributeInfo::unit
+  std::string_view table_unit;  ///< AttributeInfo::unit
   description::Dimension dimension;
   std::string_view unit;
 };
@@ -39,7 +39,7 @@ const Shape& shape_of(Attribute attribute) {
   return *std::ranges::find(kShapes, std::string_view(info(attribute).unit), &Shape::table_unit);
 }
 
-/// 20 with Magnitude -3 rather than 20000000 with -9: as people write it.
+/// Converts 20000000 with magnitude -9 into 20 with magnitude -3, as people write it.
 std::pair<Value, description::Dimension> in_thousands(Value value,
                                                       description::Dimension dimension) {
   constexpr Value thousand = 1000;

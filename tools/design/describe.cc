@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlccactl describe: creates and edits the description of an event channel, by flags or questions.
+// mlccactl describe: creates and edits the description of an event channel, by options or
+// questions.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -25,11 +26,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Why nothing was written.
 Refusal refusal(Exit exit, std::string message) { return {exit, std::move(message), {}}; }
 
-/// The command line of this verb. The order of the options counts: --priority says for which set
-/// those behind it are.
+/// The arguments of the verb. The order of options matters: --priority selects the set for the
+/// options behind it.
 struct Arguments {
   std::string file;
   std::string channel;
@@ -44,7 +44,8 @@ struct Arguments {
   std::string safe_side;
   bool random_subject = false;
   bool dry_run = false;
-  std::vector<std::pair<std::string, std::string>> changes;  ///< option and value, as they came
+  std::vector<std::pair<std::string, std::string>> changes;  ///< options with their values, in the
+                                                             ///< order of the command line
 };
 
 class Describe {
@@ -156,7 +157,7 @@ class Describe {
       const auto side = value == "none" ? std::string() : value;
       return field(SetField::Which::safe_side, side, problem_of_safe_side(side));
     }
-    // --random-subject; a new file has one already
+    // --random-subject; a new file has a random subject already
     if (!file_) return {};
     const auto subject = random_subject();
     if (!subject) return std::unexpected(subject.error());
@@ -285,7 +286,7 @@ class Describe {
   const Context& context_;
   std::optional<FileContent> file_;
   std::unique_ptr<Markup> markup_;
-  std::size_t channel_ = 0;  ///< number of the EventChannel in the file
+  std::size_t channel_ = 0;  ///< index of the EventChannel in the file
   std::optional<int> priority_;
   bool interactive_ = false;
   Exit exit_ = Exit::fine;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlccactl export: what a description admits, for other tools.
+// mlccactl export: writes what a description admits in forms of other tools.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -76,7 +76,8 @@ class Export {
                                  : export_em_canid(admitted, *gateway);
   }
 
-  /// The one of that name; without a name the only one there is.
+  /// The index of the element with that name; without a name the only one that fits. An error if
+  /// there is none or several.
   template <class All, class Fits>
   static Result<std::size_t> one_of(const All& all, const std::string& name, const char* what,
                                     const char* option, Fits fits) {

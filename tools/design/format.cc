@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlccactl format: the lists of attributes of a description in the short form, or in the paper's.
+// mlccactl format: converts the lists of attributes of a description between the two forms.
 #include <fmt/format.h>
 
 #include <memory>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlccactl generate: from the description of a system to C++ and DER.
+// mlccactl generate: generates C++ and DER from the description of a system.
 #include <fmt/format.h>
 
 #include <memory>
@@ -62,7 +62,7 @@ class Generate {
     return write(*output);
   }
 
-  /// Everything is made before anything is written.
+  /// Generates all files before any is written.
   Finished make(const core::System& system, const std::vector<Unit>& units,
                 const TargetFolder& output) {
     const Decisions decisions(system);
@@ -74,7 +74,7 @@ class Generate {
       const auto old = output.read(name, kMaxCallbacks);
       if (!old) return refuse(Exit::world, old.error().text);
       auto text = *old ? std::optional((*old)->text) : std::nullopt;
-      // A file that another program wrote has no code of ours; only --force may replace it.
+      // A file of another program has no regions of ours; only --force may replace it.
       const bool foreign = text && !text->substr(0, text->find('\n')).contains(kMark);
       auto callbacks =
           callbacks_of(system, unit, header->callbacks, foreign ? std::nullopt : text, a_.force);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The verb analyse-bus: what to read, the analysis, and the exit status.
+// The verb analyse-bus: its arguments, the analysis, and the exit status.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -79,7 +79,7 @@ std::string words_of(core::can::Unusable why) {
   }
 }
 
-/// A message that nobody can analyse, and why; empty: there is none.
+/// A sentence about a message that cannot be analysed; empty if there is none.
 std::string unusable_words(const Bus& bus, const std::vector<core::can::Message>& sorted) {
   for (std::size_t i = 0; i < sorted.size(); ++i)
     if (const auto why = unusable(bus.assumptions, sorted[i]); why != core::can::Unusable::no)
@@ -92,7 +92,7 @@ std::string unusable_words(const Bus& bus, const std::vector<core::can::Message>
   return {};
 }
 
-/// Two nodes that claim one address; empty: none do.
+/// A sentence about two nodes that claim the same address; empty if there are none.
 std::string address_clash(const Bus& bus, const std::vector<core::can::Message>& sorted) {
   for (std::size_t i = 0; i < sorted.size(); ++i)
     for (std::size_t k = 0; k < i; ++k)
@@ -103,8 +103,8 @@ std::string address_clash(const Bus& bus, const std::vector<core::can::Message>&
   return {};
 }
 
-/// Why something is not bounded, with the name of the message that is the reason; empty: nothing is
-/// unbounded. `sorted`: highest priority first.
+/// A sentence that names the message because of which something has no bound; empty if everything
+/// has one. `sorted` are the messages, highest priority first.
 std::string unbounded_words(const AnalysedBus& analysed,
                             const std::vector<core::can::Message>& sorted) {
   const auto& bus = analysed.bus;
@@ -167,13 +167,13 @@ std::string unbounded_words(const AnalysedBus& analysed,
       name(static_cast<std::size_t>(first - analysed.responses.begin())));
 }
 
-/// What the frames that are not counted would do to messages that fit without them.
+/// What happens to messages that fit if the messages that do not count are sent, too.
 struct Harm {
-  bool late = false;  ///< one would miss its deadline
-  bool lost = false;  ///< one would be in time, and its queue too short
+  bool late = false;  ///< a message would miss its deadline
+  bool lost = false;  ///< a message would be in time, but its queue too short
 };
 
-/// `messages`: those that count, `fit` without the others.
+/// `messages` are those that count; `fit` is the result without the others.
 Harm harm_of_uncounted(const Bus& bus, std::vector<core::can::Message> messages,
                        const std::vector<bool>& fit) {
   if (bus.uncounted.empty()) return {};
@@ -193,7 +193,7 @@ Harm harm_of_uncounted(const Bus& bus, std::vector<core::can::Message> messages,
   return harm;
 }
 
-/// The same of a message that does not count: it makes no other one unbounded.
+/// As unbounded_words(), for a message that does not count: it makes no other one unbounded.
 std::string unbounded_elsewhere(const Bus& bus) {
   const auto found = std::ranges::find_if(bus.messages, [](const BusMessage& m) {
     return !m.standing.counted && !m.unbounded_on.empty();
@@ -203,7 +203,7 @@ std::string unbounded_elsewhere(const Bus& bus) {
                      printable(found->name), printable(found->unbounded_on));
 }
 
-/// The same with those messages alone that count.
+/// The same bus with only those messages that count.
 AnalysedBus with_counted(const AnalysedBus& all) {
   AnalysedBus out;
   out.bus = all.bus;
@@ -227,13 +227,14 @@ core::BusDecision decision_of(const BusMessage& m) {
           .refused_frames = m.refused_frames};
 }
 
-/// In time with room in the queue: of what does not come to the bus, check refuses it for neither.
+/// In time, with room in the queue. A message that does not come to the bus fits if check refuses
+/// it for neither reason.
 bool is_fit(const Bus& bus, const BusMessage& m, const core::can::Response& response) {
   if (!m.standing.counted) return !m.refused_response && !m.refused_frames;
   return fits(bus.assumptions, m.sent(), response);
 }
 
-/// Of each message how it is beside what counts.
+/// Computes the response of each message beside those that count.
 void analyse_messages(AnalysedBus& result) {
   const Bus& bus = result.bus;
   std::vector<core::can::Message> messages;
@@ -277,7 +278,7 @@ AnalysedBus analysed(Bus bus, bool assign) {
                            [](const BusMessage& m) { return m.message.priority; });
   result.bus = std::move(bus);
   analyse_messages(result);
-  // What is left to the run time is not refused.
+  // A message that is decided at run time does not count as refused.
   if (std::ranges::any_of(result.bus.messages, [](const BusMessage& m) {
         return m.in_vain && (m.outcome != Outcome::run_time || m.held);
       }))
@@ -298,7 +299,7 @@ AnalysedBus analysed(Bus bus, bool assign) {
   return result;
 }
 
-/// A number of bit/s, or one with a unit as elsewhere.
+/// Parses a number in bit/s, or a rate with a unit. Throws what CLI11 reports.
 std::uint32_t rate_of(const std::string& option, const std::string& text, std::uint32_t most) {
   if (text.empty()) return 0;
   const bool plain = std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
@@ -313,7 +314,7 @@ std::uint32_t rate_of(const std::string& option, const std::string& text, std::u
   return static_cast<std::uint32_t>(*rate);
 }
 
-/// What the command line says in words, as numbers. Throws what CLI11 reports.
+/// Converts the options that are texts. Throws what CLI11 reports.
 void understand(Options& options) {
   options.bus.bitrate = rate_of("--bitrate", options.bitrate, kMostArbitrationRate);
   options.bus.data_bitrate = rate_of("--data-bitrate", options.data_bitrate, kMostDataRate);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The CAN networks of a description, as a check of it decides them.
+// Reads the CAN networks of a description, with the decisions of a check.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ using core::Place;
 using core::Publisher;
 using core::System;
 
-/// What the command line states takes the place of what the description does.
+/// Replaces values of the description by those of the command line.
 void state(core::CanBus& bus, const BusOptions& options) {
   if (options.bitrate != 0) bus.bitrate = options.bitrate;
   if (options.data_bitrate != 0) bus.data_bitrate = options.data_bitrate;
@@ -116,7 +116,7 @@ class DescribedBuses {
     buses_.push_back(std::move(bus));
   }
 
-  /// What may not be on a bus together, in the words of check where it says that.
+  /// Conflicts of names and identifiers on a bus; if check found some, in its words.
   [[nodiscard]] std::vector<std::string> clashes_on(std::size_t n, const Bus& bus) const {
     if (problems_of(bus.messages, bus.network).empty()) return {};
     std::vector<std::string> said;
@@ -125,7 +125,7 @@ class DescribedBuses {
           f.place == Place{Place::Kind::network, n})
         said.push_back(at(f.origin, core::code_of(f.id) + ": " + f.text));
     if (!said.empty()) return said;
-    // What is dropped before the bus has no identifier there.
+    // Messages that are dropped before the bus have no identifier there.
     std::vector<BusMessage> there;
     std::ranges::copy_if(bus.messages, std::back_inserter(there),
                          [](const BusMessage& m) { return m.standing.counted; });
@@ -145,7 +145,7 @@ class DescribedBuses {
     return message;
   }
 
-  /// What may come in another form than that of the messages.
+  /// Notes which channels may have another form at run time than the analysed messages.
   void add_varying(std::size_t n, Bus& bus) const {
     bus.known = core::known_of(inspected_, n);
     if (!inspected_.guarded[n] && bus.known != core::Known::all) bus.sure = false;
@@ -156,7 +156,7 @@ class DescribedBuses {
           system_.channels[c].name));
   }
 
-  /// What is not known of messages. Without any message there is nothing to say of a bus.
+  /// Notes what is not known about messages. A bus without messages cannot be analysed then.
   void add_lacking(Bus& bus) {
     for (const auto& [text, standing] : std::exchange(lacking_, {})) {
       if (bus.messages.empty()) {
@@ -227,7 +227,8 @@ class DescribedBuses {
            network.bus.data_bitrate == 0;
   }
 
-  /// The first bus on the way where it is not bounded, if its jitter has no bound because of that.
+  /// The first bus on the way before where the message has no bound, if its jitter here has none
+  /// because of that; otherwise empty.
   [[nodiscard]] std::string unbounded_before(const core::BusMessage& from) const {
     std::string name;
     for (const core::BusMessage* m = &from;
@@ -244,7 +245,7 @@ class DescribedBuses {
     return before == inspected_.messages.end() ? nullptr : &*before;
   }
 
-  /// What counts in place of a delay that is not known.
+  /// The value that is used for a delay at `place` that is not known.
   [[nodiscard]] std::string_view counted_instead(Place place) const {
     const bool network = place.kind == Place::Kind::network;
     const core::mesh::Mesh* const mesh = network && system_.networks[place.index].mesh
@@ -263,7 +264,7 @@ class DescribedBuses {
                            : " and counts as nothing: state its Latency";
   }
 
-  /// Events of one publisher that come by several ways are distinguished.
+  /// Appends the way to the names of messages if events of one publisher come by several ways.
   void name_ways(Bus& bus) {
     const std::size_t first = froms_.size() - bus.messages.size();
     std::vector<std::string> names;
@@ -313,8 +314,8 @@ class DescribedBuses {
   const BusOptions& options_;
   core::Inspection inspection_;
   core::InspectedBuses inspected_;
-  std::vector<std::size_t> froms_;  ///< of all messages, in their order
-  /// Of messages of the bus that are not known: what, and whether they count.
+  std::vector<std::size_t> froms_;  ///< for each message the index of its origin, see core::Flow
+  /// Texts about messages of the present bus that are not known, and whether they count.
   std::vector<std::pair<std::string, core::Standing>> lacking_;
   std::vector<Bus> buses_;
   std::vector<std::string> problems_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What must be different on a bus: the names of messages, and the identifiers of senders.
+// Finds names of messages and identifiers of senders that occur twice on a bus.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,12 +14,12 @@ namespace {
 
 using core::can::kOwnQueue;
 
-/// Frames of one queue have one sender.
+/// Whether both wait in the same queue, and so have one sender.
 bool same_sender(const BusMessage& a, const BusMessage& b) {
   return a.message.queue != kOwnQueue && a.message.queue == b.message.queue;
 }
 
-/// Calls `found(first, again)` for each message whose key another one before it has.
+/// Calls `found(first, again)` for each message whose key an earlier message has, too.
 template <class Key, class Found>
 void for_each_again(const std::vector<BusMessage>& messages, const Key& key, const Found& found) {
   std::vector<std::size_t> order(messages.size());
@@ -42,7 +42,7 @@ std::vector<std::string> problems_of(const std::vector<BusMessage>& messages,
   for_each_again(
       messages,
       [](const BusMessage& m) {
-        // Tags that a broker has still to deal are different ones.
+        // Tags that a broker has not assigned yet differ from all others.
         return std::tuple(m.id, m.extended, m.tag_known ? 0 : m.message.key + 1);
       },
       [&](const BusMessage& first, const BusMessage& again) {

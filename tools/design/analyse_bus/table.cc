@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Messages from a table of comma-separated values.
+// Reads messages from a table of comma-separated values.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -35,12 +35,12 @@ enum class Field : std::uint8_t {
 constexpr std::array<std::string_view, 10> kColumns = {
     "name",        "id",        "extended", "bytes",  "period_us",
     "deadline_us", "jitter_us", "fd",       "frames", "node"};
-constexpr std::size_t kRequired = 5;  // the first ones
+constexpr std::size_t kRequired = 5;  // the first ones in kColumns
 constexpr std::size_t kMissing = ~std::size_t{0};
 constexpr std::string_view kHeader =
     "name,id,extended,bytes,period_us, and deadline_us, jitter_us, fd, frames and node if wanted";
 constexpr std::string_view kSeparators = ",;\t|";
-constexpr std::size_t kMostOfAKind = 20;  // problems that are said one by one
+constexpr std::size_t kMostOfAKind = 20;  // problems that are listed one by one
 
 std::string_view trimmed(std::string_view text) {
   constexpr std::string_view blank = " \t\r";
@@ -66,7 +66,7 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
-/// The line without the comment at its end: what follows a # that is not in quotes.
+/// The line without a comment, which begins with a # outside of quotes.
 std::string_view without_comment(std::string_view line) {
   bool quoted = false;
   for (std::size_t i = 0; i < line.size(); ++i) {
@@ -76,14 +76,14 @@ std::string_view without_comment(std::string_view line) {
   return line;
 }
 
-/// The one of the separators that a header has most of; a comma if it has none.
+/// The separator that occurs most often in the header; a comma if none does.
 char separator_of(std::string_view header) {
   return *std::ranges::max_element(kSeparators, {},
                                    [&](char c) { return std::ranges::count(header, c); });
 }
 
-/// One cell off the front of the line; nothing if its quotes are not right. In quotes a separator
-/// is one of the cell, and two quotes are one.
+/// Removes the first cell from the line; nullopt if its quotes are wrong. Within quotes a separator
+/// is content, and two quotes stand for one. `more`: another cell follows.
 std::optional<std::string> take_cell(std::string_view& line, char separator, bool& more) {
   std::string cell;
   const auto begin = line.find_first_not_of(separator == '\t' ? " " : " \t");
@@ -118,7 +118,7 @@ auto whole_number(std::uint64_t least, std::uint64_t most) {
   };
 }
 
-/// An error that quotes `number`, with `text` in its place.
+/// The error with the text of the file in place of `number`, which was converted from it.
 std::string quoted_as(std::string error, std::string_view number, std::string_view text) {
   if (const auto at = error.find(number); at != std::string::npos)
     error.replace(at, number.size(), text);
@@ -132,7 +132,8 @@ Result<bool> yes_or_no(std::string_view text, std::string_view what) {
   return fail(fmt::format("{} '{}': must be 0, 1, true or false", what, text));
 }
 
-/// By its mark, or by its first character in two octets; empty: it may be UTF-8.
+/// The encoding that a byte order mark or the first character shows, if it is not UTF-8; else
+/// empty.
 std::string_view other_encoding(std::string_view text) {
   if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) return "UTF-16";
   if (text.size() < 2) return {};
@@ -140,12 +141,12 @@ std::string_view other_encoding(std::string_view text) {
   return text[0] == '\0' && text[1] != '\0' ? "UTF-16BE" : "";
 }
 
-/// ','; "tab".
+/// The separator for a message: "','" or "tab".
 std::string separator_words(char separator) {
   return separator == '\t' ? "tab" : fmt::format("'{}'", separator);
 }
 
-/// How many values a line has if that separates them; 0: its quotes are not right.
+/// The number of values in a line with that separator; 0 if its quotes are wrong.
 std::size_t values_between(std::string_view line, char separator) {
   std::size_t values = 0;
   for (bool more = true; more; ++values)
@@ -153,7 +154,8 @@ std::size_t values_between(std::string_view line, char separator) {
   return values;
 }
 
-/// Why a line has not as many values as the header has columns: another separator, perhaps.
+/// A hint, if a line has another number of values than the header has columns: perhaps another
+/// separator.
 std::string why_values_wrong(std::size_t values, std::size_t columns, char separator,
                              std::string_view line) {
   char other = separator;
@@ -183,8 +185,7 @@ std::string values_wrong(std::size_t values, std::size_t columns, bool commented
                                : why_values_wrong(values, columns, separator, line));
 }
 
-/// What is wrong with a value that has a separator in it which is not that of the columns; empty:
-/// it has none.
+/// A hint about a wrong value that contains a separator other than the one in use; otherwise empty.
 std::string other_separator_in(std::string_view value, char separator) {
   for (const char c : kSeparators) {
     if (c == separator || !value.contains(c)) continue;
@@ -196,7 +197,7 @@ std::string other_separator_in(std::string_view value, char separator) {
   return {};
 }
 
-/// That a name of a column has another separator in it; empty: none has.
+/// A hint about a column name that contains another separator; otherwise empty.
 std::string second_separator_in(const std::vector<std::string>& names, char separator) {
   for (const std::string& name : names)
     if (const char other = separator_of(name); name.contains(other))
@@ -255,7 +256,7 @@ class TableReader {
     return fmt::format("{}:{}", file_, std::max<std::size_t>(line_, 1));
   }
 
-  /// `kind`: of which only the first ones are said.
+  /// Adds a problem, unless kMostOfAKind problems of that kind are listed already.
   void add_of(std::string_view kind, std::string text) {
     if (++of_kind_[std::string(kind)] <= kMostOfAKind) problems_.push_back(std::move(text));
   }
@@ -319,11 +320,12 @@ class TableReader {
     problem("header", fmt::format("{}{}. The header must be {}, between commas, semicolons, tabs "
                                   "or bars",
                                   text, second_separator_in(cells, separator_), kHeader));
-    // Without the columns no line can be understood.
+    // Without the columns no line can be read.
     readable_ = false;
   }
 
-  /// `read`: of a cell and the name of its column.
+  /// Converts a cell with `read`, which gets the cell and the name of its column. An error becomes
+  /// a problem, and the value is empty then.
   template <class Read>
   auto get(std::string_view column, std::string_view cell, const Read& read) {
     auto value = read(cell, column);
@@ -350,7 +352,7 @@ class TableReader {
     if (m.name.empty()) problem("name", "name is empty: each message needs one");
     m.extended = get("extended", cell(Field::extended), yes_or_no);
     const bool fd = !cell(Field::fd).empty() && get("fd", cell(Field::fd), yes_or_no);
-    // A wrong value of extended or fd is one problem, not two.
+    // A wrong value of extended or fd is reported once, not also as a wrong id or size.
     const bool forms_known = found_ == problems;
     if (fd && bus_.assumptions.timing.data_bitrate == 0)
       problem("FD frames",
@@ -387,7 +389,7 @@ class TableReader {
     bus_.messages.push_back(std::move(m));
   }
 
-  /// The FIFO of a node. How many frames it holds is not stated, so it is long enough.
+  /// The FIFO of a node. Its length is not stated, so it counts as long enough.
   std::uint32_t queue_of(const std::string& node) {
     const auto [it, fresh] =
         queues_.try_emplace(node, static_cast<std::uint32_t>(bus_.assumptions.queues.size()));
@@ -399,7 +401,7 @@ class TableReader {
 
   std::uint64_t time_of(std::string_view text, Rounding rounding, bool positive,
                         std::string_view what) {
-    // Where columns are not between commas, one is the point of a number in many countries.
+    // With another separator, a comma is a decimal comma, as in many countries.
     std::string number(text);
     const bool has_comma = number.contains(',');
     if (has_comma && separator_ != ',') std::ranges::replace(number, ',', '.');
@@ -424,15 +426,15 @@ class TableReader {
   const std::string& file_;
   Bus bus_;
   std::vector<std::string> problems_;
-  std::array<std::size_t, kColumns.size()> at_{};  ///< of each Field
-  std::map<std::string, std::uint32_t> queues_;    ///< by node
-  std::map<std::string, std::size_t> of_kind_;     ///< problems
-  std::size_t found_ = 0;                          ///< problems
+  std::array<std::size_t, kColumns.size()> at_{};  ///< the column of each Field
+  std::map<std::string, std::uint32_t> queues_;    ///< by name of the node
+  std::map<std::string, std::size_t> of_kind_;     ///< problems by kind
+  std::size_t found_ = 0;                          ///< number of problems
   std::size_t columns_ = 0;
   std::size_t line_ = 0;
   char separator_ = ',';
   bool header_ = false;
-  bool commented_ = false;  ///< the line that is read ends with a comment
+  bool commented_ = false;  ///< the present line ends with a comment
   bool readable_ = true;
 };
 

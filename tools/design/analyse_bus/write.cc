@@ -18,8 +18,8 @@ using core::BusFate;
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t kMicrosecond = 1'000;  // ns
-constexpr double kWhole = 1e6;                 // 1e-6 units
-constexpr int kFormVersion = 1;                // of the JSON
+constexpr double kWhole = 1e6;                 // per unit of 1e-6
+constexpr int kFormVersion = 1;                // version of the JSON
 
 std::string in_us(std::uint64_t ns) {
   if (ns == core::can::kNever) return "-";
@@ -39,12 +39,12 @@ double as_us(std::uint64_t ns) {
   return static_cast<double>(ns) / static_cast<double>(kMicrosecond);
 }
 
-/// Null where there is no bound.
+/// Microseconds; null without a bound.
 Json us_or_null(std::uint64_t ns) {
   return ns == core::can::kNever ? Json(nullptr) : Json(as_us(ns));
 }
 
-/// The queue of a gateway; null for a node's own, and for a FIFO whose length is not stated.
+/// The queue of a gateway; nullptr for a node's own, and for a FIFO whose length is not stated.
 const core::can::Queue* queue_of(const AnalysedBus& analysed, std::size_t i) {
   const auto& queues = analysed.bus.assumptions.queues;
   const auto queue = analysed.bus.messages[i].message.queue;
@@ -54,7 +54,7 @@ bool has_length(const core::can::Queue& queue) {
   return queue.length != std::numeric_limits<std::uint32_t>::max();
 }
 
-/// "-" where there is none.
+/// The response time in us; "-" if there is none.
 std::string response_of(const core::BusRow& row) {
   return row.response ? in_us(*row.response) : "-";
 }
@@ -86,7 +86,8 @@ std::string verdict_of(const AnalysedBus& analysed, std::size_t i) {
   return {};
 }
 
-/// The response that check found beside the messages that it grants, where that is another one.
+/// The response time that check computed beside the messages that it grants, if it differs from
+/// this one; otherwise empty.
 std::string checked_of(const BusMessage& m, const core::BusRow& row) {
   const auto checked = m.granted_response ? m.granted_response : m.refused_response;
   if (!checked || checked == row.response) return {};
@@ -139,7 +140,7 @@ bool is_late_though_granted(const AnalysedBus& analysed, std::size_t i) {
   return m.held && m.granted_response && !analysed.responses[i].meets(m.sent().deadline);
 }
 
-/// What is granted, and late beside what is there if all best cases hold.
+/// Whether a granted message is late beside everything that is sent if all best cases are real.
 bool is_late_at_best(const AnalysedBus& analysed) {
   std::vector<core::can::Message> present;
   std::vector<bool> late;
@@ -155,7 +156,7 @@ bool is_late_at_best(const AnalysedBus& analysed) {
   return false;
 }
 
-/// Why check grants what is late.
+/// Why check grants a message that is late here.
 std::string why_granted(const AnalysedBus& analysed) {
   if (is_late_at_best(analysed))
     return "mlccactl check grants a message that is late here: it counts what it refuses as "
@@ -173,7 +174,8 @@ std::string why_granted(const AnalysedBus& analysed) {
   return text + "a node of the bus that is refused at run time sends all the same.\n";
 }
 
-/// What the response times of a described bus assume, where that shows.
+/// The assumptions of the response times of a described bus, as far as they matter for its
+/// messages.
 std::string assumed_text(const AnalysedBus& analysed) {
   bool differs = false;
   bool dropped = false;
@@ -210,7 +212,7 @@ std::string assumed_text(const AnalysedBus& analysed) {
   return text;
 }
 
-/// What becomes of the deadlines of what counts.
+/// A phrase about the deadlines of the messages that count.
 std::string deadlines_of(const AnalysedBus& analysed) {
   const auto& all = analysed.bus.messages;
   if (!all.empty() && std::ranges::none_of(all, [](const auto& m) { return m.standing.counted; }))
@@ -220,7 +222,7 @@ std::string deadlines_of(const AnalysedBus& analysed) {
   return "every deadline is met";
 }
 
-/// What the bus as a whole does, behind its load.
+/// A sentence about the bus, behind its load.
 std::string summary_of(const AnalysedBus& analysed) {
   const bool queue = has_short_queue(analysed);
   std::string text = deadlines_of(analysed);
@@ -235,7 +237,7 @@ std::string summary_of(const AnalysedBus& analysed) {
   return text;
 }
 
-/// Why there may be an order although none was found: sentences. None: there is no order.
+/// Sentences why an order of priorities may exist although none was found. Empty: there is none.
 std::vector<std::string> order_may_exist(const AnalysedBus& analysed) {
   std::vector<std::string> why;
   const auto& messages = analysed.bus.messages;
@@ -287,7 +289,7 @@ std::string sentences(std::string_view title, const std::vector<std::string>& al
   return text;
 }
 
-/// Of which events it is not stated how long they are.
+/// Names the events whose size is not stated.
 std::string sizes_text(const Bus& bus) {
   std::vector<std::string> names;
   for (const BusMessage& m : bus.messages)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The verb check: what to read, which form to write, and the exit status.
+// The verb check: its arguments, the output form, and the exit status.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -22,7 +22,7 @@
 namespace mlcca::tools::design {
 namespace {
 
-// Cursor to the corner, then screen and what was scrolled away.
+// Moves the cursor to the corner and clears the screen and the scroll-back buffer.
 constexpr const char* kClear = "\x1b[H\x1b[2J\x1b[3J";
 
 struct Options {
@@ -65,7 +65,7 @@ class Check {
     return write_text(report, options_.output.empty() ? color_ : Color::no);
   }
 
-  /// The status of a report; the error is the one of a report that could not be written.
+  /// The exit status of a report; as error, that of a report that could not be written.
   using Delivery = std::expected<Exit, Exit>;
 
   [[nodiscard]] Delivery deliver(const Report& report) const {
@@ -96,9 +96,9 @@ class Check {
         return complain(Exit::world, followed.error().text);
       const auto report = examine();
       const auto status = show(report, first);
-      // Later it may be a matter of time, such as a full disk; now the command is wrong.
+      // Later the cause may be temporary, such as a full disk; at the start the command is wrong.
       if (first && !status) return status.error();
-      // What is included is known only now.
+      // The included files are known only after reading.
       files = options_.files;
       for (auto& file : report.files()) files.push_back(std::move(file));
       const auto missed = watch->follow(files, since);
@@ -110,7 +110,7 @@ class Check {
     }
   }
 
-  /// The report, and with --output the text for the person who watches.
+  /// Writes the report; with --output also the text for the person who watches.
   [[nodiscard]] Delivery show(const Report& report, bool first) const {
     const bool for_person = options_.format == "text" || !options_.output.empty();
     if (for_person) {

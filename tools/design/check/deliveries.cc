@@ -26,7 +26,7 @@ std::string subscribers_of(const core::Members& members, const core::Verdict& v)
   return named == all ? out : fmt::format("{} and {} more", out, all - named);
 }
 
-/// The obstacle stands at a place of the route.
+/// Whether the obstacle is at a place of the route.
 bool has_place(Obstacle obstacle) {
   switch (obstacle) {
     case Obstacle::none:
@@ -40,7 +40,7 @@ bool has_place(Obstacle obstacle) {
   }
 }
 
-/// It says that the place, as a hop, is what does not fit.
+/// Whether the row states that the place itself, as a hop, does not fit.
 bool blames(const core::Row& row, core::Place place) {
   if (row.place != place || !is_unfit(row)) return false;
   return row.against == Against::hop || row.against == Against::capacity ||
@@ -73,7 +73,7 @@ void add_margin(const core::System& system, const core::Members& members, const 
   to.share = core::slack(row->comparison);
 }
 
-/// Its frames on the bus at that place of the route.
+/// Whether the message consists of the frames of the delivery on that bus.
 bool is_on_its_way(const core::System& system, const core::BusMessage& m,
                    const ReportedDelivery& d) {
   if (!m.held || m.publisher != d.publisher_number) return false;

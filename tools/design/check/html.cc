@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// One page with nothing from elsewhere. Its tables are complete without the script, which adds the
-// drawing; what the description says is text.
+// The page is self-contained. Its tables are complete without the script, which adds the drawing.
+// Text of the description is escaped.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,7 +22,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The policy holds even if a text were not escaped: nothing is loaded, no other script runs.
+// The Content-Security-Policy protects even if a text were not escaped: nothing is loaded, and no
+// other script runs.
 constexpr std::string_view kHead = R"(<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -44,7 +45,7 @@ std::string figure(std::string_view name, std::size_t n, std::string_view kind) 
   return fmt::format("<div class=\"{}\"><dt>{}</dt><dd>{}</dd></div>", n == 0 ? "" : kind, name, n);
 }
 
-/// What the whole comes to: class, mark and sentence.
+/// The summary of the report: class, symbol and sentence.
 struct Headline {
   const char* kind;
   const char* mark;

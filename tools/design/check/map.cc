@@ -29,8 +29,8 @@ bool is_best_case(const AttributeSet& provision, const core::UserValues& user) {
   return dynamic;
 }
 
-/// The largest part of what may be taken of a network; nothing: no limit is known.
-/// `on_bus`: of an analysed bus.
+/// The largest used part of a limit of a network (1 is all); nullopt if no limit is known. `on_bus`
+/// is the load of an analysed bus.
 std::optional<double> part_of(const core::Network& network, const core::NetworkLoad& load,
                               const std::optional<core::BusLoad>& on_bus) {
   std::optional<double> most;
@@ -79,7 +79,7 @@ class Mapper {
 
   [[nodiscard]] std::size_t number_of(Place place) const { return s_.resource_of(place); }
 
-  /// "2 errors" behind what there is to say anyway.
+  /// Puts the number of errors, such as "2 errors", before the other notes of a place.
   void add_errors(Json& place, const std::string& name, std::string note) const {
     const auto errors = errors_.find(name);
     place["ill"] = errors != errors_.end();
@@ -130,7 +130,7 @@ class Mapper {
 
   const SystemReport& r_;
   const core::System& s_;
-  std::map<std::string, std::size_t> errors_;  ///< by place
+  std::map<std::string, std::size_t> errors_;  ///< number of errors by name of the place
   std::map<Way, std::size_t> ways_;
 };
 

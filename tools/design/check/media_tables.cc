@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is taken of the media that are analysed: buses and meshes.
+// The tables of analysed media: the load of buses and meshes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ std::string time_text(Value ns) {
   return ns == core::can::kNever ? "no bound" : core::format_value(Attribute::latency, ns);
 }
 
-/// Verdict, response, deadline and what is left of it, as cells.
+/// The cells of a message: verdict, response time, deadline and remaining time.
 struct Response {
   std::string verdict;
   std::string time;
@@ -45,7 +45,7 @@ Said said_of_held(const core::BusMessage& m, core::BusFate fate) {
   return {"✓", "in time", "fit"};
 }
 
-/// Of what is refused or left to the run time.
+/// The verdict on a message that is refused or decided at run time.
 Said said_of_other(core::BusFate fate) {
   switch (fate) {
     case core::BusFate::run_time:
@@ -63,7 +63,7 @@ Said said_of_other(core::BusFate fate) {
   }
 }
 
-/// `sent`: beside what counts.
+/// `sent` is the message with its response beside those that count.
 Response response_of(const core::BusMessage& m, const core::SentMessage& sent,
                      const core::can::Assumptions& bus) {
   if (!m.sent)
@@ -109,7 +109,7 @@ std::string way_in(const core::System& system, const core::BusMessage& m) {
   return {};
 }
 
-/// What the load of a bus is the load of.
+/// Says which messages the load of a bus contains.
 std::string counted_words(const std::vector<const core::BusMessage*>& messages) {
   bool refused = false;
   bool unknown = false;
@@ -134,7 +134,7 @@ std::string bus_table(const SystemReport& report, std::size_t n) {
   std::vector<const core::BusMessage*> messages;
   for (const core::BusMessage& m : report.buses.messages)
     if (m.network == n) messages.push_back(&m);
-  // As arbitration has them.
+  // In order of arbitration.
   std::ranges::stable_sort(messages, {}, [](const core::BusMessage* m) {
     return m->message ? std::uint64_t{m->message->priority} : ~std::uint64_t{0};
   });

@@ -22,9 +22,9 @@ namespace {
 
 using core::FindingId;
 
-constexpr double kReadingShare = 0.6;  // of the whole work
+constexpr double kReadingShare = 0.6;  // share of the total work
 
-/// Without these the System lacks what the others would be compared with.
+/// After these findings the System lacks what others would be compared with.
 bool hides_others(FindingId id) {
   switch (id) {
     case FindingId::not_in_schema:
@@ -67,13 +67,13 @@ ReportedFinding reported(const core::System& system, core::Finding& finding) {
   return out;
 }
 
-/// What the rules of the description have found, by line.
+/// The findings about the rules of the description, by line.
 class RuleFindings {
  public:
   explicit RuleFindings(const std::vector<ReportedFinding>& all) {
     for (const ReportedFinding& f : all) found_.emplace(f.id, f.file, f.line);
   }
-  /// The same is stated already of an end that the finding is about.
+  /// Whether the same finding is stated already about an end that `finding` concerns.
   [[nodiscard]] bool state(const core::System& system, const core::Finding& finding) const {
     if (found_.empty()) return false;
     const auto at = [&](const core::Origin& origin) {
@@ -88,7 +88,7 @@ class RuleFindings {
   std::set<std::tuple<FindingId, std::string, int>> found_;
 };
 
-/// Problems and findings in one order; both are sorted by file and line.
+/// Sorts by file (in the order of reading) and line, and otherwise keeps the order.
 void sort_findings(const core::System& system, std::vector<ReportedFinding>& findings) {
   const auto number = [&](const ReportedFinding& f) {
     return std::ranges::find(system.files, f.file) - system.files.begin();
@@ -106,7 +106,7 @@ core::Inspection decide(SystemReport& report, const core::InspectProgress& progr
   auto inspection = core::inspect(
       report.system, progress,
       [&](std::size_t channel, const core::Decision& decision, std::span<const core::Finding>) {
-        // The set that is used comes first.
+        // The set in use comes first; the others are skipped.
         if (known[channel]) return;
         known[channel] = true;
         for (const core::Verdict& verdict : decision.verdicts)

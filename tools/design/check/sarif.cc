@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// SARIF 2.1.0 (OASIS): one run, a rule for each kind of finding, a result for each finding.
+// SARIF 2.1.0 (OASIS): one run with a rule for each kind of finding and a result for each finding.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -19,12 +19,12 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kSchema =
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json";
 constexpr const char* kRoot = "%SRCROOT%";
-// Its name says how it is made: another way needs another number.
+// The name states how the fingerprint is made: another way of making it needs another version.
 constexpr const char* kFingerprint = "mlccaFinding/v1";
 
 Json message(const std::string& text) { return {{"text", text}}; }
 
-/// "NoPublisher" of "no-publisher"
+/// "no-publisher" becomes "NoPublisher".
 std::string pascal_case(std::string_view name) {
   std::string out;
   bool up = true;
@@ -35,7 +35,7 @@ std::string pascal_case(std::string_view name) {
   return out;
 }
 
-/// "No way leads from a publisher to a subscriber."
+/// Makes a sentence: "No way leads from a publisher to a subscriber."
 std::string sentence(std::string text) {
   if (text.front() >= 'a' && text.front() <= 'z')
     text.front() = static_cast<char>(text.front() - 'a' + 'A');
@@ -56,7 +56,8 @@ Json rules() {
   return out;
 }
 
-/// Stays the same when lines move: who and what, but no line, also none in the text.
+/// Identifies a finding independently of line numbers: who and what is concerned. Line numbers in
+/// the text are left out, too.
 std::string identity_of(const ReportedFinding& f) {
   std::string out =
       fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n", core::code_of(f.id), f.file, f.element,
@@ -149,7 +150,7 @@ class Run {
     if (auto logical = logical_locations(f); !logical.empty())
       location["logicalLocations"] = std::move(logical);
     const auto identity = identity_of(f);
-    // Equal ones are distinguished by their order.
+    // Identical findings are distinguished by their order.
     const auto print = fmt::format("{:016x}:{}", hash_of(identity), ++prints_[identity]);
     Json out{{"ruleId", core::code_of(f.id)},
              {"ruleIndex", &info - core::finding_table().data()},
@@ -166,7 +167,7 @@ class Run {
   const Report& report_;
   Json artifacts_ = Json::array();
   Json results_ = Json::array();
-  std::unordered_map<std::string, std::size_t> numbers_;  ///< of the artifacts
+  std::unordered_map<std::string, std::size_t> numbers_;  ///< index of each artifact
   std::unordered_map<std::string, unsigned> prints_;
 };
 

@@ -66,7 +66,7 @@ std::string provision_text(const core::System& system, const AttributeSet& set,
   return out.empty() ? "nothing is stated" : html_text(out);
 }
 
-/// Of payload, where a capacity is stated.
+/// The reserved payload of a network whose capacity is stated; otherwise empty.
 std::string reserved_cell(const core::Network& network, const core::NetworkLoad& load) {
   if (!network.provision.has(Attribute::bandwidth)) return {};
   const Value capacity = network.provision[Attribute::bandwidth];
@@ -99,7 +99,7 @@ std::string set_words(const core::EventChannel& channel, std::size_t set, bool o
   return fmt::format("priority {} (not the preferred one)", channel.lower[set - 1].priority);
 }
 
-/// The rows of one system's channels.
+/// Makes the rows of the channels of one system.
 class Deliveries {
  public:
   Deliveries(const SystemReport& report, const std::vector<std::size_t>& ways,
@@ -129,7 +129,7 @@ class Deliveries {
     return out;
   }
 
-  /// `next`: the first delivery of the channel, and then that of the channel behind it.
+  /// `next` is the index of the first delivery of the channel, and afterwards of the next channel.
   void add_channel(std::size_t c, std::size_t& next, Outcome outcome) {
     const auto& result = r_.inspection.channels[c];
     const std::size_t first = next;
@@ -141,7 +141,7 @@ class Deliveries {
         add_unused(c, outcome == Outcome::fit ? Said{"–", "without use", "unused"} : said(outcome));
       return;
     }
-    // All of them together, such as for want of room in a gateway.
+    // The channel does not fit although each delivery does, such as when a gateway has no room.
     const bool as_a_whole = result.outcome == Outcome::unfit && !any_unfit;
     for (std::size_t d = first; d < next; ++d) {
       const auto own = as_a_whole ? Outcome::unfit : r_.deliveries[d].outcome;
@@ -219,7 +219,7 @@ std::string interface_words(const core::InterfaceIdentity& identity) {
   return {};
 }
 
-/// "gateway by can0"
+/// Appends a text such as "gateway by can0".
 void join(std::string& out, const std::string& name, const core::Port& port) {
   const auto interface = interface_words(port.identity);
   out += fmt::format("{}{}{}", out.empty() ? "" : ", ", html_text(name),

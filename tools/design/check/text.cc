@@ -35,9 +35,8 @@ void write(std::string& out, const ReportedFinding& f, Color color) {
                    styled("hint: " + f.hint, Style::dim, color));
 }
 
-/// "volksbot: 3 channels: 2 fit, 1 decided at run time, 0 do not fit". Where mlccad would refuse
-/// the description as a whole nothing fits, and the counts say what the deliveries by themselves
-/// give.
+/// "volksbot: 3 channels: 2 fit, 1 decided at run time, 0 do not fit". If mlccad would refuse the
+/// description, nothing fits, and the counts are those of the deliveries alone.
 std::string channels_line(const SystemReport& system) {
   const auto& name = system.system.name.empty() ? system.file : system.system.name;
   if (!system.readable) return fmt::format("{}: cannot be read", name);

@@ -9,7 +9,7 @@
 namespace mlcca::tools::design {
 namespace {
 
-/// The unreserved characters of RFC 3986, 2.3, and the slash stay.
+/// Encodes all but the unreserved characters (RFC 3986, 2.3) and the slash.
 std::string percent_encoded(std::string_view path) {
   constexpr std::string_view plain_ones =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~/";

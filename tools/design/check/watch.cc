@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Folders are watched, not files: an editor that renames a new file over the old one leaves a watch
-// on something that no longer has the name.
+// Folders are watched and not files: if an editor renames a new file over the old one, a watch on
+// the file would follow the old one, which has lost its name.
 #include "tools/design/check/watch.hpp"
 
 #include <fmt/format.h>
@@ -26,11 +26,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A save is over when nothing has happened for so long; a file that never rests is read anyway.
+// A save is complete when nothing has happened for kQuiet; a file that never rests is read after
+// kLongest.
 constexpr std::chrono::milliseconds kQuiet{50};
 constexpr std::chrono::milliseconds kLongest{1000};
 
-// Creation alone is not enough: the content comes later, and its end is IN_CLOSE_WRITE.
+// IN_CREATE does not suffice: the content is written later and ends with IN_CLOSE_WRITE.
 constexpr std::uint32_t kSaved =
     IN_CLOSE_WRITE | IN_MOVED_TO | IN_MOVED_FROM | IN_DELETE | IN_ATTRIB;
 
@@ -47,7 +48,7 @@ bool changed_since(const std::string& file, timespec since) {
 
 enum class Ready : std::uint8_t { nothing, events, signal };
 
-/// Waits for at most `patience`, negative: for ever.
+/// Waits for at most `patience`; a negative one means no limit.
 Result<Ready> wait_for(int events, int signals, std::chrono::milliseconds patience) {
   std::array<pollfd, 2> fds{pollfd{.fd = events, .events = POLLIN, .revents = 0},
                             pollfd{.fd = signals, .events = POLLIN, .revents = 0}};
@@ -88,14 +89,14 @@ Result<FileWatch> FileWatch::open() {
   return FileWatch(std::move(events), std::move(signals));
 }
 
-/// The file's folder, or the nearest one above that there is.
+/// Watches the folder of the file, or its nearest ancestor that exists.
 Result<void> FileWatch::add(const std::string& file) {
   const std::filesystem::path path(file);
   auto folder = path.parent_path();
   bool exists = true;
   for (;;) {
     const auto text = folder.empty() ? std::string(".") : folder.native();
-    // Another file may watch the same folder already, for less.
+    // IN_MASK_ADD: the same folder may be watched for another file, for other events.
     const int watch = ::inotify_add_watch(events_.get(), text.c_str(),
                                           IN_MASK_ADD | kSaved | (exists ? 0U : IN_CREATE));
     if (watch >= 0) {
@@ -116,7 +117,7 @@ Result<bool> FileWatch::follow(const std::vector<std::string>& files, timespec s
   const auto known = std::exchange(files_, {files.begin(), files.end()});
   for (const auto& file : files_) {
     if (auto added = add(file); !added) return std::unexpected(added.error());
-    // Whoever edits what a symbolic link leads to saves it there.
+    // The target of a symbolic link is watched, too: an editor saves there.
     std::error_code gone;
     const auto real = std::filesystem::canonical(file, gone);
     if (gone) continue;
@@ -129,7 +130,7 @@ Result<bool> FileWatch::follow(const std::vector<std::string>& files, timespec s
   });
 }
 
-/// Whether one of those that are waiting counts.
+/// Reads the pending events; true if one of them concerns a watched name.
 Result<bool> FileWatch::take_events() {
   bool counts = false;
   alignas(inotify_event) std::array<char, 65536> buffer{};

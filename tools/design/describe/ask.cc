@@ -21,7 +21,7 @@ namespace {
 
 constexpr const char* kRemove = "-";
 
-/// Carries an answer out; the error is shown and the question asked again.
+/// Makes the change for an answer; an error is shown and the question repeated.
 using Accept = std::function<Result<void>(const std::string& answer)>;
 
 class Questions {
@@ -36,7 +36,8 @@ class Questions {
     return read_channel(markup_, *channel_nodes(markup_).at(channel_));
   }
 
-  /// False at the end of the input.
+  /// Asks until an answer is accepted; an empty one keeps the present value. False at the end of
+  /// input.
   bool question(const std::string& title, const std::string& now, const Accept& accept) {
     for (;;) {
       const auto answer =

@@ -25,7 +25,7 @@ void collect(const Node& node, std::vector<const Node*>& found) {
   for (const auto& child : node.children) collect(child, found);
 }
 
-/// The first one of the tree, in the order of the file, or null.
+/// The first node, in document order, that is wanted; nullptr if there is none.
 template <class Wanted>
 const Node* find_node(const Node& node, const Wanted& wanted) {
   if (wanted(node)) return &node;
@@ -44,7 +44,7 @@ std::string text_of(const Markup& markup, const MarkupAttribute* attribute) {
 
 int number(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
-  return number_in<int>(text).value_or(0);  // the schema has bounded it
+  return number_in<int>(text).value_or(0);  // the schema limits its range
 }
 
 AttributeSetText read_set(const Markup& markup, const Node& node) {
@@ -66,7 +66,7 @@ std::string problem_of(const description::ValueType& type, std::string_view text
   return description::is_valid(type, text) ? std::string() : description::explain(type, text);
 }
 
-/// Of one set: bad values, and what stands there twice.
+/// Adds the problems of a set: wrong values and duplicate attributes.
 void add_problems(const Markup& markup, const Node& set, std::vector<std::string>& problems) {
   std::set<std::string> seen;
   for (const auto& [quantity, element, key, line] : attributes_of(markup, set)) {
@@ -207,7 +207,7 @@ std::vector<Change> changes(const ChannelText& before, const ChannelText& after)
   compare("name", before.name, after.name);
   compare("description", before.description, after.description);
   compare("safe side", before.safe_side, after.safe_side);
-  // The one without a priority is alone, before and after.
+  // A set without priority is the only one, before and after.
   if (before.sets.size() == 1 && !before.sets.front().has_priority) {
     const auto now = std::ranges::find(after.sets, 0, &AttributeSetText::priority);
     if (now != after.sets.end() && now->has_priority)

@@ -21,7 +21,8 @@ std::string short_name_of(const Quantity& quantity) {
   return {};
 }
 
-/// Puts what is new into the tag of a list, or as an element where the short form cannot say it.
+/// Adds a quantity to a new list: as XML attribute, or as element if the short form cannot express
+/// it.
 void state(NewElement& list, const Quantity& quantity) {
   if (const auto value = short_value(list.name, quantity))
     list.attributes += fmt::format(" {}=\"{}\"", short_name_of(quantity), *value);
@@ -29,13 +30,13 @@ void state(NewElement& list, const Quantity& quantity) {
     list.children.push_back(attribute_element(quantity));
 }
 
-/// One channel of a text; each step finds its elements again, because the one before moved them.
+/// Makes changes in a channel. Each step searches the elements again, because a change moves them.
 class Editor {
  public:
   Editor(Markup& markup, std::size_t channel) : markup_(markup), channel_(channel) {}
 
   Result<void> operator()(const SetField& edit) {
-    // However it is written in the file, with references or comments in it.
+    // Compares the value, not its notation in the file, which may have references or comments.
     if (present(edit.which) == edit.text) return {};
     switch (edit.which) {
       case SetField::Which::subject:
@@ -116,7 +117,7 @@ class Editor {
     return found;
   }
 
-  /// The Attribute element of that name in the set, or null.
+  /// The Attribute element of that name in the present set; nullptr if there is none.
   [[nodiscard]] const Node* attribute() const {
     for (const auto& child : sets().at(set_)->children) {
       const auto* name = child.name == "Attribute" ? child.child("Name") : nullptr;
@@ -135,7 +136,7 @@ class Editor {
       insert_after(markup_, *node().child("SubjectUID"), leaf("Description", text));
   }
 
-  /// The number of the set of that priority, which is made if `make` says so.
+  /// The index of the set with that priority; with `make`, a missing one is created.
   Result<std::size_t> set_of(std::optional<int> priority, bool make) {
     const auto sets = read_channel(markup_, node()).sets;
     if (!priority && sets.size() == 1) return std::size_t{0};
@@ -155,8 +156,8 @@ class Editor {
   std::size_t make_set(const std::vector<AttributeSetText>& sets, std::optional<int> priority) {
     NewElement element{.name = "Attributes", .text = {}, .children = {}, .attributes = {}};
     if (priority) element.attributes = fmt::format(" priority=\"{}\"", *priority);
-    // An attribute that is not stated again stays required: a set without it would be granted on
-    // any network.
+    // The new set gets all attributes of the preferred one: without a requirement it would be
+    // granted on any network.
     if (!sets.empty())
       for (const auto& quantity :
            std::ranges::max_element(sets, {}, &AttributeSetText::priority)->attributes)
@@ -167,7 +168,7 @@ class Editor {
       insert_after(markup_, *before, element);
       return 0;
     }
-    // Alternatives state their priorities, also the one that was alone so far.
+    // With alternatives, every set must state its priority, also the one that was alone before.
     for (std::size_t i = 0; i < sets.size(); ++i)
       if (!sets[i].has_priority)
         set_attribute(markup_, *this->sets().at(i), "priority", std::to_string(sets[i].priority));
@@ -185,7 +186,7 @@ class Editor {
       insert_after(markup_, set.children.back(), attribute_element(quantity));
   }
 
-  /// The list states built-in attributes, and all of them in the form of the paper.
+  /// Whether the list states built-in attributes, all of them in the paper's form.
   [[nodiscard]] bool keeps_to_elements(const Node& set) const {
     const auto all = attributes_of(markup_, set);
     return std::ranges::none_of(all, [](const Listed& l) { return l.key != nullptr; }) &&
@@ -246,7 +247,7 @@ class Editor {
 
   Markup& markup_;
   std::size_t channel_;
-  std::size_t set_ = 0;  ///< of the attribute that is being changed
+  std::size_t set_ = 0;  ///< index of the set that is changed
   std::string name_;
 };
 

@@ -57,7 +57,8 @@ std::string on_one_line(const NewElement& element) {
   return fmt::format("<{0}{1}>{2}</{0}>", element.name, element.attributes, inside);
 }
 
-/// Lists stand a line a child, and an attribute with a unit does; a unit itself is one line.
+/// Whether each child gets its own line: in lists, and in attributes with a unit. A unit is one
+/// line.
 bool needs_lines(const NewElement& element) {
   return (element.name == "Attributes" && !element.children.empty()) ||
          (element.name == "Attribute" && has_grandchildren(element));
@@ -75,7 +76,7 @@ std::string written(const NewElement& element, const std::string& indent, const 
 
 namespace {
 
-/// Behind the comments that follow on the same line, if nothing else does.
+/// The position behind comments that follow on the same line, if nothing else follows there.
 std::size_t after_comments(std::string_view text, std::size_t at) {
   for (auto end = at;;) {
     end = std::min(text.find_first_not_of(kBlank, end), text.size());

@@ -19,7 +19,7 @@ std::string text_in(const Markup& markup, const Node* node) {
   return node == nullptr ? std::string() : markup.text_of(*node);
 }
 
-/// The schema has bounded it.
+/// Converts an integer that the schema has limited.
 int whole_in(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
   return number_in<int>(text).value_or(0);

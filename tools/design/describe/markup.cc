@@ -18,8 +18,8 @@ constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 bool is_space(char c) { return kSpace.contains(c); }
 
-/// The end of the construct of the markup that starts at `at`, if it is one that is skipped: a
-/// comment, a processing instruction or a CDATA section; otherwise `at`.
+/// The end of a comment, processing instruction or CDATA section that begins at `at`; otherwise
+/// `at`.
 std::size_t after_skipped(std::string_view text, std::size_t at) {
   struct Kind {
     std::string_view open;
@@ -33,7 +33,8 @@ std::size_t after_skipped(std::string_view text, std::size_t at) {
   return at;
 }
 
-/// Finds the elements. The text is well-formed; nothing is read after its end in any case.
+/// Finds the elements of a well-formed text. It never reads behind the end, even if the text is not
+/// well-formed.
 class Scanner {
  public:
   explicit Scanner(std::string_view text) : text_(text) {}
@@ -145,7 +146,7 @@ void append_utf8(std::string& out, std::uint32_t c) {
   }
 }
 
-/// What "&name;" stands for.
+/// Appends the character that "&name;" stands for.
 void append_reference(std::string& out, std::string_view name) {
   constexpr std::pair<std::string_view, char> named[] = {
       {"lt", '<'}, {"gt", '>'}, {"amp", '&'}, {"quot", '"'}, {"apos", '\''}};
@@ -186,7 +187,7 @@ std::string collapsed(std::string_view text) {
   return out;
 }
 
-/// The characters of a piece that starts with '<' and is skipped as markup.
+/// The content of a CDATA section; empty for other markup.
 std::string_view inside_cdata(std::string_view piece) {
   if (!piece.starts_with("<![CDATA[")) return {};
   piece.remove_prefix(9);

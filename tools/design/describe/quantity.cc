@@ -27,7 +27,7 @@ constexpr std::size_t kBytes = 1;
 struct Symbol {
   std::string_view name;
   std::size_t base;  ///< index into Unit
-  int magnitude;     ///< powers of ten of the base unit
+  int magnitude;     ///< power of ten relative to the base unit
 };
 constexpr auto kSymbols = std::to_array<Symbol>({{"s", kSeconds, 0},
                                                  {"B", kBytes, 0},
@@ -46,14 +46,14 @@ struct Prefix {
 constexpr auto kPrefixes =
     std::to_array<Prefix>({{"n", -9}, {"u", -6}, {"m", -3}, {"k", 3}, {"M", 6}, {"G", 9}});
 
-/// Of this file's own table: a header's constant has an address in each file.
+/// Searches this file's table: a constant in a header has another address in each file.
 std::optional<Attribute> built_in_named(std::string_view name) {
   for (std::size_t i = 0; i < kAttributes; ++i)
     if (name == kAttributeTable[i].name) return attribute_at(i);
   return std::nullopt;
 }
 
-/// A value as digits without leading or trailing zeros, times a power of ten.
+/// The value as digits without leading and trailing zeros, and a power of ten.
 std::pair<std::string, int> normal(const Quantity& q) {
   const auto number = Decimal::read(q.value);
   if (!number) return {q.value, 0};
@@ -75,7 +75,7 @@ std::optional<Symbol> symbol_of(std::string_view text) {
   return std::nullopt;
 }
 
-/// One factor, such as "mm^2".
+/// Multiplies a dimension by a factor such as "mm^2"; `sign` is -1 behind a '/'.
 Result<void> multiply(Dimension& by, std::string_view factor, int sign) {
   const auto hat = std::min(factor.find('^'), factor.size());
   const auto symbol = symbol_of(factor.substr(0, hat));
@@ -113,7 +113,7 @@ Result<Dimension> parse_unit(std::string_view text) {
   return result;
 }
 
-/// Name and value of "Name=Value".
+/// The name and value of "Name=Value".
 Result<std::pair<std::string_view, std::string_view>> split(std::string_view text) {
   const auto equals = text.find('=');
   if (equals == std::string_view::npos)
@@ -158,10 +158,10 @@ std::string unit_words(const Unit& unit) {
   return out;
 }
 
-/// The first factor can take a prefix that stands for the whole magnitude.
+/// Whether the first factor of a unit can take a prefix for the complete magnitude.
 bool takes_prefix(const Unit& unit) {
   for (std::size_t i = 0; i < unit.size(); ++i)
-    if (unit.at(i) != 0) return unit.at(i) == 1 && i != 3;  // kilograms have one already
+    if (unit.at(i) != 0) return unit.at(i) == 1 && i != 3;  // kilograms have a prefix already
   return false;
 }
 
@@ -178,7 +178,7 @@ bool names_built_in(std::string_view text) {
 }
 
 Result<Quantity> parse_built_in(std::string_view text) {
-  // The common reader says what is wrong and what would be right.
+  // This parser makes the error message.
   const auto known = parse_attribute(text, Role::required);
   if (!known) return std::unexpected(known.error());
   const auto parts = split(text);
@@ -189,7 +189,8 @@ Result<Quantity> parse_built_in(std::string_view text) {
   Quantity result{.name = known->name,
                   .value = {},
                   .dimension = description::inside(*built_in_named(known->name))};
-  // A unit is a power of ten of the one inside, times what no power of ten can say: 60, 1024, 125.
+  // The magnitude is the power of ten relative to the unit inside; other factors (60, 1024, 125)
+  // become part of the value.
   result.dimension.magnitude += typed->power;
   result.value = number->times(typed->factor).text();
   return result;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// libxml2's own validator reads the published schema: it judges files whose root is any of its
-// elements.
+// libxml2 validates against the published schema. A file may have any of its elements as root.
 #include "tools/design/describe/validate.hpp"
 
 #include <fmt/format.h>

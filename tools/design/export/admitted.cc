@@ -78,10 +78,10 @@ class FramesOnNetwork {
   const core::Network& network_;
   Lacks& lacks_;
   std::vector<AdmittedFrames> frames_;
-  std::map<std::size_t, std::size_t> known_;  ///< frames of a publisher
+  std::map<std::size_t, std::size_t> known_;  ///< index of the frames by publisher
 };
 
-/// Deliveries that would pass the gateway, and those that have no way at all.
+/// Lists refused deliveries that would cross the gateway, and those that have no route.
 void list_refused(const Admitted& admitted, const core::Decision& decision, core::Place gateway,
                   Lacks& lacks) {
   const auto& system = admitted.system();
@@ -100,7 +100,7 @@ Admitted::Admitted(const core::System& system)
   std::vector<bool> known(system.channels.size(), false);
   const auto keep = [&](std::size_t channel, const core::Decision& decision,
                         std::span<const core::Finding>) {
-    if (known[channel]) return;  // the first is the set that is used
+    if (known[channel]) return;  // the first call is for the set in use
     known[channel] = true;
     decisions_[channel] = decision;
   };
@@ -123,7 +123,7 @@ void list_not_carried(const Admitted& admitted, std::size_t gateway, Lacks& lack
   for (std::size_t c = 0; c < admitted.decisions().size(); ++c) {
     const core::Decision& decision = admitted.decisions()[c];
     list_refused(admitted, decision, {core::Place::Kind::gateway, gateway}, lacks);
-    std::set<std::pair<std::size_t, std::size_t>> ways;  // ports
+    std::set<std::pair<std::size_t, std::size_t>> ways;  // pairs of ports
     for (const core::Passage& passage :
          core::passages(system, admitted.members(), c, decision.verdicts, gateway))
       if (passage.in && passage.out && !(is_can(passage.in->port) && is_can(passage.out->port)))

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Rules for a gateway without mlccad: what can-gw carries, and what em_canid lets out.
+// Rules for a gateway without mlccad: of can-gw for forwarding, of em_canid for egress.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMatchesOfAFilter = 50;  // of at most 500
 
-/// In a shell script only what needs no quotes.
+/// Whether a name needs no quotes in a shell script.
 bool is_plain(std::string_view name) {
   return !name.empty() && std::ranges::all_of(name, is_of_interface_name);
 }
@@ -99,7 +99,7 @@ class CanGwWriter {
     return {};
   }
 
-  /// What makes one identifier of another; what the mask leaves open stays.
+  /// The can-gw modification that turns one identifier into another; bits outside of the mask stay.
   static std::string change(std::uint32_t before, std::uint32_t after, std::uint32_t mask,
                             bool fd) {
     if (before == after) return {};

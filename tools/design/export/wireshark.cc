@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A dissector in Lua: a table of what the description names, and a program that is always the same.
+// Generates a dissector in Lua: a table with the content of the description, and a constant
+// program.
 #include <fmt/format.h>
 
 #include <string>
@@ -15,7 +16,7 @@ constexpr std::string_view kProgram =
 #include "tools/design/export/wireshark.lua.inc"
     ;
 
-/// A string of Lua, whatever is in it.
+/// A string literal of Lua with any content.
 std::string lua_text(std::string_view text) {
   std::string out = "\"";
   for (const char c : text) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is replaced is collected first and put together once: a file may have 100000 lists.
+// Replacements are collected and made in one pass: a file may have 100000 lists.
 #include "tools/design/format/rewrite.hpp"
 
 #include <fmt/format.h>
@@ -17,15 +17,15 @@ namespace mlcca::tools::design {
 namespace {
 
 constexpr std::string_view kWhite = " \t\r\n";
-constexpr std::size_t kLineWidth = 100;  // of a line
+constexpr std::size_t kLineWidth = 100;  // columns of a line
 
 bool is_blank(std::string_view text) {
   return text.find_first_not_of(kWhite) == std::string_view::npos;
 }
 
-/// Which comments (or processing instructions) stand between two elements.
+/// Whether comments or processing instructions are between two elements, and where.
 struct Between {
-  bool behind = false;  ///< on the line on which the first one ends
+  bool behind = false;  ///< on the line on which the first element ends
   bool before = false;  ///< on later lines
 };
 
@@ -80,7 +80,7 @@ class Rewriter {
     for (const auto& child : node.children) visit(child, form);
   }
 
-  // ---- into the short form
+  // ---- conversion into the short form
 
   [[nodiscard]] bool is_dynamic(const Node& node) const {
     const auto* const found = node.attribute("dynamic");
@@ -88,7 +88,7 @@ class Rewriter {
     return text == "true" || text == "1";
   }
 
-  /// Why it stays an element; empty: it need not.
+  /// Why an attribute must stay an element; empty if it need not.
   [[nodiscard]] std::string_view obstacle(const Node& list, const Listed& listed,
                                           bool commented) const {
     const auto& node = *listed.element;
@@ -101,7 +101,7 @@ class Rewriter {
     return {};
   }
 
-  /// Gaps around the children: before the first, between them, behind the last.
+  /// The gaps around the children: before the first, between them, and behind the last.
   [[nodiscard]] static std::vector<Range> gaps_of(const Node& list) {
     std::vector<Range> out;
     auto from = list.content.from;
@@ -167,7 +167,7 @@ class Rewriter {
     return std::nullopt;
   }
 
-  /// Puts the attributes behind those that are in the tag, and breaks lines that become too long.
+  /// Appends attributes to the start tag and breaks lines that become too long.
   void extend_tag(const Node& list, const std::vector<std::string>& added, bool closes) {
     const std::string_view text = markup_.text();
     const auto at = list.attributes.empty() ? list.start_tag.from + 1 + list.name.size()
@@ -195,7 +195,7 @@ class Rewriter {
     edits_.push_back({{at, at}, by});
   }
 
-  // ---- into the form of the paper
+  // ---- conversion into the paper's form
 
   void write_out(const Node& list) {
     const std::string_view text = markup_.text();
@@ -229,7 +229,7 @@ class Rewriter {
     edits_.push_back({{at, at}, elements});
   }
 
-  /// The line break and indentation of what stands in the list.
+  /// The line break and indentation of the children of the list.
   [[nodiscard]] std::string inner_of(const Node& list, const std::string& outer) const {
     const std::string_view text = markup_.text();
     if (!list.children.empty() && begins_line(text, list.children.front().whole.from))
@@ -237,7 +237,7 @@ class Rewriter {
     return outer + step_;
   }
 
-  /// Where the content of the list starts, or behind the comments on the line of its tag.
+  /// The beginning of the content of the list, behind comments on the line of the start tag.
   [[nodiscard]] std::size_t after_line_of_comments(const Node& list) const {
     auto at = list.content.from;
     for (;;) {

@@ -20,7 +20,7 @@ struct Literal {
   Value scale;
   std::string_view type;
 };
-/// The largest unit first.
+/// Units of literals, the largest one first.
 constexpr auto kLiterals =
     std::to_array<Literal>({{"ns", "_s", 1'000'000'000, "Nanoseconds"},
                             {"ns", "_ms", 1'000'000, "Nanoseconds"},
@@ -39,7 +39,7 @@ std::string literal(Attribute attribute, Value value) {
     return l.base == base && (l.scale == 1 || (value != 0 && value % l.scale == 0));
   });
   if (found == kLiterals.end()) return number(value);  // events are a plain number
-  // No literal is as large.
+  // No literal can express it.
   if (value == kUnbounded)
     return fmt::format("static_cast<mlcca::{}>(mlcca::kUnbounded)", found->type);
   return fmt::format("{}{}", value / found->scale, found->suffix);

@@ -15,14 +15,14 @@ std::string folder_of(const std::string& path) {
   return slash == std::string::npos ? std::string() : path.substr(0, slash + 1);
 }
 
-/// Included files below the folder of the description.
+/// The included files in the folder of the description or below it.
 std::vector<std::string> parts_of(const core::System& system) {
   std::vector<std::string> out;
   if (system.files.empty()) return out;
   const auto folder = folder_of(system.files.front());
   for (std::size_t i = 1; i < system.files.size(); ++i) {
     const auto& file = system.files[i];
-    // A name with a blank or a dollar would mean something to Make.
+    // Blanks, dollars and the like have a meaning in a makefile.
     const bool plain = file.find_first_of(" \t$#:;\"\\") == std::string::npos;
     const bool below = file.starts_with(folder) && (!folder.empty() || !file.starts_with('/'));
     if (plain && below) out.push_back(file.substr(folder.size()));

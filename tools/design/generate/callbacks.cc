@@ -25,14 +25,15 @@ constexpr std::string_view kKept =
     "// its markers. A channel that comes back under its name gets it back.\n";
 constexpr std::string_view kKeptBegin = "// BEGIN kept code";
 
-/// The code between two markers, each line with its newline.
+/// The code between two markers, with complete lines.
 struct Region {
   std::string name;
   std::string code;
 };
 
 struct Parsed {
-  std::string skeleton;  ///< what is outside, with the markers and without the checksum line
+  std::string skeleton;  ///< everything outside of the regions, with the markers, without the line
+                         ///< with the checksum
   std::string checksum;
   std::vector<Region> regions;
   std::vector<Region> kept;
@@ -44,7 +45,7 @@ std::string_view trimmed(std::string_view line) {
   return line.substr(first, line.find_last_not_of(" \t\r\n") - first + 1);
 }
 
-/// The next line with its newline, taken off the text.
+/// Removes and returns the next line with its newline.
 std::string_view take_line(std::string_view& text) {
   const auto end = std::min(text.find('\n'), text.size() - 1) + 1;
   const auto line = text.substr(0, end);
@@ -59,7 +60,7 @@ std::string checksum_of(std::string_view text) {
   return fmt::format("{:016x}", hash);
 }
 
-/// The code of a region without the lines that keep it from being compiled.
+/// The code of a region without the `#if 0` that disables it at the end of the file.
 std::string uncovered(const std::string& code) {
   constexpr std::string_view on = "#if 0\n";
   constexpr std::string_view off = "#endif\n";
@@ -71,7 +72,7 @@ std::string uncovered(const std::string& code) {
   return std::string(view);
 }
 
-/// Takes a file apart, line by line.
+/// Parses a file line by line.
 class Parser {
  public:
   explicit Parser(std::string_view text) : text_(text) {}
@@ -104,7 +105,7 @@ class Parser {
     if (!kept_) out_.skeleton += line;
   }
 
-  /// What follows the line `begin`, with the line that ends it.
+  /// Reads a region behind its marker `begin`, with the marker that ends it.
   Result<void> region(std::string_view begin) {
     Region region{.name = std::string(begin.substr(kBegin.size())), .code = {}};
     const auto end = fmt::format("{}{}", kEnd, region.name);
@@ -133,9 +134,10 @@ class Parser {
   }
 
   std::string_view text_;
-  int number_ = 0;                                ///< of the line that was taken last
-  bool kept_ = false;                             ///< in the code that is kept at the end
-  std::set<std::pair<bool, std::string>> names_;  ///< of regions, kept or not
+  int number_ = 0;                                ///< the latest line that was read
+  bool kept_ = false;                             ///< within the disabled code at the end
+  std::set<std::pair<bool, std::string>> names_;  ///< names of regions, separately for disabled
+                                                  ///< ones
   Parsed out_;
 };
 
@@ -158,7 +160,7 @@ class Skeleton {
   }
 
   [[nodiscard]] const std::string& text() const { return text_; }
-  /// What stands outside of the regions, with their markers.
+  /// The text outside of the regions, with their markers.
   [[nodiscard]] const std::string& outside() const { return outside_; }
 
  private:
@@ -191,7 +193,7 @@ class Skeleton {
   std::string outside_;
 };
 
-/// What was never touched says nothing.
+/// Whether a region contains only what was generated.
 bool is_untouched(const Region& region) {
   std::string_view text = region.code;
   while (!text.empty()) {
@@ -203,7 +205,8 @@ bool is_untouched(const Region& region) {
   return true;
 }
 
-/// What stands at its place comes before what was kept under the same name.
+/// Combines regions: code at its place precedes disabled code of the same name, unless it was never
+/// changed.
 std::vector<Region> merged(std::vector<Region> regions, std::vector<Region> kept) {
   std::map<std::string, std::size_t> at;
   std::vector<bool> gone(regions.size(), false);
@@ -225,7 +228,7 @@ std::vector<Region> merged(std::vector<Region> regions, std::vector<Region> kept
   return out;
 }
 
-/// The skeleton with the code of `regions` in it; those that are used are taken out.
+/// The skeleton with the code of `regions` in it; those that are used are removed from `regions`.
 std::string filled(std::string_view skeleton, std::vector<Region>& regions) {
   std::map<std::string, std::size_t, std::less<>> at;
   std::vector<bool> used(regions.size(), false);

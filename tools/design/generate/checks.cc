@@ -43,7 +43,7 @@ bool is_of_one_pair(FindingId id) {
          id == FindingId::route_unfit;
 }
 
-/// As check_user() of mlcca/user_check.hpp.
+/// As check_user() in mlcca/user_check.hpp.
 bool is_user_refused(const core::System& system, const core::UserValues& asked,
                      const std::vector<core::UserHop>& hops) {
   const std::span<const core::UserHop> all(hops);
@@ -77,8 +77,8 @@ Decisions::Decisions(const core::System& system)
       sets_[channel] = decision.set;
     }
     for (const core::Verdict& v : decision.verdicts)
-      // What is granted only while others are not is decided at run time, and refused by nobody
-      // yet.
+      // A delivery that is granted only while others are not is decided at run time, so it counts
+      // as not refused.
       deliveries_[{v.publisher, v.to, decision.set}] = {
           hops_of(v), v.granted || v.outcome == Outcome::run_time, kept};
   };
@@ -99,7 +99,7 @@ std::vector<Pair> pairs_of(const core::System& system, const core::Members& memb
         publishes ? members.subscribers_of(channel) : members.publishers_of(channel);
     for (const std::size_t i : others) {
       const End other{role, i};
-      // Two of the same unit meet when it is the publisher's turn.
+      // A pair within the unit is added only from the publisher's side.
       if (!publishes && own_ends.contains({role, i})) continue;
       out.push_back(publishes ? Pair{own, other} : Pair{other, own});
     }
@@ -143,7 +143,7 @@ std::string refusal_of(const core::System& system, const std::vector<core::Findi
   const core::Finding* found = nullptr;
   for (const auto& f : errors) {
     if (!concerns(f)) continue;
-    // What its own checks would say is a worse reason than what they cannot see.
+    // A reason that the compile-time checks of the pair cannot find is the better explanation.
     if (found == nullptr || (is_of_one_pair(found->id) && !is_of_one_pair(f.id))) found = &f;
   }
   if (found == nullptr)

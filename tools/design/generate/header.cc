@@ -24,7 +24,7 @@ namespace {
 
 using core::Place;
 
-constexpr Value kMostOmissions = 0xffffffff;  // of mlcca::Omission
+constexpr Value kMostOmissions = 0xffffffff;  // limit of mlcca::Omission
 constexpr std::string_view kEmptyList = "mlcca::AttributeList<>";
 
 const char* word_of(der::Role role) {
@@ -80,7 +80,7 @@ class Writer {
   }
 
  private:
-  /// What the types of a list cannot hold becomes the error of the whole header.
+  /// Makes it the error of the header if the generated types cannot hold a list.
   void check_limits(const std::string& whose, const AttributeSet& set,
                     const core::UserValues& values) {
     static_assert(der::kMaxUserAttributes == detail::kMaxUserAttributes);
@@ -130,7 +130,8 @@ class Writer {
     }
   }
 
-  /// "EmergencySwitch"; with the name of the end where the unit has several of the channel.
+  /// A name such as "EmergencySwitch", from the channel; from the end if the unit has several ends
+  /// of it.
   [[nodiscard]] std::string spec_stem(End end) const {
     const auto channel = channel_of(system_, end);
     return type_name(ends_of_channel_.at(channel) == 1 ? system_.channels[channel].name
@@ -212,7 +213,7 @@ class Writer {
       const auto type = names_.take(type_name(name));
       const auto text = listed(name, system_.provision_of(place), user_of(place));
       places_.emplace(place, type);
-      // What states nothing is named where that is compared.
+      // A place without a provision gets a type only if a check refers to it.
       if (text == kEmptyList && !used.contains(place)) continue;
       add("/// What {} {} provides.\nstruct {} {{\n  using provision = {};\n}};\n\n",
           word_of(place), comment_text(name), type, text);
@@ -234,14 +235,15 @@ class Writer {
 
   [[nodiscard]] std::string listed(const RouteHop& hop) {
     AttributeSet gives = hop.gives.provision;
-    // Worse than anything that can be asked: the same as not to be provided. A Latency without
-    // bound stays: without one, the Period would promise it (normalised_provision()).
+    // An Omission beyond the type's limit is worse than any requirement, so it is left out. A
+    // Latency without bound stays: without one, the Period would promise it
+    // (normalised_provision()).
     if (gives[Attribute::omission] > kMostOmissions && gives != system_.provision_of(hop.place))
       gives.clear(Attribute::omission);
     return listed(core::name_of(system_, hop.place), gives, user_of(hop.place));
   }
 
-  /// Where a hop gives a channel more than it states: a struct of its own.
+  /// Adds a struct for a hop that gives a channel something else than it states.
   void computed(const Pair& pair, const RouteHop& hop) {
     const auto& stated = system_.provision_of(hop.place);
     if (hop.gives.provision == stated) return;
@@ -288,7 +290,7 @@ class Writer {
                        print_bitrate(core::can::timing_of(network).bitrate));
   }
 
-  /// The type that stands for a hop.
+  /// The name of the type for a hop.
   [[nodiscard]] std::string type_of(const Pair& pair, const RouteHop& hop) {
     if (hop.gives.provision == system_.provision_of(hop.place)) return places_.at(hop.place);
     return computed_.at({hop.place, channel_of(system_, *pair.publisher), listed(hop)});
@@ -299,7 +301,7 @@ class Writer {
     return sets_of(system_, end).size();
   }
 
-  /// Nothing where an end is alone.
+  /// The delivery of a pair; nullptr if it has only one end.
   [[nodiscard]] const Decisions::Delivery* delivery(const Pair& pair, std::size_t set) const {
     if (!pair.publisher || !pair.subscriber) return nullptr;
     return &decisions_.of(pair.publisher->index, place_of(system_, *pair.subscriber), set);
@@ -310,9 +312,9 @@ class Writer {
     return found == nullptr ? std::vector<RouteHop>() : found->hops;
   }
 
-  /// The ends of others that are on the other side of a channel.
+  /// Adds types for the ends of other units on the other side of a channel.
   void peers() {
-    // Nor a type of others one that their attributes name.
+    // These types must also not have the name of a type that their attributes use.
     Names names = names_;
     std::string text;
     for (const auto& pair : pairs_)
@@ -355,7 +357,7 @@ class Writer {
     return sets[std::min(set, sets.size() - 1)].attributes->has(Attribute::jitter);
   }
 
-  /// An alias of an expression, or a refusal.
+  /// A check: an alias of an expression, or a refusal.
   struct CheckText {
     std::string comment;
     std::string name;
@@ -388,7 +390,8 @@ class Writer {
     const auto both =
         fmt::format("mlcca::Union<{}, {}>", list(pair.publisher, set), list(pair.subscriber, set));
     const auto& hops = found->hops;
-    // Check knows no source: only a route adds its Jitter to that of the network.
+    // mlcca::Check does not consider the source: only a route adds its Jitter to that of the
+    // network.
     if (hops.size() == 1 && hops.front().gives.frames == 1 && !states_jitter(pair, set)) {
       const auto type = type_of(pair, hops.front());
       out.push_back({between + ": on the network between them.",
@@ -415,7 +418,7 @@ class Writer {
             refusal_of(system_, *delivery.errors, pair.publisher->index, pair.subscriber->index)};
   }
 
-  /// What is wrong with a channel as a whole, or with a subscriber that no publisher sends to.
+  /// Adds refusals of the channel itself, or of a subscriber without any publisher.
   void add_errors_of_channel(std::vector<CheckText>& out, std::size_t channel,
                              const std::string& between, bool alone) const {
     for (const auto& f : decisions_.errors_of(channel)) {
@@ -428,7 +431,7 @@ class Writer {
     }
   }
 
-  /// The checks as text: those that are always made, and those of the other attribute sets.
+  /// The checks as text: those in the attribute set in use, and those in the other sets.
   struct CheckTexts {
     std::string always;
     std::string others;
@@ -448,7 +451,7 @@ class Writer {
 
   void checks() {
     CheckTexts texts;
-    // A check must not hide a type that the checks behind it name.
+    // The name of a check must not hide a type that later checks use.
     texts.names = names_;
     for (const bool always : {true, false})
       for (const auto& pair : pairs_) {
@@ -477,9 +480,9 @@ class Writer {
   Names names_;
   UserTypes user_;
   std::map<Place, std::string> places_;
-  /// The types for what is computed, by provision as text.
+  /// The types for computed provisions, by place, channel and the provision as text.
   std::map<std::tuple<Place, std::size_t, std::string>, std::string> computed_;
-  /// Of each end, the type of each of its sets.
+  /// For each end the types of its attribute sets.
   std::map<std::pair<der::Role, std::size_t>, std::vector<std::string>> types_;
   Header out_;
   std::string problem_;  ///< empty: none
