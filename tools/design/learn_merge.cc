@@ -30,10 +30,9 @@ extern char** environ;  // NOLINT(*-redundant-declaration): not in every C libra
 namespace mlcca::tools::design {
 namespace {
 
-/// Where no more than one of so many events is shorter than the others, the length does not just
-/// vary.
+/// If at most one of so many events is shorter than the others, the length does not normally vary.
 constexpr std::uint64_t kFewOf = 100;
-constexpr std::size_t kLargestFile = 16U << 20U;  // as `describe` edits
+constexpr std::size_t kLargestFile = 16U << 20U;  // as for `describe`
 
 std::optional<std::size_t> network_named(const core::System& system, const std::string& name) {
   const auto found = std::ranges::find(system.networks, name, &core::Network::name);
@@ -41,7 +40,7 @@ std::optional<std::size_t> network_named(const core::System& system, const std::
   return static_cast<std::size_t>(found - system.networks.begin());
 }
 
-/// The binding that frames with this number belong to.
+/// The binding of frames with this number; nullopt if there is none.
 const core::Binding* binding_of(const core::Network& network, std::uint32_t number) {
   const std::uint32_t id = number & learn::kIdentifierBits;
   const bool raw = network.profile == core::Profile::raw;
@@ -57,7 +56,7 @@ void replace_all(std::string& text, const std::string& before, const std::string
     text.replace(at, before.size(), after);
 }
 
-/// The drafted channel under another name, and perhaps another subject.
+/// The drafted channel with another name and possibly another subject.
 learn::DraftChannel called(learn::DraftChannel row, const std::string& name,
                            std::uint64_t subject) {
   const auto channel = [](const std::string& of) { return "channel=\"" + of + "\""; };
@@ -75,7 +74,7 @@ learn::DraftChannel called(learn::DraftChannel row, const std::string& name,
   return row;
 }
 
-/// `name`, or with a number behind it, as long as a name may be, and then taken.
+/// `name`, with a number appended if it is taken, within the length of names. It is taken then.
 std::string free_name(const std::string& name, std::set<std::string>& taken) {
   constexpr std::size_t longest = 63;
   std::string out = name;
@@ -86,13 +85,13 @@ std::string free_name(const std::string& name, std::set<std::string>& taken) {
   return out;
 }
 
-/// Text that is put into a file behind some byte.
+/// Text to be inserted at an offset of a file.
 struct Insertion {
   std::size_t at = 0;
   std::string text;
 };
 
-/// The element of that name that begins in that line.
+/// The element of that name that begins on that line.
 const Node* element_at(const Node& node, std::string_view name, int line) {
   if (node.name == name && node.line == line) return &node;
   for (const Node& child : node.children)
@@ -100,7 +99,8 @@ const Node* element_at(const Node& node, std::string_view name, int line) {
   return nullptr;
 }
 
-/// The start of the line in which an end tag stands, if nothing but blanks is before it there.
+/// The beginning of the line with the end tag if only blanks precede the tag, else the position of
+/// the tag.
 std::size_t before_end_tag(const Markup& markup, const Node& node) {
   const std::string& text = markup.text();
   std::size_t at = node.content.to;
@@ -150,7 +150,8 @@ class Merge {
         interface);
   }
 
-  /// What the identifier means that the channel has on an interface of CAN.
+  /// The binding of the identifier that the drafted channel has on a CAN interface; nullptr: there
+  /// is none.
   [[nodiscard]] const core::Binding* bound(const learn::DraftChannel& row,
                                            const std::string& interface) const {
     const auto network = network_of(interface);
@@ -159,7 +160,8 @@ class Merge {
                    : nullptr;
   }
 
-  /// The described one: by an identifier, where it begins if it has one there, or by its subject.
+  /// The described channel: the one bound to the identifier on the first interface, or else the one
+  /// with the same subject.
   [[nodiscard]] std::optional<std::size_t> channel_of(const learn::DraftChannel& row) const {
     if (row.binding_xml.contains(row.interface))
       if (const auto* binding = bound(row, row.interface)) return binding->channel;
@@ -174,7 +176,8 @@ class Merge {
     return unbound(row);
   }
 
-  /// The described one that has the name or the subject and no identifier yet where this one has.
+  /// The described channel with the same name or subject to which no identifier is bound on these
+  /// networks.
   [[nodiscard]] std::optional<std::size_t> unbound(const learn::DraftChannel& row) const {
     for (std::size_t c = 0; !row.subject && c < system_.channels.size(); ++c) {
       const core::EventChannel& channel = system_.channels[c];
@@ -192,7 +195,7 @@ class Merge {
     return std::ranges::find(bindings, channel, &core::Binding::channel) != bindings.end();
   }
 
-  /// What is new, under a name and a subject that no other channel has.
+  /// A new channel with a name and subject that no other channel has.
   [[nodiscard]] learn::DraftChannel distinct(const learn::DraftChannel& row) {
     const std::string name = free_name(row.name, names_);
     std::uint64_t subject = row.drafted_subject;
@@ -200,7 +203,7 @@ class Merge {
       subject = tools::subject_of(text);
     return name == row.name && subject == row.drafted_subject ? row : called(row, name, subject);
   }
-  /// The publisher, under a name that no other has.
+  /// The publisher with a name that no other publisher has.
   [[nodiscard]] std::string distinct(const learn::DraftPublisher& publisher) {
     std::string text = publisher.xml;
     replace_all(text, "<Publisher name=\"" + publisher.name + "\"",
@@ -218,14 +221,14 @@ class Merge {
     return {};
   }
 
-  /// Of the drafted channel, for the described one.
+  /// Replaces the name of the drafted channel in `text` by that of the described one.
   static std::string renamed(const learn::DraftChannel& row, const core::EventChannel& channel,
                              std::string text) {
     replace_all(text, "channel=\"" + row.name + "\"", "channel=\"" + channel.name + "\"");
     return text;
   }
 
-  /// What is described, and was seen otherwise; senders that are not described are proposed.
+  /// Lists differences from the description. Publishers that are not described are proposed.
   Result<void> compare(const learn::DraftChannel& row, std::size_t number) {
     const core::EventChannel& channel = system_.channels[number];
     if (row.subject && *row.subject != channel.subject)
@@ -251,7 +254,7 @@ class Merge {
     return {};
   }
 
-  /// Identifiers that the channel has on buses on which nothing is bound to it.
+  /// Compares the identifiers of the channel on buses, and proposes bindings where it has none.
   void compare_bindings(const learn::DraftChannel& row, std::size_t number) {
     const core::EventChannel& channel = system_.channels[number];
     for (const auto& [interface, text] : row.binding_xml) {
@@ -273,7 +276,8 @@ class Merge {
     }
   }
 
-  /// Its publishers there send what was seen: by a program here, or on the network.
+  /// Whether publishers at `place` send what was seen: from a program on the gateway (`local`) or
+  /// on the network.
   [[nodiscard]] bool is_sent_at(core::Place place, bool local, std::size_t network) const {
     if (local)
       return place.kind == core::Place::Kind::gateway &&
@@ -281,7 +285,7 @@ class Merge {
     return place.kind == core::Place::Kind::network && place.index == network;
   }
 
-  /// The publisher that is described, if it is.
+  /// The described publisher of these events; nullptr if there is none.
   [[nodiscard]] const core::Publisher* described(const learn::DraftPublisher& seen,
                                                  std::size_t channel, std::size_t network) const {
     const core::Network& on = system_.networks[network];
@@ -354,7 +358,8 @@ class Merge {
             system_.channels[p.channel].name, p.name, system_.networks[p.place.index].name));
   }
 
-  /// Puts `text` before the end of an element of a file. `is_root`: of the root, whatever its line.
+  /// Inserts `text` before the end tag of an element. `is_root` means the root element, whatever
+  /// its line.
   Result<void> insert(std::uint32_t file, std::string_view element, int line,
                       const std::string& text, bool is_root) {
     if (file >= system_.files.size()) return fail("the description has no such file");
@@ -378,7 +383,7 @@ class Merge {
 
   Result<Merged> finish() {
     for (auto& [path, all] : insertions_) {
-      // From the back, so that places before stay what they are.
+      // From the end, so that earlier offsets stay valid.
       std::ranges::stable_sort(all, std::ranges::greater{}, &Insertion::at);
       std::string text = texts_.at(path);
       for (const Insertion& one : all) text.insert(one.at, one.text);
@@ -389,13 +394,13 @@ class Merge {
 
   const core::System& system_;
   const learn::DraftOptions& options_;
-  std::set<std::string> names_;  ///< of channels, of the description and of what is proposed
+  std::set<std::string> names_;  ///< of described and proposed channels
   std::set<std::uint64_t> subjects_;
-  std::set<std::string> publishers_;  ///< their names
+  std::set<std::string> publishers_;  ///< names of publishers
   std::string channels_;
   std::string ends_;
-  std::map<std::size_t, std::string> bindings_;         ///< by network
-  std::set<std::pair<std::size_t, std::size_t>> seen_;  ///< channel and network
+  std::map<std::size_t, std::string> bindings_;         ///< by index of the network
+  std::set<std::pair<std::size_t, std::size_t>> seen_;  ///< indices of channel and network
   std::map<std::string, std::string> texts_;
   std::map<std::string, std::vector<Insertion>> insertions_;
   Merged merged_;

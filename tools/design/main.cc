@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlcca-design: what mlccactl starts for the verbs of design time. A program of its own, because it
-// needs libxml2, and mlccactl shall be small and start at once on a gateway.
+// mlcca-design carries out the design-time verbs, started by mlccactl. It is a separate program
+// because it needs libxml2, and mlccactl should be small and start at once on a gateway.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
   CLI::App app("Checks and describes systems, and generates code for them.", "mlccactl");
   app.set_version_flag("--version", fmt::format("mlccactl {}", kVersion), "print the version");
   app.set_help_flag("-h,--help", "print this help");
-  // Rollout asks mlccad, and learn where nothing came.
+  // For rollout, which asks mlccad, and for learn if no frame arrived.
   app.add_option("--socket", context.socket)->envname("MLCCA_SOCKET")->group("");
   app.add_option("--timeout", context.timeout_s)->check(CLI::Range(0.001, 86400.0))->group("");
   app.add_flag("--json", context.json, "print JSON");

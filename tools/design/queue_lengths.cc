@@ -9,9 +9,9 @@
 namespace mlcca::tools::design {
 namespace {
 
-/// What would have to wait on a bus; 0: nothing that has a bound.
+/// The longest queue on a bus, in frames; 0 if nothing there has a bound.
 std::uint32_t longest_queue(const core::InspectedBuses& buses, std::size_t network) {
-  constexpr std::uint32_t most = 10'000;  // as the schema has it
+  constexpr std::uint32_t most = 10'000;  // limit of the schema
   std::uint32_t longest = 0;
   for (const core::SentMessage& sent : core::all_sent(buses, network))
     if (sent.message->message->queue != core::can::kOwnQueue && sent.response.bounded)
@@ -19,7 +19,7 @@ std::uint32_t longest_queue(const core::InspectedBuses& buses, std::size_t netwo
   return std::min(longest, most);
 }
 
-/// False: all ports on the network have queues of that length.
+/// Lengthens the queues of the ports on the network. False if none was shorter than `frames`.
 bool lengthen(core::System& system, std::size_t network, std::uint32_t frames) {
   bool changed = false;
   for (core::Gateway& gateway : system.gateways)
@@ -35,7 +35,8 @@ bool lengthen(core::System& system, std::size_t network, std::uint32_t frames) {
 
 std::map<std::size_t, std::uint32_t> lengthen_queues(core::System& system) {
   std::map<std::size_t, std::uint32_t> out;
-  // What a longer queue lets be granted delays others, which then wait, too.
+  // With a longer queue more is granted, which delays other messages, so that their queues grow,
+  // too.
   constexpr int rounds = 16;
   bool changed = true;
   for (int round = 0; changed && round < rounds; ++round) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlccactl rollout: one description for all gateways of a cluster. It is read here, with the files
-// that it includes, and handed to mlccad, which has all gateways judge it.
+// mlccactl rollout: brings one description to all gateways of a cluster. It is read here with its
+// included files and given to mlccad, which has every gateway check it.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -122,7 +122,7 @@ class RollOut {
     return said == Exit::fine ? exit : said;
   }
 
-  /// Says what has changed, until it is over.
+  /// Prints changes of the state until the rollout has ended.
   Finished follow(control::Client& client, std::uint64_t number) const {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(a_.wait_s);
     std::string said;

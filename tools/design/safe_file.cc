@@ -42,7 +42,7 @@ Result<std::string> read_all(int fd, const std::string& path, std::size_t limit)
   }
 }
 
-/// A file beside the one that it shall become; removed unless it did.
+/// A temporary file beside its target; it is removed unless it has become the target.
 class Draft {
  public:
   explicit Draft(const std::string& target) : name_(target + ".XXXXXX") {}
@@ -89,7 +89,7 @@ class Draft {
     return {};
   }
 
-  /// There may be more of them than a process can have open.
+  /// Closes the descriptor: there may be more drafts than a process can have open files.
   void close() { fd_.reset(); }
 
   Result<void> become(const std::string& target, bool replace) {
@@ -144,11 +144,11 @@ Result<void> put(Draft& draft, const FileContent& old) {
 
 Result<std::optional<FileContent>> read_file(const std::string& path, std::size_t limit,
                                              Links links) {
-  // Non-blocking, so that a pipe is refused instead of waited for.
+  // O_NONBLOCK: a pipe is refused, not waited for.
   const int follow = links == Links::follow ? 0 : O_NOFOLLOW;
   const Fd fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | follow));
   if (!fd && errno == ENOENT) {
-    // A link that leads nowhere would be replaced by a file.
+    // A dangling link would be replaced by a file.
     struct stat link{};
     if (::lstat(path.c_str(), &link) == 0)
       return fail(fmt::format("{}: is a symbolic link that leads nowhere", path));
@@ -191,7 +191,7 @@ Result<void> create_file(const std::string& path, std::string_view text) {
 struct FileBatch::Pending {
   Draft draft;
   std::string path;
-  std::optional<FileContent> old;  ///< that is replaced
+  std::optional<FileContent> old;  ///< the file that is replaced
 };
 
 FileBatch::FileBatch(std::string folder) : folder_(std::move(folder)) {}

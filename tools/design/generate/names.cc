@@ -12,8 +12,8 @@
 namespace mlcca::tools::design {
 namespace {
 
-/// Words in small letters that are no identifiers of ours: keywords up to C++23, macros of common
-/// compilers and headers, and the namespaces that generated code names.
+/// Lower-case words that generated code must not use as identifiers: keywords up to C++23, macros
+/// of common compilers and headers, and the namespaces that generated code uses.
 constexpr auto kReserved = std::to_array<std::string_view>(
     {"alignas",       "alignof",     "and",       "and_eq",    "asm",          "assert",
      "auto",          "avr",         "bitand",    "bitor",     "bool",         "break",
@@ -38,7 +38,7 @@ constexpr auto kReserved = std::to_array<std::string_view>(
 char small(char c) { return is_large_letter(c) ? static_cast<char>(c + 32) : c; }
 char large(char c) { return is_small_letter(c) ? static_cast<char>(c - 32) : c; }
 
-/// "CAN" is "Can": words in large letters alone have the form of macros.
+/// "CAN" becomes "Can": words in capitals have the form of macros.
 std::string capitalised(std::string word) {
   const bool shouted = word.size() > 1 && std::ranges::all_of(word, [](char c) {
                          return is_large_letter(c) || is_digit(c);
@@ -48,14 +48,15 @@ std::string capitalised(std::string word) {
   return word;
 }
 
-/// Bytes of the character that starts with `c`, in UTF-8.
+/// The number of bytes of the UTF-8 character that begins with `c`.
 std::size_t length_of(unsigned char c) {
   if (c < 0x80) return 1;
   if (c < 0xe0) return 2;
   return c < 0xf0 ? 3 : 4;
 }
 
-/// Marks that change the direction of a text: what is read would not be what is compiled.
+/// Whether the character changes the direction of text, so that a person would read something else
+/// than the compiler.
 bool turns_direction(std::string_view character) {
   if (!character.starts_with("\xe2\x80") && !character.starts_with("\xe2\x81")) return false;
   const auto last = static_cast<unsigned char>(character.back());
@@ -106,7 +107,7 @@ std::string file_name(std::string_view name) {
 
 std::string small_name(std::string_view name) {
   auto out = file_name(name);
-  // The types of the C library end in _t, such as the size_t and uint8_t of the generated code.
+  // Types of the C library end in _t, such as size_t and uint8_t in generated code.
   if (out.ends_with("_t") || std::ranges::find(kReserved, out) != kReserved.end()) out += '_';
   return out;
 }
@@ -130,7 +131,7 @@ std::string comment_text(std::string_view text) {
 
 std::string string_literal(std::string_view text) {
   auto out = comment_text(text);
-  // Quotes within would end it.
+  // Quotes within the text would end the literal.
   std::replace(out.begin() + 1, out.end() - 1, '"', '\'');
   return out;
 }

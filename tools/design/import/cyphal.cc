@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What registers mean: subjects, their types, and the bus.
+// Interprets registers: subjects, their types, and the bus.
 #include "tools/design/import/cyphal.hpp"
 
 #include <fmt/format.h>
@@ -31,7 +31,7 @@ constexpr double kNanosecondsOfSecond = 1e9;
 constexpr double kLongestPeriod = 86'400;  // s
 constexpr double kShortestPeriod = 1e-6;   // s
 
-/// A subject that a node publishes or subscribes, as its registers have it.
+/// A subject that a node publishes or subscribes, as its registers state it.
 struct SubjectPort {
   int line = 0;
   std::optional<std::uint64_t> id;
@@ -40,12 +40,12 @@ struct SubjectPort {
   std::optional<std::uint8_t> priority;
 };
 
-/// Registers of one node.
+/// The registers of a node.
 struct NodeRegisters {
   std::optional<std::uint64_t> number;
   std::string description;
   std::optional<std::uint64_t> mtu;
-  std::vector<std::uint64_t> rates;  ///< bit/s: of the arbitration, and of the data
+  std::vector<std::uint64_t> rates;  ///< bit/s of the arbitration phase, then of the data phase
   std::map<std::string, SubjectPort> published;
   std::map<std::string, SubjectPort> subscribed;
 };
@@ -82,7 +82,7 @@ class CyphalMeaning {
     if (error_.empty()) error_ = fmt::format("{}:{}: {}", file_, line, text);
   }
 
-  /// Registers of a node, or nodes with their registers.
+  /// Reads a document: the registers of one node, or nodes with their registers.
   void document(const YamlValue& root) {
     if (root.kind == YamlValue::Kind::list) return names_only(root.line);
     if (root.kind != YamlValue::Kind::map)
@@ -143,8 +143,8 @@ class CyphalMeaning {
     return out_.nodes.size() - 1;
   }
 
-  /// What `yakut register-batch` prints of a value: the value or its elements, or both below their
-  /// type (--detailed).
+  /// The elements of a register as `yakut register-batch` prints it: a value, a list of elements,
+  /// or both below their type (--detailed).
   [[nodiscard]] std::vector<std::string_view> elements(const YamlValue& value) const {
     std::vector<std::string_view> out;
     const auto* from = &value;
@@ -198,7 +198,7 @@ class CyphalMeaning {
     other_.push_back({kind, what, key.line, std::string(item.substr(0, kMostItemText))});
   }
 
-  /// "uavcan.pub.NAME.FIELD"
+  /// Reads a register "uavcan.pub.NAME.FIELD" or "uavcan.sub.NAME.FIELD".
   void port_register(const YamlValue& key, const YamlValue& value,
                      std::map<std::string, SubjectPort>& ports) {
     constexpr std::size_t front = std::string_view("uavcan.pub.").size();
@@ -233,7 +233,7 @@ class CyphalMeaning {
     }
   }
 
-  /// ns of a number of seconds, or of one for each second.
+  /// The period in ns of a number that is seconds (`is_period`) or events a second.
   static std::optional<Value> period_of(std::string_view text, bool is_period) {
     const auto number = number_in<double>(text);
     if (!number || !(*number > 0)) return std::nullopt;
@@ -242,7 +242,7 @@ class CyphalMeaning {
     return static_cast<Value>(std::llround(seconds * kNanosecondsOfSecond));
   }
 
-  /// The first node that states something counts.
+  /// Takes what the node states about the bus. The first node that states something counts.
   void bus(const NodeRegisters& read, const std::string& name) {
     const auto take = [&](std::size_t index, std::uint64_t most, std::uint32_t stated,
                           std::uint32_t& to) {
@@ -287,11 +287,11 @@ class CyphalMeaning {
     if (is_bindable(out_, next)) joiner_.add(std::move(next), {});
   }
 
-  /// Size and Period, and what was assumed of them.
+  /// Sets size and Period, and notes what was assumed.
   void describe(const SubjectPort& from, bool publishes, const std::string& called,
                 ImportedMessage& to) {
     const auto size = cyphal_size(from.type);
-    // What is in one frame beside the last byte.
+    // One frame without its tail byte.
     const Value frame = (to.format == core::FrameFormat::fd ? kFdMtu : kClassicMtu) - 1;
     to.attributes.set(Attribute::max_payload, size.value_or(frame));
     to.attributes.set(Attribute::period, from.period.value_or(options_.default_period));
@@ -312,7 +312,7 @@ class CyphalMeaning {
       to.remark = fmt::format("Assumed: the {} of {}.", size ? "Period" : "size", to.name);
   }
 
-  /// Something that is listed when the number of the node is known.
+  /// An item for the lacks, kept until the number of the node is known.
   struct Other {
     std::string_view kind;
     std::string_view what;

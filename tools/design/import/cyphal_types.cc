@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Sizes of regulated data types: what pydsdl computes of the definitions in
-// github.com/OpenCyphal/public_regulated_data_types at f9f67906cc0c. It is the longest message of
-// just that version: an extent leaves room for later ones.
+// Sizes of regulated data types, as pydsdl computes them from
+// github.com/OpenCyphal/public_regulated_data_types at f9f67906cc0c: the longest message of exactly
+// that version. An extent would include room for later versions.
 #include <algorithm>
 #include <array>
 
@@ -49,7 +49,7 @@ constexpr auto kWhole = std::to_array<TypeSize>({
     {"reg.udral.service.sensor.Status.0.1", 12},
 });
 
-/// Of uavcan.primitive.scalar, version 1.0.
+/// Types of uavcan.primitive.scalar, version 1.0.
 constexpr auto kScalars = std::to_array<TypeSize>({{"Bit", 1},
                                                    {"Integer8", 1},
                                                    {"Integer16", 2},
@@ -63,10 +63,10 @@ constexpr auto kScalars = std::to_array<TypeSize>({{"Bit", 1},
                                                    {"Real32", 4},
                                                    {"Real64", 8}});
 
-/// Of uavcan.si, whatever the quantity, versions 1.0 and 1.1.
+/// Types of uavcan.si for any quantity, versions 1.0 and 1.1.
 constexpr auto kQuantities = std::to_array<TypeSize>(
     {{"Scalar", 4}, {"WideScalar", 8}, {"Vector3", 12}, {"WideVector3", 24}, {"Quaternion", 16}});
-constexpr Value kTimestamp = 7;  // in front of a sample
+constexpr Value kTimestamp = 7;  // precedes a sample
 
 template <class Rows>
 std::optional<Value> size_in(const Rows& rows, std::string_view name) {
@@ -75,7 +75,7 @@ std::optional<Value> size_in(const Rows& rows, std::string_view name) {
   return found->bytes;
 }
 
-/// True, and the text without it, where it begins (or ends) with that.
+/// If the text begins (or ends) with that, removes it and returns true.
 bool take_front(std::string_view& text, std::string_view front) {
   if (!text.starts_with(front)) return false;
   text.remove_prefix(front.size());
@@ -96,7 +96,7 @@ std::optional<Value> cyphal_size(std::string_view type) {
   const bool sample = take_front(type, "uavcan.si.sample.");
   if (!sample && !take_front(type, "uavcan.si.unit.")) return std::nullopt;
   if (!take_back(type, ".1.0") && !take_back(type, ".1.1")) return std::nullopt;
-  // "angular_velocity.Vector3"
+  // such as "angular_velocity.Vector3"
   const auto dot = type.find('.');
   if (dot == std::string_view::npos || dot == 0) return std::nullopt;
   auto bytes = size_in(kQuantities, type.substr(dot + 1));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a DBC file means: periods, identifiers, senders.
+// Interprets a DBC file: periods, identifiers, senders.
 #include "tools/design/import/dbc.hpp"
 
 #include <fmt/format.h>
@@ -36,7 +36,7 @@ bool says(const DbcValue& value, std::string_view part) {
   return !std::ranges::search(*value, part, same).empty() || part.empty();
 }
 
-/// ns of a number of milliseconds above 0.
+/// ns of a number of milliseconds; nullopt if it is not above 0 or is more than a day.
 std::optional<Value> time_of(const DbcValue& value) {
   if (!value) return std::nullopt;
   const auto number = number_in<double>(*value);
@@ -71,7 +71,7 @@ class DbcMeaning {
     out_.lacks.add(kind, what, line, std::move(item));
   }
 
-  /// Every message is a parameter group.
+  /// Whether every message is a parameter group of J1939.
   [[nodiscard]] bool is_j1939() const {
     const bool stated = says(dbc_.protocol, "j1939");
     return std::ranges::all_of(dbc_.messages, [&](const DbcMessage& m) {
@@ -91,7 +91,7 @@ class DbcMeaning {
     out_.nodes.push_back(std::move(next));
   }
 
-  /// Period and size, and what was assumed of them.
+  /// Sets Period and size, and notes what was assumed.
   void describe(const DbcMessage& from, ImportedMessage& to) {
     to.name = from.long_name && !from.long_name->empty() ? *from.long_name : from.name;
     to.description = from.comment;
@@ -104,7 +104,7 @@ class DbcMeaning {
            from.name);
   }
 
-  /// Times that are none.
+  /// Notes times that are no valid numbers.
   void list_times(const DbcMessage& from) {
     const std::pair<const char*, const DbcValue*> all[] = {
         {"cycle time", &from.cycle},
@@ -193,7 +193,7 @@ class DbcMeaning {
     return core::FrameFormat::any;
   }
 
-  /// An identifier has one sender.
+  /// Sets the sender of a message: an identifier has only one.
   void frame_senders(const DbcMessage& from, ImportedMessage& to) {
     if (from.senders.empty()) return unnamed(from, to, std::nullopt);
     to.senders.push_back({from.senders.front(), std::nullopt, {}});
@@ -212,7 +212,7 @@ class DbcMeaning {
     lack("no-sender", "no sender is named: published by unnamed-sender", from.line, from.name);
   }
 
-  /// A parameter group, with all messages that are of it.
+  /// Adds a message to its parameter group.
   void add_group(const DbcMessage& from) {
     if ((from.id & core::kExtendedFlag) == 0)
       return lack("identifier", "11 bits are no parameter group: left out", from.line, from.name);
@@ -268,13 +268,13 @@ class DbcMeaning {
   [[nodiscard]] std::optional<std::uint8_t> number(const ImportedEnd& end) const {
     return end.number ? end.number : out_.nodes[end.node].number;
   }
-  /// One of the ends has that number.
+  /// Whether an end of the group has that number.
   [[nodiscard]] bool sends_as(const std::vector<ImportedEnd>& ends,
                               std::optional<std::uint8_t> wanted) const {
     return std::ranges::any_of(ends, [&](const ImportedEnd& end) { return number(end) == wanted; });
   }
 
-  /// Two messages of one parameter group: the longer one, the shorter period, all ends.
+  /// Merges messages of one parameter group: the larger size, the shorter period, and all ends.
   void merge(const ImportedMessage& next, ImportedMessage& into) {
     lack("one-group", "is of the same parameter group as another message, and one channel with it",
          next.line, fmt::format("{} with {}", next.name, into.name));
@@ -311,7 +311,7 @@ class DbcMeaning {
   ImportedNetwork out_;
   std::optional<std::size_t> unnamed_;
   std::map<std::pair<std::uint32_t, bool>, int> known_;
-  std::map<std::uint32_t, std::vector<std::size_t>> groups_;  ///< messages of a PGN
+  std::map<std::uint32_t, std::vector<std::size_t>> groups_;  ///< indices of messages by PGN
 };
 
 }  // namespace

@@ -14,12 +14,12 @@
 namespace mlcca::tools::design {
 namespace {
 
-constexpr std::size_t kMostText = 500;  // of a name or type, bytes
+constexpr std::size_t kMostText = 500;  // bytes of a name or type
 constexpr std::string_view kNotGated =
     "Gates on Ethernet go by the subjects of FAMOUSO: DDS itself is not gated. This network is for "
     "check.";
 
-/// Policies that are listed apart, by the beginning of their names in small letters.
+/// Policies with a text of their own in the lacks, by the beginning of their names in lower case.
 constexpr auto kPolicies = std::to_array<std::pair<std::string_view, std::string_view>>({
     {"reliability", "has no counterpart: state PacketLoss or Omission of the network"},
     {"history", "has no counterpart: a channel has no store"},
@@ -113,7 +113,8 @@ class DdsMeaning {
            fmt::format("{}: {}", called, print_duration(*end.lifespan)));
   }
 
-  /// So many events may be missed that one still comes within the lease.
+  /// Sets Omission: the number of consecutive events that may be lost so that the next one still
+  /// arrives within the lease.
   void omission(const DdsEnd& end, const std::string& called, ImportedEnd& as) {
     if (!end.lease) return;
     const auto known = periods_.find(end.topic);
@@ -143,13 +144,13 @@ class DdsMeaning {
   ImportedNetwork out_;
   Joiner joiner_;
   std::map<std::string, std::size_t> places_;
-  std::map<std::string, Value> periods_;  ///< of a topic, the longest that a writer states
+  std::map<std::string, Value> periods_;  ///< by topic, the longest that a writer states
 };
 
 }  // namespace
 
 DdsDuration take_duration(std::optional<std::uint64_t> ns, std::optional<Value>& to) {
-  // DURATION_INFINITE_SEC of DDS; ROS 2 has the largest int64_t.
+  // DURATION_INFINITE_SEC of DDS; ROS 2 uses the largest int64_t, which exceeds it.
   constexpr std::uint64_t infinite = 2'147'483'647'000'000'000;
   to.reset();
   if (!ns) return DdsDuration::no_number;

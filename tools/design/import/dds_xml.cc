@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// XML profiles, by SAX: <data_writer profile_name="..."><qos> of Fast DDS, <qos_profile name="...">
-// <datawriter_qos> of DDS-XML. A DTD is stopped at its first character.
+// Reads XML profiles by SAX: <data_writer profile_name="..."><qos> of Fast DDS, <qos_profile
+// name="..."> <datawriter_qos> of DDS-XML. The reader stops at the beginning of a DTD.
 #include <fmt/format.h>
 #include <libxml/parser.h>
 #include <libxml/parserInternals.h>
@@ -33,11 +33,11 @@ std::string_view characters_of(const xmlChar* text) {
   return text == nullptr ? std::string_view() : reinterpret_cast<const char*>(text);
 }
 
-/// Elements that hold the policies of a writer or a reader.
+/// The elements that contain the policies of a writer or reader.
 struct EndElement {
   std::string_view name;
   bool writes;
-  std::string_view needs;  ///< an attribute, or empty
+  std::string_view needs;  ///< an attribute that must be present; empty: none
 };
 constexpr auto kEndElements = std::to_array<EndElement>({
     {"data_writer", true, ""},
@@ -48,7 +48,7 @@ constexpr auto kEndElements = std::to_array<EndElement>({
     {"datareader_qos", false, ""},
 });
 
-/// sec and nanosec of a duration.
+/// The parts of a duration.
 struct DurationParts {
   std::optional<std::uint64_t> seconds;
   std::optional<std::uint64_t> nanoseconds;
@@ -56,7 +56,7 @@ struct DurationParts {
 
   [[nodiscard]] std::optional<std::uint64_t> total() const {
     constexpr std::uint64_t second = 1'000'000'000;
-    constexpr std::uint64_t most = 2'147'483'647;  // s: infinite
+    constexpr std::uint64_t most = 2'147'483'647;  // seconds that mean infinite
     if (infinite || seconds.value_or(0) >= most) return most * second;
     return seconds.value_or(0) * second + nanoseconds.value_or(0);
   }
@@ -108,7 +108,7 @@ class ProfileReader {
     };
     sax.startElementNs = [](void* data, const xmlChar* name, const xmlChar*, const xmlChar*, int,
                             const xmlChar**, int count, int, const xmlChar** rows) noexcept {
-      // Of each attribute the name, its prefix and namespace, and where its value begins and ends.
+      // Each attribute has five pointers: name, prefix, namespace, begin and end of its value.
       constexpr std::size_t row = 5;
       Attributes attributes;
       for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
@@ -206,7 +206,8 @@ class ProfileReader {
     path_.pop_back();
   }
 
-  /// "deadline/period/sec" in a profile, or the whole path outside of one.
+  /// The path of an element within a profile, such as "deadline/period/sec", or from the root
+  /// outside of one.
   [[nodiscard]] std::string where() const {
     std::string out;
     for (std::size_t i = open_ ? open_depth_ : 0; i < path_.size(); ++i)
@@ -232,13 +233,14 @@ class ProfileReader {
     } else if (at == "topic/dataType") {
       open_->type = value;
     } else {
-      // "topic/historyQos/kind" of Fast DDS is what is "history/kind" elsewhere.
+      // "topic/historyQos/kind" of Fast DDS corresponds to "history/kind" elsewhere.
       const auto name = std::string_view(at).substr(at.starts_with("topic/") ? 6 : 0);
       open_->policies.push_back({std::string(name), std::string(value), line()});
     }
   }
 
-  /// `which` is "/sec", "/nanosec", or empty where a word stands for all of it.
+  /// Takes a part of a duration: `which` is "/sec", "/nanosec", or empty for a word that states the
+  /// duration.
   void part(std::string_view which, std::string_view value, DurationParts& of_duration) {
     if (value.starts_with("DURATION_INFIN") || value == "INFINITE") {
       of_duration.infinite = true;
@@ -265,7 +267,7 @@ class ProfileReader {
   ProfileContext context_;
   std::string error_;
   DdsEnds ends_;
-  std::vector<std::string> path_;  ///< of elements in each other
+  std::vector<std::string> path_;  ///< names of the open elements
   std::size_t elements_ = 0;
   std::string library_;
   std::string profile_;

@@ -20,12 +20,12 @@
 namespace mlcca::tools::design {
 namespace {
 
-constexpr std::size_t kMostName = 63;  // of a description
+constexpr std::size_t kMostName = 63;  // as in descriptions
 
-/// Names that are given once each.
+/// Makes names unique.
 class NamesOnce {
  public:
-  /// `wanted`, or with `otherwise` behind it, or with a number.
+  /// Returns `wanted`, or with `otherwise` appended, or with a number.
   std::string take(const std::string& wanted, std::string_view otherwise) {
     if (taken_.insert(wanted).second) return wanted;
     if (auto other = with(wanted, otherwise); taken_.insert(other).second) return other;
@@ -179,7 +179,8 @@ class Writer {
     out_ += "  </Gateway>\n";
   }
 
-  /// Of a node: indices of messages, and how it is an end of them.
+  /// For a node, the messages that it publishes and subscribes, by index, with the properties of
+  /// that end.
   struct Ends {
     std::vector<std::pair<std::size_t, const ImportedEnd*>> published;
     std::vector<std::pair<std::size_t, const ImportedEnd*>> subscribed;
@@ -238,7 +239,7 @@ std::uint64_t subject_of(std::string_view network, const ImportedMessage& messag
                                           message.destination ? *message.destination + 1 : 0)
                             : fmt::format("\n{}", message.topic);
   auto subject = hash_of(identity, hash_of(network));
-  // The last octets alone would leave the leading bits alike: stir once more (splitmix64).
+  // A hash of similar texts has similar leading bits; splitmix64 mixes them once more.
   subject = (subject ^ (subject >> 30U)) * 0xbf58476d1ce4e5b9;
   subject = (subject ^ (subject >> 27U)) * 0x94d049bb133111eb;
   return (subject ^ (subject >> 31U)) | 1U;

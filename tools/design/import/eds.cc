@@ -15,18 +15,18 @@
 namespace mlcca::tools::design {
 namespace {
 
-constexpr std::uint32_t kInvalid = 0x80000000;  // of a COB-ID: not used
-constexpr std::uint32_t kLongId = 0x20000000;   // 29 bits
-constexpr std::uint32_t kShortId = 0x7ff;       // bits of a COB-ID
+constexpr std::uint32_t kInvalid = 0x80000000;  // bit of a COB-ID: not used
+constexpr std::uint32_t kLongId = 0x20000000;   // bit of a COB-ID: 29 bits
+constexpr std::uint32_t kShortId = 0x7ff;       // bits of an 11-bit COB-ID
 constexpr std::uint32_t kPdos = 0x200;          // of each direction
 constexpr std::uint32_t kMostMapped = 64;       // objects in a PDO
-constexpr std::uint32_t kHeartbeat = 0x700;     // COB-ID, and the node
+constexpr std::uint32_t kHeartbeat = 0x700;     // COB-ID without the node-id
 constexpr std::uint32_t kMostNode = 127;
 constexpr std::uint32_t kPdoBytes = 8;
 constexpr Value kTenthOfMs = 100'000;  // ns, unit of inhibit times
 constexpr Value kMs = 1'000'000;       // ns
 
-/// Where the parameters of PDOs stand: those that are sent, and those that are received.
+/// Where the parameters of transmit or receive PDOs are in the object dictionary.
 struct PdoKind {
   std::string_view name;
   std::uint32_t communication;
@@ -63,7 +63,8 @@ class EdsMeaning {
   [[nodiscard]] std::optional<std::uint32_t> number(std::uint32_t index, std::uint32_t sub) const {
     return eds_.number(index, sub, node_);
   }
-  /// The same of what is nothing unless it is stated; what is no number is listed.
+  /// The number of an object, or `otherwise` if it is not stated; a text that is no number is
+  /// noted.
   std::uint32_t number_or(std::uint32_t index, std::uint32_t sub, std::uint32_t otherwise,
                           const std::string& what) {
     const auto value = number(index, sub);
@@ -113,7 +114,7 @@ class EdsMeaning {
     add(std::move(next));
   }
 
-  /// Of what is mapped; 8 where the file does not say, or says what cannot be read.
+  /// The size of the mapped objects; 8 if the file does not state it or it cannot be read.
   Value bytes(std::uint32_t mapping, int line, const std::string& name) {
     bool readable = true;
     const auto mapped = [&](std::uint32_t sub) {
@@ -142,7 +143,7 @@ class EdsMeaning {
     const auto type = number_or(index, 2, 0xff, to.name + ", transmission type");
     const auto inhibit = number_or(index, 3, 0, to.name + ", inhibit time") * kTenthOfMs;
     const auto timer = number_or(index, 5, 0, to.name + ", event timer") * kMs;
-    const auto sync = sync_period_ * Value{1000};  // ns of us
+    const auto sync = sync_period_ * Value{1000};  // from us to ns
     Value least = 0;
     if (type >= 1 && type <= last_synchronous)
       least = sync * type;
@@ -188,10 +189,9 @@ class EdsMeaning {
     add(std::move(next));
   }
 
-  /// Whose heart-beats this node waits for. How long it waits is a requirement that only a person
-  /// can turn into an Omission.
+  /// Notes whose heart-beats this node expects. Only a person can turn that time into an Omission.
   void consumers() {
-    // Some files leave out how many there are.
+    // Some files omit the number of entries.
     const auto count =
         std::min(number_or(0x1016, 0, kMostNode, "number of heart-beats to wait for"), kMostNode);
     for (std::uint32_t sub = 1; sub <= kMostNode; ++sub) {

@@ -22,12 +22,13 @@ std::string in_small(std::string_view text) {
   return out;
 }
 
-/// Files have comments behind a value as well, though CiA 306 has them in lines of their own.
+/// The value without a comment. CiA 306 allows comments only in lines of their own, but files have
+/// them behind values, too.
 std::string_view without_comment(std::string_view value) {
   return without_blanks(value.substr(0, value.find(';')));
 }
 
-/// "0x1f", "037" (octal, as CiA 306 has it) or "31".
+/// Parses "0x1f", "037" (octal by CiA 306) or "31".
 std::optional<std::uint32_t> constant(std::string_view text) {
   constexpr int octal = 8;
   if (text.starts_with("0x") || text.starts_with("0X"))
@@ -86,8 +87,8 @@ class EdsReader {
     return {};
   }
 
-  /// CiA 306: an object with CompactSubObj has its values in a section of their own, "1800Value",
-  /// by their sub-indices.
+  /// The index of an object whose values are in a section such as "1800Value": CiA 306 allows that
+  /// for objects with CompactSubObj, by sub-index.
   static std::optional<std::uint32_t> index_of_values(std::string_view section) {
     constexpr std::string_view end = "value";
     if (!section.ends_with(end)) return std::nullopt;
@@ -106,7 +107,7 @@ class EdsReader {
   Result<void> entry(std::string_view name, std::string_view value) {
     if (name == "compactsubobj" && object_->second == 0) return put(*object_, value, true);
     if ((name != "defaultvalue" && name != "parametervalue") || value.empty()) return {};
-    // What the device is given goes before what it has from the start.
+    // ParameterValue precedes DefaultValue.
     return put(*object_, value, name == "parametervalue");
   }
 
@@ -119,7 +120,7 @@ class EdsReader {
     return {};
   }
 
-  /// "1800" and "1800sub1".
+  /// The index and sub-index in the name of a section: "1800", "1800sub1".
   static std::optional<std::pair<std::uint32_t, std::uint32_t>> object_of(
       std::string_view section) {
     auto rest = section;
@@ -137,7 +138,8 @@ class EdsReader {
   int line_ = 0;
   std::string section_;
   std::optional<std::pair<std::uint32_t, std::uint32_t>> object_;
-  std::optional<std::uint32_t> values_of_;  ///< the index of an object, in its section of values
+  std::optional<std::uint32_t> values_of_;  ///< index of the object in whose section of values the
+                                            ///< reader is
   EdsFile out_;
 };
 

@@ -14,12 +14,13 @@ namespace {
 
 constexpr std::string_view kUnnamedSender = "unnamed-sender";
 
-/// Several nodes may send one message.
+/// Whether several nodes may send the same message.
 bool may_have_senders(const ImportedNetwork& network) {
   return network.kind == core::NetworkKind::other || core::has_nodes(network.profile);
 }
 
-/// The end of a message with `before` as one of a message with `now`.
+/// Converts an end of a message with the attributes `before` into one of a message with `now`: it
+/// keeps what it had from its message.
 ImportedEnd with_own(ImportedEnd end, const AttributeSet& before, const AttributeSet& now) {
   for (std::size_t i = 0; i < kAttributes; ++i) {
     const auto a = attribute_at(i);
@@ -29,7 +30,7 @@ ImportedEnd with_own(ImportedEnd end, const AttributeSet& before, const Attribut
   return end;
 }
 
-/// What the end has from the message anyway.
+/// Removes attributes that the end has from the message anyway.
 void drop_same(ImportedEnd& end, const AttributeSet& message) {
   for (std::size_t i = 0; i < kAttributes; ++i) {
     const auto a = attribute_at(i);
@@ -38,8 +39,8 @@ void drop_same(ImportedEnd& end, const AttributeSet& message) {
   }
 }
 
-/// Where the nodes of `from` are in `into`: those that are there already, by number or, where nodes
-/// have none, by name, are the same ones.
+/// Adds the nodes of `from` to `into` and returns their indices there. Nodes with the same number,
+/// or without numbers the same name, are one node.
 std::vector<std::size_t> join_nodes(ImportedNetwork& into, const ImportedNetwork& from) {
   const bool by_name = into.kind == core::NetworkKind::other;
   using Key = std::pair<std::optional<std::uint8_t>, std::string>;
@@ -81,7 +82,7 @@ void name_senders(ImportedNetwork& network) {
   std::optional<std::size_t> unnamed;
   for (auto& message : network.messages) {
     if (!message.senders.empty()) continue;
-    // There nobody can say what number it would have.
+    // On such a network it cannot be known what number an added publisher would have.
     if (network.kind == core::NetworkKind::can && core::has_nodes(network.profile)) {
       if (network.is_part)
         add_lack(network, "no-sender", "no file has the node that publishes it: add a Publisher",
@@ -99,7 +100,7 @@ void name_senders(ImportedNetwork& network) {
   }
 }
 
-/// What is of one file names it from now on.
+/// Adds the file's name to everything that comes from it.
 void name_file(ImportedNetwork& network) {
   if (network.is_merged) return;
   network.is_merged = true;
@@ -186,7 +187,7 @@ void Joiner::add(ImportedMessage message, std::string_view file) {
                                                    : fmt::format("{} of {}", message.name, file));
     return;
   }
-  // Who sends it knows what it is.
+  // The sender's statement about the type and size precedes a receiver's.
   if (same.senders.empty() && !message.senders.empty()) std::swap(same, message);
   join(same, std::move(message));
 }

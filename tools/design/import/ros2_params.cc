@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Parameters of ROS 2: NODE, ros__parameters, and below it names whose parts are joined by dots:
-// qos_overrides./TOPIC.publisher.deadline.
+// Reads parameters of ROS 2: NODE, ros__parameters, and below it names whose parts are joined by
+// dots, such as qos_overrides./TOPIC.publisher.deadline.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -39,7 +39,7 @@ class ParamsReader {
     if (error_.empty()) error_ = fmt::format("{}:{}: {}", file_, line, text);
   }
 
-  /// Maps above ros__parameters, whose keys are namespaces and names of nodes.
+  /// Reads maps above ros__parameters, whose keys are namespaces and names of nodes.
   void above(const YamlValue& value, const std::string& path) {
     if (value.kind != YamlValue::Kind::map)
       return wrong(value.line, "must be a node with \"ros__parameters\"");
@@ -90,7 +90,7 @@ class ParamsReader {
     policy(value, node, std::string_view(path).substr(kOverrides.size()));
   }
 
-  /// ".TOPIC.publisher.POLICY", where "publisher" may have a name behind it.
+  /// Reads ".TOPIC.publisher.POLICY", where a name may follow "publisher".
   void policy(const YamlValue& value, const std::string& node, std::string_view path) {
     const auto dot = path.rfind('.');
     const auto before = path.substr(0, dot == std::string_view::npos ? 0 : dot);
@@ -129,7 +129,7 @@ class ParamsReader {
   const std::string& file_;
   std::string error_;
   DdsEnds ends_;
-  /// By node, and topic with entity.
+  /// by node, and by topic with entity
   std::map<std::pair<std::string, std::string>, DdsEnd> found_;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// `ros2 topic info --verbose` does not print the name of the topic: a line in front of it does, or
-// the file is called like it.
+// Reads the output of `ros2 topic info --verbose`. It does not contain the name of the topic, which
+// is in a line before it or is the name of the file.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,10 +16,10 @@ namespace mlcca::tools::design {
 namespace {
 
 constexpr std::size_t kMostTopicLine = 4'096;
-/// Lines that say nothing which is needed.
+/// Keys whose values are not needed.
 constexpr auto kSilentKeys = std::to_array<std::string_view>(
     {"Publisher count", "Subscription count", "Topic type hash", "GID", "QoS profile"});
-/// Policies that have no counterpart.
+/// Keys of policies that have no counterpart.
 constexpr auto kListedKeys =
     std::to_array<std::string_view>({"Reliability", "History (Depth)", "Durability", "Liveliness"});
 
@@ -62,7 +62,8 @@ class TopicsReader {
       ends_.lacks.add("lines", "are not understood", line_, std::string(cut(line, 80)));
   }
 
-  /// "/chatter", "Topic: /chatter" or "$ ros2 topic info -v /chatter"
+  /// Whether the line names a topic: "/chatter", "Topic: /chatter" or "$ ros2 topic info -v
+  /// /chatter".
   bool names_topic(std::string_view line) {
     const bool is_command = line.contains("ros2 topic info");
     if (!is_command && line.starts_with("Topic: /")) line.remove_prefix(7);
@@ -122,7 +123,7 @@ class TopicsReader {
     return true;
   }
 
-  /// "Infinite", or "100000000 nanoseconds"
+  /// Parses "Infinite" or "100000000 nanoseconds".
   void duration(std::string_view key, std::string_view value, std::optional<Value>& to) {
     if (value == "Infinite") return;
     auto rest = value;
@@ -136,7 +137,7 @@ class TopicsReader {
     if (!open_) return;
     auto end = *std::exchange(open_, std::nullopt);
     if (!std::exchange(is_stated_, false)) return wrong("the endpoint before has no Endpoint type");
-    // "/" or "/robot"
+    // The namespace is "/" or has the form "/robot".
     end.node = fmt::format("{}/{}", space_ == "/" ? "" : space_, name_).substr(1);
     if (end.node.empty()) end.node = "unnamed-node";
     space_.clear();
@@ -153,8 +154,8 @@ class TopicsReader {
   std::string topic_;
   std::string type_;
   std::optional<DdsEnd> open_;
-  std::string name_;   ///< of the node of open_
-  std::string space_;  ///< the namespace of that
+  std::string name_;   ///< name of the node of open_
+  std::string space_;  ///< namespace of that node
   bool is_stated_ = false;
 };
 

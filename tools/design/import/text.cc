@@ -8,14 +8,14 @@
 namespace mlcca::tools::design {
 namespace {
 
-/// Code points of 0x80 to 0x9f; 0: not assigned.
+/// The code points of 0x80 to 0x9f in Windows-1252; 0: not assigned.
 constexpr std::array<char16_t, 32> kWindows = {
     0x20ac, 0,      0x201a, 0x0192, 0x201e, 0x2026, 0x2020, 0x2021, 0x02c6, 0x2030, 0x0160,
     0x2039, 0x0152, 0,      0x017d, 0,      0,      0x2018, 0x2019, 0x201c, 0x201d, 0x2022,
     0x2013, 0x2014, 0x02dc, 0x2122, 0x0161, 0x203a, 0x0153, 0,      0x017e, 0x0178};
 constexpr char16_t kReplacement = 0xfffd;
 
-/// Of a code point from 0x80 to 0xffff.
+/// Appends a code point from 0x80 to 0xffff in UTF-8.
 void append(std::string& to, char16_t point) {
   constexpr unsigned two = 0x800;
   if (point < two) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The events of libyaml, in one pass. What an alias names is not copied: limits count it each time.
+// Builds the values from the events of libyaml in one pass. An aliased value is not copied, but the
+// limits count it for each alias.
 #include "tools/design/import/yaml.hpp"
 
 #include <fmt/format.h>
@@ -70,18 +71,18 @@ class YamlReader {
   }
 
  private:
-  /// A list or a map that is not at its end.
+  /// A list or map that has not ended.
   struct Open {
     std::size_t value = 0;
     std::string anchor;
-    std::optional<std::size_t> key;  ///< of a map, whose value comes next
+    std::optional<std::size_t> key;  ///< of a map, if its value comes next
   };
 
   void wrong(int line, const std::string& text) {
     if (error_.empty()) error_ = fmt::format("{}:{}: {}", file_, line, text);
   }
 
-  /// libyaml compares each %TAG with all before it.
+  /// Limits the %TAG directives: libyaml compares each of them with all before it.
   void refuse_directives() {
     constexpr std::size_t most = 16;
     constexpr std::string_view directive = "%TAG";
@@ -182,7 +183,7 @@ class YamlReader {
     place(open.value, value.line);
   }
 
-  /// Where a value belongs that is at its end.
+  /// Adds a complete value to the list or map that contains it.
   void place(std::size_t value, int line) {
     if (!error_.empty()) return;
     if (open_.empty()) return root(value, line);
@@ -209,7 +210,7 @@ class YamlReader {
           fmt::format("with what aliases name there are more than {} values", kMostYamlValues));
   }
 
-  /// What "<<" names stands behind the entries of the map itself, which go before it.
+  /// Appends the entries that "<<" names, unless the map has the same key itself.
   void take_over(YamlValue& map) {
     const auto key_of = [&](const YamlValue::Entry& entry) {
       return std::string_view(out_.values_[entry.key].text);
@@ -276,7 +277,7 @@ class YamlReader {
   std::vector<Open> open_;
   std::unordered_map<std::string, std::size_t> anchors_;
   std::size_t merged_ = 0;
-  std::size_t counted_ = 0;  ///< values of the documents that are at their end
+  std::size_t counted_ = 0;  ///< values of the complete documents
 };
 
 const YamlValue* YamlText::find(const YamlValue& map, std::string_view key) const {
