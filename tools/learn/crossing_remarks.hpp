@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a person should know of what goes on from one interface to another.
+// Remarks for a person about events that cross from one interface to another.
 #pragma once
 #include <string>
 #include <vector>
@@ -10,8 +10,8 @@
 
 namespace mlcca::learn {
 
-/// A line each. `names`: of the interfaces, by their numbers; `drafted`: what the channels became,
-/// in their order.
+/// The remarks, a line each. `names` are the interface names by their numbers; `drafted` are the
+/// drafted channels in the order of `channels`.
 [[nodiscard]] std::vector<std::string> remarks_on_crossings(
     const Observer& observer, const std::vector<std::string>& names,
     const std::vector<Channel>& channels, const std::vector<DraftChannel>& drafted);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// From UDP datagrams to events of FAMOUSO: of which subject, from whom, how long, also where an
-// event has several datagrams. As the gate has it, any datagram to one of FAMOUSO's ports is meant.
+// Extracts events of FAMOUSO from UDP datagrams: subject, sender and size, also of events in
+// several datagrams. As in the gate, every datagram to one of FAMOUSO's ports is considered.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -13,26 +13,32 @@
 
 namespace mlcca::learn {
 
+/// Decodes the datagrams of one interface.
 class Datagrams {
  public:
-  /// Ports whose traffic is counted apart.
+  /// At most so many ports are counted separately.
   static constexpr std::size_t kMostPorts = 256;
 
-  /// Of a frame with a datagram. Calls `on_event` when the last fragment of an event has come. The
-  /// node of an event is the address of its sender; 0 of a local one, whatever address it takes.
+  /// Takes a frame with a datagram. Calls `on_event` when the last fragment of an event has
+  /// arrived. The node of an event is the address of its sender; it is 0 for a local sender,
+  /// whatever its address.
   void take(const Frame& frame, const Decoder::OnEvent& on_event);
 
-  /// Whether these are FAMOUSO's; otherwise the profile is none.
+  /// Whether the datagrams are FAMOUSO's; if not, the profile is none.
   [[nodiscard]] Recognised recognised() const;
-  /// Events of the subjects by which FAMOUSO manages itself, which need no channel.
+  /// The number of events of subjects for FAMOUSO's own control, which need no channel.
   [[nodiscard]] std::uint64_t control() const { return control_; }
-  /// Of these the ones that only some configurations have, and that no gate knows.
+  /// How many of them are of the management layer, which only some configurations have and which no
+  /// gate knows.
   [[nodiscard]] std::uint64_t management() const { return management_; }
-  /// Datagrams to FAMOUSO's ports that are no events, or from an address that no station has.
+  /// The number of datagrams to FAMOUSO's ports that are not events, or are from an invalid
+  /// address.
   [[nodiscard]] std::uint64_t malformed() const { return malformed_; }
-  /// Datagrams of events that were not complete: a fragment was missing, or too many were begun.
+  /// The number of datagrams of incomplete events: a fragment was missing, or too many events had
+  /// begun.
   [[nodiscard]] std::uint64_t incomplete() const;
-  /// Datagrams to other ports, and of which: "port 5353 (12), port 123 (4), others (1)".
+  /// The number of datagrams to other ports, and a list such as "port 5353 (12), port 123 (4),
+  /// others (1)".
   [[nodiscard]] std::uint64_t others() const { return others_; }
   [[nodiscard]] std::string other_ports() const;
 
@@ -43,11 +49,12 @@ class Datagrams {
 
   static constexpr relay::afp::Reassembly::Limits kLimits{.begun = 64, .octets = 1U << 19U};
   relay::afp::Reassembly fragments_{relay::afp::kUdp, kLimits};
-  std::uint64_t now_ = 0;               ///< the latest time that was seen
-  std::vector<std::uint8_t> fragment_;  ///< with zeros in the place of what was cut off
-  bool is_cut_ = false;                 ///< the beginning of an event may be such zeros
-  std::uint64_t events_ = 0;            ///< well-formed datagrams, those of control among them
-  std::uint64_t grouped_ = 0;           ///< of these, to the group of their subject
+  std::uint64_t now_ = 0;               ///< the latest time of a frame
+  std::vector<std::uint8_t> fragment_;  ///< the fragment with zeros in place of bytes that were not
+                                        ///< recorded
+  bool is_cut_ = false;                 ///< the beginning of an event may consist of such zeros
+  std::uint64_t events_ = 0;            ///< well-formed datagrams, including those of control
+  std::uint64_t grouped_ = 0;  ///< those of them that went to the multicast group of their subject
   std::uint64_t control_ = 0;
   std::uint64_t management_ = 0;
   std::uint64_t malformed_ = 0;

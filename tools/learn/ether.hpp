@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// From an Ethernet frame to the UDP datagram in it, as the gate reads it (bpf/ether_parse.bpf.h).
+// Finds the UDP datagram in an Ethernet frame, as the gate does (bpf/ether_parse.bpf.h).
 #pragma once
 #include <cstdint>
 #include <span>
@@ -9,15 +9,15 @@
 namespace mlcca::learn {
 
 enum class Carries : std::uint8_t {
-  datagram,  ///< over IPv4, whole or its first IP fragment
+  datagram,  ///< a UDP datagram over IPv4, complete or its first IP fragment
   other,     ///< other traffic, or a later IP fragment
-  broken,    ///< IPv4 with headers that are wrong or cut off
+  broken,    ///< IPv4 with headers that are wrong or truncated
 };
 
-/// Fills `datagram` and `data` of `out`. The frame begins with its addresses, and its end may have
-/// been cut off.
+/// Sets `datagram` and `data` of `out`. `frame` begins with the MAC addresses; its end may have
+/// been truncated.
 Carries read_ethernet(std::span<const std::uint8_t> frame, Frame& out);
-/// The same of what is behind an ethertype.
+/// The same for the packet behind an EtherType.
 Carries read_ethertype(std::uint16_t ethertype, std::span<const std::uint8_t> packet, Frame& out);
 
 }  // namespace mlcca::learn

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is seen of the events of one publisher: how often they come, how unevenly, how long they
-// are. Events are handed over in the order of time, in stretches (see Timeline); memory does not
-// grow with their number.
+// Statistics of the events of one publisher: how often and how regularly they come, and their size.
+// Events are added in order of time, in stretches (see Timeline). Memory does not grow with their
+// number.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -13,70 +13,73 @@
 
 namespace mlcca::learn {
 
-/// A period, and how early events came to it at most, ns: a policer with that period and tolerance
-/// (GCRA) would have let all of them pass.
+/// A period and the tolerance, both in ns, with which a policer (GCRA) would have passed all
+/// events.
 struct Rate {
   std::uint64_t period = 0;
   std::uint64_t early = 0;
 };
 
+/// The statistics of one flow.
 class Flow {
  public:
-  /// An event at `ns`, of `bytes`. What is between two events of different stretches of time is no
-  /// gap.
+  /// Adds an event at `ns` of `bytes` bytes. The time between events of different stretches is not
+  /// a gap.
   void add(std::uint64_t ns, std::uint32_t bytes, Stretch stretch = {});
 
   [[nodiscard]] std::uint64_t events() const { return events_; }
   [[nodiscard]] std::uint64_t all_bytes() const { return all_bytes_; }
   [[nodiscard]] std::uint32_t least_bytes() const { return least_bytes_; }
   [[nodiscard]] std::uint32_t most_bytes() const { return most_bytes_; }
-  /// Events of fewer bytes than the longest have.
+  /// The number of events that are shorter than the longest.
   [[nodiscard]] std::uint64_t shorter_events() const { return events_ - longest_events_; }
 
-  // Of the times between two events of a stretch, ns; 0 where there are none.
+  // Times between two events of a stretch, in ns; 0 if there are none.
   [[nodiscard]] std::uint64_t gaps() const { return gaps_; }
   [[nodiscard]] std::uint64_t shortest_gap() const { return gaps_ == 0 ? 0 : shortest_; }
   [[nodiscard]] std::uint64_t longest_gap() const { return longest_; }
-  /// To 2 %.
+  /// The median, accurate to 2 %.
   [[nodiscard]] std::uint64_t median_gap() const { return quantile(0.5); }
   [[nodiscard]] std::uint64_t quantile(double share) const;
-  /// Of all gaps, those within a quarter of the median of it, or of a whole multiple of it up to
-  /// 10: events may be lost. A gate takes a gap for another number of periods from half a period
-  /// on, and of gaps at random about a third are so near.
+  /// The share of gaps within a quarter of the median around the median or a multiple of it up to
+  /// 10 (events may be lost). A gate assigns a gap to the nearest number of periods, and about a
+  /// third of random gaps would be within these ranges.
   [[nodiscard]] double regular_share() const;
-  /// The longest gap in which by the median no event is missing: below one and a half of it.
+  /// The longest gap within which, judged by the median, no event is missing: below 1.5 times the
+  /// median.
   [[nodiscard]] std::uint64_t longest_of_one() const;
 
-  // Of the first and the latest event: when, and by which clock.
+  // The times of the first and the latest event, and the clocks that they are from.
   [[nodiscard]] std::uint64_t first() const { return first_; }
   [[nodiscard]] std::uint64_t last() const { return last_; }
   [[nodiscard]] std::uint32_t first_clock() const { return first_clock_; }
   [[nodiscard]] std::uint32_t last_clock() const { return stretch_.clock; }
 
-  /// A quarter of the gaps or more are less than a tenth of their mean.
+  /// Whether at least a quarter of the gaps are shorter than a tenth of the mean.
   [[nodiscard]] bool comes_in_bursts() const;
 
-  // Of a flow with fewer than kFirst - 1 gaps:
-  /// ns between two events.
+  // For a flow with fewer than kFirst - 1 gaps:
+  /// The mean time between two events, in ns.
   [[nodiscard]] std::uint64_t mean_of_few() const;
-  /// How early events came to a period at most, ns.
+  /// The tolerance in ns with which all events conform to `period`.
   [[nodiscard]] std::uint64_t early_of_few(std::uint64_t period) const;
 
-  /// For periods up to the median or mean of the first gaps, the longest first. Empty with less
-  /// than kFirst - 1 gaps.
+  /// Rates for several periods up to the median or mean of the first gaps, the longest period
+  /// first. Empty with fewer than kFirst - 1 gaps.
   [[nodiscard]] std::vector<Rate> rates() const;
 
-  /// So many events are kept until their rate is known well enough to judge all others by it.
+  /// So many events are kept before periods are chosen, by which all further events are judged.
   static constexpr std::size_t kFirst = 33;
 
  private:
-  // A gap of g ns counts in octave log2(g), each of 32 parts.
+  // A gap of g ns is counted in octave log2(g), each divided into 32 parts.
   static constexpr unsigned kParts = 32;
   static constexpr unsigned kLowest = 10;   // 1 us
   static constexpr unsigned kHighest = 40;  // 18 minutes
   using Histogram = std::array<std::uint32_t, std::size_t{kParts} * (kHighest - kLowest)>;
 
-  /// When an event came, whether what is before it is no gap, and whether that has another clock.
+  /// The time of an event, whether the time before it is not a gap, and whether that is because of
+  /// another clock.
   struct Moment {
     std::uint64_t ns = 0;
     bool is_new = false;
@@ -92,7 +95,7 @@ class Flow {
 
   struct Policer {
     std::uint64_t period = 0;
-    std::uint64_t due = 0;  ///< when the next event may come, ns; 0: at once
+    std::uint64_t due = 0;  ///< the time in ns from which the next event conforms; 0: at once
     std::uint64_t early = 0;
     void take(const Moment& event);
   };
@@ -110,8 +113,8 @@ class Flow {
   std::uint64_t all_bytes_ = 0;
   std::uint32_t least_bytes_ = UINT32_MAX;
   std::uint32_t most_bytes_ = 0;
-  std::uint64_t longest_events_ = 0;  ///< of so many bytes
-  std::vector<Moment> begin_;         ///< until the periods are chosen
+  std::uint64_t longest_events_ = 0;  ///< number of events with most_bytes_
+  std::vector<Moment> begin_;         ///< the first events, until periods are chosen
   std::array<Policer, kPolicers> policers_{};
   std::unique_ptr<Histogram> histogram_;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Listening to interfaces. CAN needs no privileges: every user may read a CAN bus. Ethernet needs
-// CAP_NET_RAW.
+// Listens to interfaces. CAN needs no privilege, because every user may read a CAN bus; Ethernet
+// needs CAP_NET_RAW.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -14,22 +14,24 @@
 
 namespace mlcca::learn {
 
-/// What the kernel says of an interface of CAN; 0: nothing.
+/// What the kernel states about a CAN interface; 0: not stated.
 struct Rates {
-  std::uint32_t bitrate = 0;  ///< bit/s; a virtual one has none
+  std::uint32_t bitrate = 0;  ///< bit/s; a virtual interface has none
   std::uint32_t data_bitrate = 0;
   std::uint32_t queue_length = 0;  ///< frames
 };
 [[nodiscard]] Rates rates_of(const std::string& interface);
 
-/// There is an interface of that name.
+/// Whether there is an interface of that name.
 [[nodiscard]] bool is_interface(const std::string& name);
-/// It is there, and up.
+/// Whether the interface exists and is up.
 [[nodiscard]] bool is_up(const std::string& interface);
 
+/// An open set of sockets on interfaces.
 class Listener {
  public:
-  /// Error: there is no such interface, it is of another kind, or the process may not listen to it.
+  /// Opens the sockets. An error if an interface does not exist or is of another kind, or if the
+  /// process may not listen to it.
   static Result<std::unique_ptr<Listener>> open(const std::vector<std::string>& interfaces,
                                                 Interfaces& numbers);
   Listener() = default;
@@ -39,11 +41,11 @@ class Listener {
   Listener& operator=(Listener&&) = delete;
   virtual ~Listener() = default;
 
-  /// Hands over what comes, in the order of time, until `ns` are over or `stop` says so, which is
-  /// asked ten times a second.
+  /// Passes frames to `on_frame` in order of time until `ns` have passed or `stop` returns true,
+  /// which is called ten times a second.
   virtual Result<void> listen(std::uint64_t ns, const std::function<bool()>& stop,
                               const OnFrame& on_frame) = 0;
-  /// Frames that came too fast to be read.
+  /// The number of frames that were lost because they came too fast.
   [[nodiscard]] virtual std::uint64_t lost() const = 0;
 };
 

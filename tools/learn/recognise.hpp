@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which profile the frames of an interface have, how sure that is, and why.
+// Recognises the profile of the frames of an interface, with the certainty and the reason.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -13,18 +13,19 @@
 
 namespace mlcca::learn {
 
+/// A recognised profile.
 struct Recognised {
   core::Profile profile = core::Profile::raw;
-  unsigned percent = 0;  ///< how sure
-  std::string why;       ///< what was seen, in one line
-  /// It may be this one: a close call.
+  unsigned percent = 0;  ///< certainty
+  std::string why;       ///< the reason, in one line
+  /// The next most likely profile, if the decision is close.
   std::optional<core::Profile> perhaps = {};
 };
 
-/// The first frames of an interface.
+/// Examines the first frames of an interface.
 class Recogniser {
  public:
-  /// So many are looked at.
+  /// At most so many frames are examined.
   static constexpr std::size_t kMost = 20'000;
 
   void add(const Frame& frame);
@@ -41,20 +42,20 @@ class Recogniser {
 
   std::size_t frames_ = 0;
   std::size_t extended_ = 0;
-  // Cyphal: the transfer-id of an identifier goes up by one with each transfer.
-  std::map<std::uint32_t, std::uint8_t> tails_;  ///< the latest of each identifier
+  // Cyphal: the transfer-id of an identifier is incremented with each transfer.
+  std::map<std::uint32_t, std::uint8_t> tails_;  ///< latest tail byte by identifier
   std::size_t successors_ = 0;
   std::size_t compared_ = 0;
-  // J1939
-  std::size_t broadcast_ = 0;                 ///< frames: PDU2 of data page 0
-  std::size_t management_ = 0;                ///< claims, requests, announcements
-  std::map<std::uint32_t, bool> parameters_;  ///< identifiers: these, or others
-  // FAMOUSO
+  // J1939:
+  std::size_t broadcast_ = 0;   ///< number of frames with a PDU2 format in data page 0
+  std::size_t management_ = 0;  ///< number of claims, requests and announcements
+  std::map<std::uint32_t, bool> parameters_;  ///< by identifier: whether it is of these or another
+  // FAMOUSO: number of frames of the binding protocol.
   std::size_t binding_ = 0;
-  // CANopen
+  // CANopen:
   std::map<std::uint32_t, std::size_t> heartbeats_;  ///< by node
-  std::size_t services_ = 0;                         ///< SDO
-  std::map<std::uint32_t, std::size_t> standard_;    ///< frames of each 11-bit identifier
+  std::size_t services_ = 0;                         ///< number of SDO frames
+  std::map<std::uint32_t, std::size_t> standard_;    ///< number of frames by 11-bit identifier
 };
 
 }  // namespace mlcca::learn

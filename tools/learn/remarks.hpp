@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a person should know of what was seen, beside the draft.
+// Remarks for a person about what was seen, beside the draft.
 #pragma once
 #include <string>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace mlcca::learn {
 
-/// A line each. `names`: of the interfaces, by their numbers.
+/// The remarks, a line each. `names` are the interface names by their numbers.
 [[nodiscard]] std::vector<std::string> remarks_on(const Observer& observer,
                                                   const std::vector<std::string>& names);
 

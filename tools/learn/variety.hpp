@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// How much the contents of a flow say: those of a counter, and those that hardly change, are alike
-// in many flows.
+// Measures how distinctive the contents of a flow are: contents that hardly change and counters are
+// alike in many flows.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -9,17 +9,19 @@
 
 namespace mlcca::learn {
 
+/// The variety of one flow.
 class Variety {
  public:
   static constexpr std::size_t kMost = 32;  // different steps that are kept
-  static constexpr std::size_t kBytes = 8;  // of each event, the first ones
+  static constexpr std::size_t kBytes = 8;  // first bytes of each event that are compared
 
-  /// The next event.
+  /// Adds the next event.
   void add(std::span<const std::uint8_t> data);
 
-  /// The content was another one than before, several times.
+  /// Whether the content has changed several times.
   [[nodiscard]] bool changes() const { return changes_ >= kSeveral; }
-  /// It is no counter. A counter, and a sum of it, change by few steps, as its CRC does by XOR.
+  /// Whether the content is not that of a counter. A counter and a checksum of it change by few
+  /// different steps, and its CRC by few different XORs.
   [[nodiscard]] bool is_rich() const { return sums_.is_full() && bits_.is_full(); }
 
  private:
@@ -30,9 +32,9 @@ class Variety {
     [[nodiscard]] bool is_full() const { return count == kMost; }
     void add(std::uint64_t step);
   };
-  std::uint64_t last_ = 0;  ///< its bytes
-  Steps sums_;              ///< what is added to each byte
-  Steps bits_;              ///< which bits change
+  std::uint64_t last_ = 0;  ///< bytes of the latest event
+  Steps sums_;              ///< differences of each byte
+  Steps bits_;              ///< changed bits
   std::uint8_t changes_ = 0;
   bool is_first_ = true;
 };
