@@ -22,7 +22,8 @@ sock_filter step(std::uint16_t code, std::uint32_t k, std::uint8_t yes = 0, std:
   return {.code = code, .jt = yes, .jf = no, .k = k};
 }
 
-/// Long enough, octet 0: a flood, octet 16: of the kind topology. Everything else is dropped.
+/// Attaches a filter that passes only packets of sufficient length with octet 0 "flood" and octet
+/// 16 "topology".
 Result<void> filter(int fd) {
   std::array program{
       step(BPF_LD | BPF_W | BPF_LEN, 0),
@@ -46,7 +47,7 @@ Result<void> filter(int fd) {
 Result<Capture> Capture::open(std::string interface) {
   if (interface.empty() || interface.size() >= IFNAMSIZ)
     return fail("\"" + interface + "\" is no name of an interface");
-  // Protocol 0: receives nothing until it is bound to an interface.
+  // Protocol 0: it receives nothing until it is bound to an interface.
   Fd socket(::socket(AF_PACKET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!socket) return system_error("packet socket (needs CAP_NET_RAW)");
   if (auto filtered = filter(socket.get()); !filtered) return std::unexpected(filtered.error());
@@ -61,7 +62,7 @@ Result<void> Capture::follow() {
   socklen_t size = sizeof address;
   // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
   auto* generic = reinterpret_cast<sockaddr*>(&address);
-  // The kernel forgets the interface of the socket when it goes; an index may come back.
+  // The kernel unbinds the socket when its interface disappears; the index may be used again.
   const bool bound = ::getsockname(fd(), generic, &size) == 0 &&
                      address.sll_protocol == htons(net::awds::kEthertype) &&
                      address.sll_ifindex == request.ifr_ifindex;
@@ -75,7 +76,7 @@ Result<void> Capture::follow() {
 }
 
 std::span<const std::uint8_t> Capture::next(std::span<std::uint8_t> buffer) const {
-  // An error of the interface (it is down) is reported once, in place of a packet.
+  // An error of the interface (it is down) is reported once instead of a packet.
   for (int attempt = 0; attempt < 2; ++attempt) {
     const auto size = ::recv(fd(), buffer.data(), buffer.size(), 0);
     if (size > 0) return buffer.first(static_cast<std::size_t>(size));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlcca-awds INTERFACE [SOCKET]: passes topology packets of AWDS on to whoever connects.
-// A program of its own because it alone needs CAP_NET_RAW, for one call. Packets are not parsed
-// here: there is one parser, in mlccad, and this program stays small enough to be read at once.
+// mlcca-awds INTERFACE [SOCKET]: passes topology packets of AWDS on to connected readers. It is a
+// separate program because it alone needs CAP_NET_RAW, for one call. It does not parse packets: the
+// only parser is in mlcca-sources, and this program stays small enough to review.
 #include <linux/capability.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>
@@ -27,12 +27,12 @@
 namespace mlcca::awds {
 namespace {
 
-/// Packets that are passed on before others get their turn.
+/// Packets that are passed on before other events of the loop are handled.
 constexpr int kTurn = 64;
 
 void say(const std::string& text) { write_at_once(STDERR_FILENO, "mlcca-awds: " + text + '\n'); }
 
-/// All of them, for good.
+/// Gives up all capabilities for good.
 Result<void> drop_capabilities() {
   __user_cap_header_struct header{.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
   const std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> none{};
@@ -41,7 +41,7 @@ Result<void> drop_capabilities() {
   return {};
 }
 
-/// The socket that systemd has made, or one of our own.
+/// The socket that systemd has passed, or a new one at `path`.
 Result<Fd> listening_socket(const char* path) {
   if (path != nullptr) return listen_at(path, SOCK_SEQPACKET);
   auto given = handed_over(SOCK_SEQPACKET);
@@ -72,7 +72,7 @@ class Relay {
       problem_ = std::move(problem);
       reported_ = false;
     }
-    if (!reported_)  // until it is taken: systemd waits for the first one
+    if (!reported_)  // until it is accepted, because systemd waits for the first notification
       reported_ = notify("READY=1\nSTATUS=" + (problem_.empty() ? "listening" : problem_));
     timer_.set(net::kPollInterval);
   }
@@ -94,7 +94,7 @@ class Relay {
   net::EventSource io_;
   net::Timer timer_;
   std::string problem_;
-  bool reported_ = false;  ///< systemd knows of problem_
+  bool reported_ = false;  ///< systemd has received problem_
 };
 
 Result<void> serve(const std::string& interface, const char* path) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlcca-can: opens a socket of CAN that receives nothing and hands it to mlccad, whose unit lets it
-// open none. Its standard input is a connection to mlccad.
+// mlcca-can: opens a CAN socket that receives nothing and passes it to mlccad, whose unit does not
+// permit opening one. Standard input is a connection to mlccad.
 #include <linux/can/raw.h>
 #include <sys/socket.h>
 #include <unistd.h>

@@ -13,7 +13,7 @@
 namespace mlcca::doctor {
 namespace {
 
-/// A controller notices a short only while it sends.
+/// A controller detects a short circuit only while it sends.
 constexpr int kSendEveryMs = 100;
 
 bool is_bus_off(const net::Links& links, int ifindex) {
@@ -21,7 +21,7 @@ bool is_bus_off(const net::Links& links, int ifindex) {
   return link != links.table().end() && link->second.can_state == "bus-off";
 }
 
-/// It runs and takes part in the bus.
+/// Whether the controller runs and takes part in the bus.
 bool is_on_bus(const net::Links& links, int ifindex) {
   const auto link = links.table().find(ifindex);
   return link != links.table().end() && link->second.up && !is_bus_off(links, ifindex) &&
@@ -48,7 +48,7 @@ Result<BusOff> await_bus_off(const Probe& probe, int ifindex, unsigned seconds) 
   auto end = monotonic_ns() + patience;
   std::uint32_t number = 0;
   while (monotonic_ns() < end) {
-    // What does not go then is of no interest: a bus that is shorted takes nothing.
+    // A frame that cannot be sent does not matter: on a shorted bus none can.
     if (!seen.frame_ns && !seen.link_ns) static_cast<void>(probe.send(number++, false));
     std::array ready{pollfd{.fd = probe.fd(), .events = POLLIN, .revents = 0},
                      pollfd{.fd = links->fd(), .events = POLLIN, .revents = 0}};

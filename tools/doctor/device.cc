@@ -12,7 +12,7 @@ namespace {
 struct Mode {
   std::uint32_t flag;
   const char* name;
-  const char* harm;  ///< nullptr: none
+  const char* harm;  ///< nullptr: it does no harm
 };
 constexpr const char* kGateDrops =
     "the gate of mlccad drops the probe frames: mlccactl mode audit lets them pass, mlccactl mode "

@@ -23,7 +23,8 @@ namespace {
 constexpr unsigned kSingles = 10;
 constexpr unsigned kFillings = 3;
 
-/// By what hangs on the interface; whether it drops, by what the daemon has pinned.
+/// Determines the gate: whether there is one from the attached filters, whether it drops from what
+/// the daemon has pinned.
 void take_gate(const std::string& root, Device& device) {
   const auto ifindex = device.link.ifindex;
   const auto filters = net::all_filters(ifindex, /*ingress=*/false);
@@ -60,7 +61,7 @@ Result<Device> read_device(const Request& request) {
 
 using Say = std::function<void(const std::string&)>;
 
-/// The checks that send frames, in this order.
+/// The checks that send frames, in their order.
 constexpr std::array kSendingChecks = {"echo",        "bit rate measured", "data rate measured",
                                        "queue depth", "error counters",    "bus-off"};
 
@@ -110,7 +111,7 @@ Line bus_off(const Device& device, const Probe& probe, unsigned seconds, const S
   return judge_bus_off(*seen);
 }
 
-/// A line for the echo and one for each check behind it.
+/// Makes the checks that send: a line for the echo and one for each further check.
 std::vector<Line> send(const Device& device, const Request& request, const Say& say) {
   const auto behind_echo = std::span(kSendingChecks).subspan(1);
   const auto given_up = [&](const Line& echo, const std::string& why) {
@@ -131,7 +132,7 @@ std::vector<Line> send(const Device& device, const Request& request, const Say& 
   const auto echo = judge_echo(device, *singles);
   if (std::ranges::any_of(*singles, [](const Single& s) { return s.echoes_ns.empty(); }))
     return given_up(echo, "sent frames do not come back");
-  // In the order in which they are written here.
+  // Initialiser lists are evaluated in order.
   return {echo,
           rate(device, *probe, false),
           rate(device, *probe, true),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlcca-doctor: what `mlccactl doctor` becomes. Examines one CAN interface before it is trusted,
-// and says what it could not test; asks no daemon and sets nothing.
+// mlcca-doctor, which `mlccactl doctor` starts: examines a CAN interface before it is trusted, and
+// states what could not be tested. It asks no daemon and changes no setting.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

@@ -9,14 +9,14 @@
 namespace mlcca::doctor {
 namespace {
 
-/// A second echo of a frame would come in this time.
+/// How long a second echo of a frame is waited for, in ms.
 constexpr unsigned kSecondEchoMs = 100;
 constexpr unsigned kFewest = 20;
 constexpr unsigned kMost = 5000;
-/// So many frames of ours are under way at a time: a controller always has the next one.
+/// So many of our frames are under way at a time, so that the controller always has the next one.
 constexpr unsigned kUnderWay = 8;
 
-/// Takes what is there, so that echoes of one measurement are not those of the next.
+/// Reads and drops frames, so that echoes of one measurement do not appear in the next.
 Result<void> discard(const Probe& probe) {
   for (;;) {
     const auto seen = probe.next(0);
@@ -25,7 +25,7 @@ Result<void> discard(const Probe& probe) {
   }
 }
 
-/// Records echoes of the frames that were sent so far, for this time.
+/// Whether collect() ends with the echo of the last frame, or always after the full time.
 enum class Until : std::uint8_t { the_last_one, the_end };
 Result<void> collect(const Probe& probe, std::vector<Single>& singles, unsigned patience_ms,
                      Until until) {

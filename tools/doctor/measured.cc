@@ -13,9 +13,9 @@
 namespace mlcca::doctor {
 namespace {
 
-constexpr unsigned kDeepest = 64;  ///< that a description can say
-/// An error frame and rtnetlink report the same bus-off: the kernel gathers changes of a link for
-/// up to a second.
+constexpr unsigned kDeepest = 64;  ///< the largest depth that a description can state
+/// An error frame and a link message no further apart than this (ns) report the same bus-off: the
+/// kernel delays link changes by up to a second.
 constexpr std::uint64_t kTogether = 2'000'000'000;
 constexpr const char* kNoAcknowledge =
     "no node acknowledges: is another node on the bus, terminated and at this rate?";
@@ -25,7 +25,7 @@ std::uint64_t apart(std::uint64_t a, std::uint64_t b) { return a > b ? a - b : b
 double us(std::uint64_t ns) { return std::round(static_cast<double>(ns) / 100) / 10; }
 double seconds(std::uint64_t ns) { return std::round(static_cast<double>(ns) / 1e8) / 10; }
 
-/// From the start of a frame to the end of its last bit.
+/// The time from the start of a frame to the end of its last bit, without the intermission.
 std::uint64_t at_least(const core::can::Timing& timing, core::can::WireLength length) {
   length.slow -= core::can::kIntermission;
   return core::can::wire_time(timing, length);

@@ -25,9 +25,9 @@ namespace {
 constexpr unsigned kClassicBytes = CAN_MAX_DLEN;
 constexpr unsigned kFdBytes = CANFD_MAX_DLEN;
 constexpr unsigned kNumberBytes = 4;
-/// Changes at each bit, which takes no stuff bits.
+/// A value whose bits alternate, so that it needs no stuff bits.
 constexpr std::uint8_t kFiller = 0x55;
-/// Frames of a whole measurement wait in it: 768 bytes each.
+/// Receive buffer in bytes, for all frames of a measurement at 768 bytes each.
 constexpr int kBuffer = 8 << 20;
 
 template <class T>
@@ -35,7 +35,7 @@ bool set(int fd, int level, int option, const T& value) {
   return ::setsockopt(fd, level, option, &value, sizeof value) == 0;
 }
 
-/// More than anyone may have needs a capability.
+/// Enlarges the socket buffers, beyond the limit for users if the process has CAP_NET_ADMIN.
 void enlarge(int fd) {
   for (const auto& [forced, asked] :
        {std::pair(SO_RCVBUFFORCE, SO_RCVBUF), std::pair(SO_SNDBUFFORCE, SO_SNDBUF)})
@@ -141,7 +141,7 @@ Result<std::optional<Seen>> Probe::next(unsigned patience_ms) const {
   message.msg_control = control.data();
   message.msg_controllen = control.size();
   const auto size = ::recvmsg(fd(), &message, 0);
-  // An interface that goes down says so once, and may come up again.
+  // An interface that goes down reports that once; it may come up again.
   if (size < 0 && (errno == EAGAIN || errno == ENETDOWN)) return std::nullopt;
   if (size < 0) return system_error("receiving a frame");
   Seen seen = understood(raw, static_cast<std::size_t>(size) == CANFD_MTU);

@@ -15,7 +15,7 @@ Asking::Asking(const std::string& path, std::chrono::milliseconds patience) {
 
 template <class Question, class Answer>
 void Asking::ask(const char* request, std::optional<Answer>& to, Question question) {
-  // A reload that comes between two slices ends the answer: the second try begins after it.
+  // A reload between two slices ends the answer with an error; the second attempt begins after it.
   for (int tries = 2; tries > 0 && client_; --tries) {
     auto reply = client_->call({0, question});
     if (!reply) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The gateways that share networks by a store.
+// Metrics of the cluster: the gateways that share networks through a store.
 #include <algorithm>
 
 #include "tools/exporter/exposition.hpp"

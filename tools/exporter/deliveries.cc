@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// One publisher of a channel towards one place each.
+// Metrics of deliveries: from one publisher of a channel to one place.
 #include <algorithm>
 #include <functional>
 #include <limits>
@@ -13,8 +13,8 @@ namespace {
 
 bool is_well(const control::Channel& c) { return c.granted && c.troubles.empty(); }
 
-/// Admissions that differ in nothing but their number: they are one series, or it would have two
-/// values. The number is no label: each admission has a new one.
+/// Deliveries that differ only in the number of their admission. They form one series, because the
+/// number is no label: each admission has a new number, so it would create new series all the time.
 struct Delivery {
   Labels labels;
   std::vector<const control::Channel*> channels;
@@ -40,7 +40,7 @@ std::vector<Delivery> deliveries_of(const control::Channels& channels, std::size
     all[known->second].channels.push_back(&c);
   }
   if (all.size() <= most) return all;
-  // Those that somebody has to look at are among those that are there.
+  // Deliveries with a problem are among those with series.
   std::ranges::stable_partition(all, [](const Delivery& d) { return !d.all(is_well); });
   left_out = all.size() - most;
   all.erase(all.begin() + static_cast<std::ptrdiff_t>(most), all.end());
@@ -89,7 +89,7 @@ struct Responses {
   }
 };
 
-/// Of deliveries that are one series: the watch that is worst.
+/// The worst watch of the deliveries of a series.
 const control::Watch* watch_of(const Delivery& delivery) {
   const control::Watch* worst = nullptr;
   for (const auto* c : delivery.channels)
@@ -134,7 +134,7 @@ void add_deliveries(const control::Channels& channels, const Most& most, LeftOut
     supervised.add(labels, d.all([](const Channel& one) { return one.not_supervised.empty(); }));
     shared.add(labels, std::ranges::any_of(d.channels, &Channel::counts_shared));
     withdrawn.add(labels, c.withdrawn);
-    // What crosses no gate of this gateway is counted nowhere: 0 would say that nothing comes.
+    // Without a gate on the way no frame is counted; the value 0 would state that nothing passes.
     if (!d.all(&Channel::crosses_no_gate)) passed.add(labels, d.sum(&Channel::passed));
     dropped.add(labels, d.sum(&Channel::dropped));
     excess.add(labels, d.sum(&Channel::excess));

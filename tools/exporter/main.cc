@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlcca-exporter: what mlccad says, as metrics of Prometheus. It is started by the first scrape of
-// mlcca-exporter.socket, holds no right and opens no socket to a network by itself.
+// mlcca-exporter: makes metrics for Prometheus from answers of mlccad. The first connection to
+// mlcca-exporter.socket starts it; it has no privilege and opens no network socket itself.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <malloc.h>
@@ -30,7 +30,7 @@
 namespace mlcca::exporter {
 namespace {
 
-constexpr std::uint64_t kAlive = 1'000'000'000;  // ns between signs of life
+constexpr std::uint64_t kAlive = 1'000'000'000;  // ns between signs of life to systemd
 
 void say(const std::string& text) {
   write_at_once(STDERR_FILENO, "mlcca-exporter: " + text + '\n');
@@ -38,7 +38,7 @@ void say(const std::string& text) {
 
 std::string cause() { return std::strerror(errno); }  // NOLINT(concurrency-mt-unsafe): one thread
 
-/// The one that systemd has made.
+/// The socket that systemd has passed.
 Result<Fd> listening_socket() {
   const int given = ::sd_listen_fds(1);
   if (given != 1)
@@ -61,8 +61,8 @@ Result<void> run(Settings settings) {
   const Fd signals(::signalfd(-1, &ends, SFD_CLOEXEC | SFD_NONBLOCK));
   if (!signals) return fail("signalfd: " + cause());
   Scrapes scrapes(std::move(settings), say, monotonic_ns);
-  // The next scrape needs as much memory as this one: pages that were given back cost more time
-  // than what is written to them.
+  // The next scrape needs as much memory as this one. Returning pages to the kernel would cost more
+  // time than writing to them.
   constexpr int kept = 32 << 20;  // bytes
   ::mallopt(M_MMAP_THRESHOLD, kept);
   ::mallopt(M_TRIM_THRESHOLD, kept);

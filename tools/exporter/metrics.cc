@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kBytesOfADelivery = 1024;
 
-/// What may stand in a name or an address, so that digits beside it are a part of it.
+/// Whether a character can be part of a name or address, so that adjacent digits belong to it.
 bool is_of_a_word(char c) {
   return is_alphanumeric(c) || c == '_' || c == '-' || c == ':' || c == '/' ||
          (static_cast<unsigned char>(c) & 0x80U) != 0;
@@ -27,7 +27,7 @@ std::size_t end_of_number(std::string_view text, std::size_t from) {
   return at;
 }
 
-/// "10.0.0.7" goes on behind what looks like a number; so does "2a", but not "2:" or "5 ms".
+/// Whether a word continues at `at`, as in "10.0.0.7" or "2a", but not in "2:" or "5 ms".
 bool goes_on(std::string_view text, std::size_t at) {
   if (at >= text.size()) return false;
   const char after = at + 1 < text.size() ? text[at + 1] : ' ';
@@ -82,7 +82,7 @@ std::string without_numbers(std::string_view reason) {
       at = end;
       continue;
     }
-    // The whole word, so that its further digits are not taken for numbers.
+    // Copies the complete word, so that its digits do not count as numbers.
     do {
       out += reason[at++];
     } while (at < reason.size() && is_of_a_word(reason[at - 1]) &&
@@ -93,7 +93,7 @@ std::string without_numbers(std::string_view reason) {
 
 std::string page(const Answers& answers, const Most& most, const Past& past, double took_s) {
   std::string page;
-  if (answers.live.channels)  // about: it need not be moved while it grows
+  if (answers.live.channels)  // an estimate, so that the page is rarely moved while it grows
     page.reserve(answers.live.channels->channels.size() * kBytesOfADelivery);
   LeftOut left_out{{"deliveries", 0}, {"interfaces", 0}, {"networks", 0}, {"resources", 0},
                    {"links", 0},      {"control", 0},    {"reasons", 0}};
@@ -105,7 +105,7 @@ std::string page(const Answers& answers, const Most& most, const Past& past, dou
     add_status(*live.status, most, left_out, page);
     add_networks(reports, most, left_out, page);
     if (reports.gates) add_gates(*reports.gates, most, left_out, page);
-    // Where the gateway takes part in none, there is nothing to be said of a cluster.
+    // Without a cluster there are no metrics about one.
     if (live.cluster && !live.cluster->system.empty()) {
       add_cluster(*live.cluster, page);
       if (reports.members) add_members(*reports.members, most, left_out, page);

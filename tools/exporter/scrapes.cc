@@ -29,7 +29,8 @@ void Scrapes::take_reports(Asking& from) {
   due_ = false;
 }
 
-/// Each scrape asks again: what stays the same was said.
+/// Reports failures that are new. Every scrape repeats the requests, so a failure that lasts was
+/// reported already.
 void Scrapes::note(const std::vector<Failure>& failures) {
   std::set<std::string> failed;
   for (const auto& [request, why] : failures) {
@@ -69,7 +70,7 @@ void Scrapes::work() {
   auto from = asking();
   take_reports(from);
   note(from.failures());
-  // What is not there is asked again, and missed, in the next scrape.
+  // Reports that are missing are requested again after the next scrape.
   if (!from.failures().empty()) reports_at_ = 0;
 }
 

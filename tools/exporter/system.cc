@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The gateway as a whole, its interfaces, its networks and what of them is promised.
+// Metrics of the gateway, its interfaces, its networks and their reservations.
 #include <limits>
 #include <set>
 #include <span>
@@ -21,7 +21,7 @@ double seconds(std::uint64_t ns) {
                         : static_cast<double>(ns) * kNanosecond;
 }
 
-/// The first `most` of them; the others are counted in `left_out`.
+/// The first `most` elements; the number of the others is added to `left_out`.
 template <class T>
 std::span<const T> first(const std::vector<T>& all, std::size_t most, std::size_t& left_out) {
   if (all.size() <= most) return all;
@@ -36,7 +36,7 @@ void add_one(std::string_view name, std::string_view type, std::string_view help
   family.append_to(page);
 }
 
-/// As `mlccactl status --check` exits.
+/// The exit status of `mlccactl status --check`.
 std::uint64_t number_of(control::HealthState state) {
   switch (state) {
     case control::HealthState::healthy:
@@ -99,7 +99,8 @@ struct Frames {
         passed.add(labels.with("kind", count.reason), count.frames);
   }
 
-  /// What no reason is stated for has the reason "other", so that the sum is all.
+  /// Adds counts by reason. Frames without a stated reason have the reason "other", so that the sum
+  /// is the total.
   static void add_by_reason(const Labels& labels, std::uint64_t all,
                             const std::vector<control::ReasonCount>& reasons, Family& to) {
     std::uint64_t stated = 0;
@@ -243,7 +244,7 @@ void add_gates(const control::Gates& gates, const Most& most, LeftOut& left_out,
                 "Frames of control traffic that passed, by its kind.");
   Family dropped("mlcca_gate_control_frames_dropped_total", "counter",
                  "Frames of control traffic that were dropped, by its kind.");
-  // Several slots of a gate may be of one kind.
+  // Several slots of a gate may be of the same kind.
   struct Count {
     std::uint64_t passed = 0;
     std::uint64_t dropped = 0;

@@ -48,7 +48,8 @@ class CrossingRemarks {
                                      static_cast<std::uint32_t>(key.number)));
   }
 
-  /// A gateway lets no control traffic cross: where it does, it is a channel like others.
+  /// Notes heart-beats that cross a gateway. A gate passes no control traffic there, so the draft
+  /// has a channel for them.
   void heart_beats(const DraftChannel& row) {
     out_.push_back(fmt::format(
         "heart-beats {} go from {} to {}: the draft has the channel {} for them, since control "

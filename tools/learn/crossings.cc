@@ -7,15 +7,16 @@
 namespace mlcca::learn {
 namespace {
 
-constexpr std::uint64_t kSpan = 4'000'000'000;  // ns of a stretch that is kept or not, as a whole
-constexpr std::size_t kLooked = 64;             // records of one content that are looked at
+constexpr std::uint64_t kSpan = 4'000'000'000;  // ns of a span of time, which is kept completely or
+                                                // not at all
+constexpr std::size_t kLooked = 64;             // records of one content that are compared
 constexpr std::size_t kMostPairs = 65'536;
-constexpr std::uint64_t kFewest = 3;  // events, and contents
-constexpr double kCopies = 0.9;       // of the events of a copy, at least
-constexpr double kOriginals = 0.8;    // of the events of an origin; others were lost
+constexpr std::uint64_t kFewest = 3;  // events, and different contents
+constexpr double kCopies = 0.9;       // smallest share of the copy's events that must agree
+constexpr double kOriginals = 0.8;    // smallest share of the origin's events; others were lost
 // From one bus to another, where many contents are alike:
 constexpr std::uint64_t kFewestContents = 8;
-constexpr std::uint64_t kManyContents = 32;  // that are evidence
+constexpr std::uint64_t kManyContents = 32;  // different contents that are sufficient evidence
 constexpr double kRenumberedCopies = 0.95;
 constexpr double kRenumberedOriginals = 0.9;
 
@@ -27,14 +28,14 @@ bool is_renumbered(const Crossings::Of& from, const Crossings::Of& to) {
   return !from.ethernet && !to.ethernet;
 }
 
-/// Whether equal contents of them say anything.
+/// Whether equal contents of these two flows mean anything.
 bool is_comparable(const Crossings::Of& from, const Crossings::Of& to) {
   if (from.interface == to.interface) return false;
   if (is_renumbered(from, to)) return from.changes && to.changes;
   return !from.ethernet || !to.ethernet || from.number == to.number;
 }
 
-/// A copy of events of this one is one of that.
+/// Whether `from` is a direct or indirect copy of `to`.
 bool leads_to(std::span<const Crossings::Of> flows, std::uint32_t from, std::uint32_t to) {
   constexpr int most_interfaces = 64;
   std::optional<std::uint32_t> at = from;
@@ -65,7 +66,7 @@ bool Crossings::is_kept(std::uint64_t span) const {
   return ((span * 0x9e3779b97f4a7c15U) >> 32U & mask_) == 0;
 }
 
-/// Both what it may be a copy of and what may be a copy of it is kept, if there is any.
+/// Whether both the possible origins and the possible copies of an event at this time are kept.
 bool Crossings::is_inner(std::uint64_t ns) const {
   const std::uint64_t span = ns / kSpan;
   const std::uint64_t within = ns % kSpan;
@@ -97,7 +98,7 @@ void Crossings::compare(std::span<const Of> flows) {
   }
 }
 
-/// One event with those of its content before it, the latest first.
+/// Compares an event with earlier ones of the same content, the latest first.
 void Crossings::compare(std::span<const Of> flows, std::size_t copy, std::size_t first) {
   const Record& record = records_[copy];
   const Of& to = flows[record.flow];
@@ -109,7 +110,7 @@ void Crossings::compare(std::span<const Of> flows, std::size_t copy, std::size_t
     if (!is_comparable(from, to)) continue;
     if (pairs_.size() >= kMostPairs && !pairs_.contains({record.flow, before.flow})) continue;
     Pair& pair = pairs_[{record.flow, before.flow}];
-    // Each event has one copy in a flow, and each copy is of one.
+    // An event has at most one copy in a flow, and a copy has one origin.
     if (i <= pair.used_origin || copy < pair.used_copy) continue;
     pair.used_origin = i;
     pair.used_copy = copy + 1;
@@ -130,22 +131,22 @@ void Crossings::count_comparable(std::span<const Of> flows) {
   }
 }
 
-/// Events of the flow that were there while the interface was listened to.
+/// The number of events of the flow at times when the interface was observed, too.
 std::uint64_t Crossings::comparable(std::uint32_t flow, std::uint32_t interface) const {
   return comparable_[flow * heard_.size() + interface];
 }
 
 // --- deciding ------------------------------------------------------------------------------------
 
-/// A flow whose events were those of a channel on another interface.
+/// A pair of flows that may be copy and origin.
 struct Crossings::Candidate {
   Found found;
   std::uint64_t mean_ns = 0;
   std::uint64_t of_origin = 0;  ///< events of the flow that most are from
 };
 
-/// Between buses contents must be many, and none of a counter: nodes that were switched on together
-/// count alike.
+/// Between buses the contents must be many and not those of a counter: nodes that were switched on
+/// together count alike.
 bool Crossings::is_sure(const Found& found, const Of& copy) {
   if (copy.local) return true;
   return found.renumbered ? copy.rich && found.contents >= kManyContents
@@ -201,7 +202,7 @@ std::vector<Crossings::Found> Crossings::find(std::vector<Of> flows) {
   compare(flows);
   count_comparable(flows);
   auto all = candidates(flows);
-  // What is nearest in time is the likeliest.
+  // The pair with the shortest delay is the most likely.
   std::ranges::stable_sort(all, {}, [](const Candidate& one) {
     return std::tuple(!one.found.sure, one.mean_ns, one.found.copy, one.found.origin);
   });

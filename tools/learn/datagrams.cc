@@ -18,15 +18,15 @@ namespace {
 
 /// "ManChan!": announcements and reservations of FAMOUSO's management layer.
 constexpr std::uint64_t kManagement = 0x4d616e4368616e21;
-/// In front of the data of a fragment: header and number of its event, at most.
+/// The largest header of a fragment before its data, with the number of its event.
 constexpr std::size_t kFragmentHeader = 7;
 
-/// An address that a description can state.
+/// Whether a description can state the address.
 bool is_station(std::uint32_t address) {
   return core::station_of(core::to_text(core::Station{address})).has_value();
 }
 
-/// Subject and sender, as one number.
+/// Combines subject and sender into one number.
 std::uint64_t source_of(std::uint64_t subject, std::uint32_t sender) {
   std::uint64_t hash = kHashOfNothing;
   for (unsigned shift = 0; shift < 64; shift += 8)
@@ -80,8 +80,8 @@ void Datagrams::take_fragment(const Frame& frame, Event event, std::span<const s
     ++malformed_;
     return;
   }
-  // Lengths and the beginning are enough, so what was cut off, or comes in further IP fragments,
-  // may be anything.
+  // Only sizes and the beginning matter, so bytes that were truncated, or come in later IP
+  // fragments, may have any value.
   is_cut_ = is_cut_ || data.size() < std::min(bytes, kFragmentHeader + kHead);
   fragment_.assign(bytes, 0);
   std::ranges::copy(data.first(std::min(data.size(), bytes)), fragment_.begin());
@@ -94,7 +94,7 @@ void Datagrams::take_fragment(const Frame& frame, Event event, std::span<const s
   on_event(event);
 }
 
-/// Of a question and its answer the smaller port is mostly the one of the service.
+/// Counts the smaller port: of a request and its answer it is mostly the port of the service.
 void Datagrams::count_other(const Datagram& datagram) {
   ++others_;
   const std::uint16_t port = std::min(datagram.port, datagram.source_port);
@@ -122,8 +122,9 @@ std::string Datagrams::other_ports() const {
 
 Recognised Datagrams::recognised() const {
   using core::Profile;
-  constexpr unsigned silent = 90;         // nothing contradicts it
-  constexpr unsigned without_group = 70;  // anything may be broadcast
+  constexpr unsigned silent = 90;         // certainty if nothing contradicts the profile
+  constexpr unsigned without_group = 70;  // certainty without multicast groups: anything may be
+                                          // broadcast
   constexpr unsigned most = 99;
   const std::uint64_t all = events_ + malformed_;
   if (all == 0)

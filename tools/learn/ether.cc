@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint16_t kIpv4 = 0x0800;
 constexpr std::uint16_t kTag = 0x8100;         // 802.1Q
 constexpr std::uint16_t kServiceTag = 0x88a8;  // 802.1ad
-constexpr unsigned kMostTags = 2;              // that the gate skips
+constexpr unsigned kMostTags = 2;              // the gate skips as many
 constexpr std::size_t kAddresses = 12;         // bytes of both MAC addresses
 constexpr std::size_t kLeastIp = 20;
 constexpr std::size_t kUdp = 8;
@@ -25,7 +25,8 @@ std::uint32_t address(std::span<const std::uint8_t> bytes, std::size_t at) {
   return static_cast<std::uint32_t>(from_big_endian(bytes.subspan(at, 4)));
 }
 
-/// `payload`: bytes behind the IP header, as it says. `more`: further fragments follow.
+/// Reads a UDP header. `payload` is the size behind the IP header that the header states; `more`
+/// says that further IP fragments follow.
 Carries read_udp(std::span<const std::uint8_t> udp, std::size_t payload, bool more, Frame& out) {
   if (payload < kUdp || udp.size() < kUdp) return Carries::broken;
   const std::size_t whole = word(udp, 4);

@@ -14,7 +14,7 @@ std::size_t Flow::part_of(std::uint64_t gap) {
   const std::uint64_t clamped =
       std::clamp(gap, std::uint64_t{1} << kLowest, (std::uint64_t{1} << kHighest) - 1);
   const auto octave = static_cast<unsigned>(std::bit_width(clamped)) - 1;
-  const std::uint64_t within = (clamped >> (octave - 5)) & (kParts - 1);  // 5 bits: 32 parts
+  const std::uint64_t within = (clamped >> (octave - 5)) & (kParts - 1);  // 5 bits for 32 parts
   return std::size_t{octave - kLowest} * kParts + within;
 }
 
@@ -25,7 +25,7 @@ std::uint64_t Flow::middle_of(std::size_t part) {
 }
 
 void Flow::add(std::uint64_t ns, std::uint32_t bytes, Stretch stretch) {
-  // Recordings of several queues may be so much out of order, ns.
+  // Frames from several queues may be out of order by so much, in ns.
   constexpr std::uint64_t disorder = 1'000'000;
   all_bytes_ += bytes;
   least_bytes_ = std::min(least_bytes_, bytes);
@@ -60,7 +60,7 @@ void Flow::count_gap(std::uint64_t gap) {
   if (count != UINT32_MAX) ++count;
 }
 
-/// Events that are alone in their stretches say nothing, and are not kept.
+/// Keeps an event, unless it is alone in its stretch: such events say nothing about gaps.
 void Flow::keep(Moment event) {
   if (event.is_new && !begin_.empty() && begin_.back().is_new) {
     event.is_reset = event.is_reset || begin_.back().is_reset;
@@ -114,13 +114,14 @@ bool Flow::comes_in_bursts() const {
   return count * 4 >= gaps_;
 }
 
-/// From the median or mean of the first gaps downwards.
+/// Chooses the periods, from the median or mean of the first gaps downwards.
 void Flow::choose_periods() {
   std::vector<std::uint64_t> gaps;
   for (std::size_t i = 1; i < begin_.size(); ++i)
     if (!begin_[i].is_new) gaps.push_back(begin_[i].ns - begin_[i - 1].ns);
   std::ranges::nth_element(gaps, gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2));
-  // Of bursts the median is the time within one, and the mean is what they take of the bus.
+  // For bursts the median is the gap within a burst, and the mean corresponds to their load on the
+  // bus.
   const std::uint64_t first = std::max({gaps[gaps.size() / 2], mean_of_few(), std::uint64_t{1000}});
   constexpr std::array<unsigned, kPolicers> percent = {100, 99, 98, 95, 90, 80,
                                                        67,  50, 33, 25, 10, 5};

@@ -10,14 +10,14 @@
 namespace mlcca::learn {
 namespace {
 
-/// What can_filter means: an inverted one takes what does not match.
+/// Applies a struct can_filter; an inverted one takes identifiers that do not match.
 bool takes(std::uint32_t id, std::uint32_t mask, std::uint32_t can_id) {
   const bool inverted = (id & CAN_INV_FILTER) != 0;
   const std::uint32_t wanted = id & ~CAN_INV_FILTER & mask;
   return ((can_id & mask) == wanted) != inverted;
 }
 
-/// Why a rule cannot be in a draft; empty: it can.
+/// Why the copies of a rule cannot be in a draft; empty: they can.
 std::string obstacle(const net::CanRuleThere& there) {
   if (there.changes_more)
     return "changes them: mlccad carries frames as they are, so the draft does not have what "
@@ -69,7 +69,7 @@ void KernelCopies::copies_of(const Frame& frame, std::optional<std::uint32_t> or
   for (const Rule& rule : rules_)
     if (rule.seen && rule.to == frame.interface && origin == rule.from && rule.carries(frame))
       return;
-  std::uint64_t made = 0;  // a bit for each interface: two rules may carry the same
+  std::uint64_t made = 0;  // one bit for each interface: two rules may forward the same frame to it
   for (const Rule& rule : rules_) {
     const std::uint64_t bit = std::uint64_t{1} << rule.to;
     if (rule.seen || rule.from != frame.interface || (made & bit) != 0 || !rule.carries(frame))

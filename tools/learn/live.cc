@@ -33,16 +33,16 @@
 namespace mlcca::learn {
 namespace {
 
-constexpr int kBuffer = 16 * 1024 * 1024;  // bytes: a second of a bus, many times
-constexpr std::size_t kBatch = 256;        // frames that are read of a socket at once
-constexpr int kAsk = 100;                  // ms
+constexpr int kBuffer = 16 * 1024 * 1024;  // bytes; a second of a bus many times over
+constexpr std::size_t kBatch = 256;        // frames that are read from a socket at once
+constexpr int kAsk = 100;                  // ms between calls of `stop`
 
 template <class T>
 bool set(const Fd& socket, int level, int option, const T& value) {
   return ::setsockopt(socket.get(), level, option, &value, sizeof value) == 0;
 }
 
-/// 0: there is none.
+/// The index of an interface; 0 if there is none.
 int index_of(const std::string& name) {
   const Fd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   ifreq request{};
@@ -51,7 +51,7 @@ int index_of(const std::string& name) {
   return ::ioctl(socket.get(), SIOCGIFINDEX, &request) == 0 ? request.ifr_ifindex : 0;
 }
 
-/// A frame in memory of its own, so that those of several sockets can be sorted.
+/// A frame with its own buffer, so that frames of several sockets can be sorted.
 struct Read {
   Frame frame;  ///< its data begins at `begin`
   std::array<std::uint8_t, kFrameRead> bytes{};
@@ -65,7 +65,7 @@ struct Listened {
   std::uint64_t lost = 0;
 };
 
-/// Of CAN, as it stands in the bytes; false: it is an error frame.
+/// Decodes a CAN frame from the bytes; false if it is an error frame.
 bool read_can(std::size_t bytes, int flags, Read& one) {
   canfd_frame frame{};
   std::memcpy(&frame, one.bytes.data(), sizeof frame);
@@ -84,7 +84,7 @@ bool read_ethernet_frame(std::size_t bytes, unsigned type, Read& one) {
   return true;
 }
 
-/// Its type, ARPHRD_*; 0: not known.
+/// The type of a device, ARPHRD_*; 0 if it is not known.
 unsigned device_type(const std::string& name) {
   const Fd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   ifreq request{};
@@ -106,7 +106,7 @@ Result<Fd> open_can_socket(const std::string& name, int index) {
   return socket;
 }
 
-/// Times and losses come with each frame.
+/// Makes the kernel state the time of each frame and the number of lost ones.
 Result<void> ask(const Fd& socket) {
   if (!set(socket, SOL_SOCKET, SO_RCVBUFFORCE, kBuffer))
     static_cast<void>(set(socket, SOL_SOCKET, SO_RCVBUF, kBuffer));
@@ -148,7 +148,7 @@ class Sockets final : public Listener {
         if (polled[i].revents != 0 && !read(all_[i])) return system_error("recvmsg");
       std::ranges::stable_sort(batch_, {}, [](const Read& one) { return one.frame.ns; });
       for (Read& one : batch_) {
-        // It was copied since it was read.
+        // The span referred to the element from which the frame was copied.
         one.frame.data = std::span(one.bytes).subspan(one.begin, one.frame.data.size());
         on_frame(one.frame);
       }
@@ -170,7 +170,7 @@ class Sockets final : public Listener {
       const relay::Received got =
           relay::receive_into(from.socket, one.bytes.data(), one.bytes.size(),
                               from.ethernet ? &sender : nullptr, from.ethernet ? sizeof sender : 0);
-      // An interface that goes down stays: it may come again.
+      // An interface that goes down stays in the set, because it may come up again.
       if (got.size < 0)
         return errno == EAGAIN || errno == EINTR || errno == ENETDOWN || errno == ENODEV;
       const auto bytes = static_cast<std::size_t>(got.size);
@@ -188,7 +188,7 @@ class Sockets final : public Listener {
   std::vector<Read> batch_;
 };
 
-/// The attribute of that type among some; nothing: there is none.
+/// The payload of the attribute of that type; nullopt if there is none.
 std::optional<std::span<const std::uint8_t>> attribute(std::span<const std::uint8_t> all,
                                                        std::uint16_t type) {
   while (all.size() >= sizeof(rtattr)) {
@@ -202,7 +202,7 @@ std::optional<std::span<const std::uint8_t>> attribute(std::span<const std::uint
   return std::nullopt;
 }
 
-/// The first four bytes of an attribute: a number, or the rate in a struct can_bittiming.
+/// The first four bytes of an attribute: an integer, or the bit rate in a struct can_bittiming.
 std::uint32_t first_number(std::span<const std::uint8_t> data, std::uint16_t type) {
   const auto found = attribute(data, type);
   std::uint32_t number = 0;

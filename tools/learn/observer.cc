@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::size_t kMostPriorities = 8;
 constexpr std::uint64_t kFewestCopies = 3;
-constexpr double kCopied = 0.9;  // share of events that came from there, of what crosses
+constexpr double kCopied = 0.9;  // share of a flow's events that must have been on another
+                                 // interface
 
 core::can::WireLength wire_length_of(const Frame& frame) {
   core::can::WireFrame wire{.id = frame.id & kIdentifierBits,
@@ -26,7 +27,7 @@ core::can::WireLength wire_length_of(const Frame& frame) {
   return core::can::wire_length(wire);
 }
 
-/// Of identifier and data; 0 stands for nothing.
+/// A hash of identifier and data; never 0, which marks an empty entry.
 std::uint64_t content_of(const Frame& frame) {
   std::uint64_t hash = kHashOfNothing;
   for (unsigned shift = 0; shift < 32; shift += 8)
@@ -35,8 +36,8 @@ std::uint64_t content_of(const Frame& frame) {
   return hash | 1U;
 }
 
-/// Of length and first bytes; nothing where these are not known. CAN FD has not all lengths: what
-/// is carried there is filled up with zeros.
+/// A hash of length and first bytes; nullopt if these are not known. The length is rounded up to
+/// one that CAN FD has, because events are padded with zeros there.
 std::optional<std::uint64_t> content_of(const Event& event) {
   if (event.remote || event.head.size() < std::min<std::size_t>(event.bytes, kHead))
     return std::nullopt;
@@ -69,10 +70,10 @@ std::optional<Copies::Origin> Copies::origin_of(const Frame& frame) {
         (entry.copied_to & bit) != 0)
       continue;
     entry.copied_to |= bit;
-    // The latest one before it: a copy is made of a copy, too.
+    // The latest occurrence counts, because copies are forwarded, too.
     if (!out || entry.ns > out->ns) out = Origin{other, entry.ns};
   }
-  // What is a copy has been where it came from.
+  // A copy must not be recognised as origin of a frame on the interface that it came from.
   const std::uint64_t copied_to = out ? std::uint64_t{1} << out->interface : 0;
   (*recent_[frame.interface])[slot] = {hash, frame.ns, copied_to};
   return out;
@@ -158,7 +159,7 @@ void Observer::finish(std::size_t interfaces, std::span<const Medium> media) {
       continue;
     }
     if (!of.datagrams) of.datagrams = std::make_unique<Datagrams>();
-    // FAMOUSO is the only profile of such networks.
+    // FAMOUSO is the only profile of Ethernet.
     if (!of.is_stated || of.recognised->profile != core::Profile::famouso)
       of.recognised = of.datagrams->recognised();
   }
@@ -184,7 +185,7 @@ Seen* Observer::record(std::uint32_t interface, const Event& event, Stretch stre
   if (event.fd) ++seen.fd;
   if (event.remote) ++seen.remote;
   seen.control = event.control;
-  // Heart-beats of all nodes are alike: they go from bus to bus only.
+  // Heart-beats of all nodes are alike, so they are only compared between buses, by identifier.
   if (const auto content = content_of(event); content && !event.control) {
     crossings_.add(seen.number, interface, event.ns, *content);
     if (interfaces_[interface].medium == Medium::can) seen.variety.add(event.head);
@@ -208,7 +209,8 @@ void Observer::follow(const Frame& frame, const std::optional<Copies::Origin>& o
 
 // --- origins -------------------------------------------------------------------------------------
 
-/// Where most of the events of a flow had been before, on another bus, if they had.
+/// The flow on another bus on which most of the events of `seen` had been before; nullptr if there
+/// is none.
 const FlowKey* Observer::origin_on_can(const FlowKey& key, Seen& seen) const {
   const auto most =
       std::ranges::max_element(seen.from, {}, [](const auto& one) { return one.second.events; });

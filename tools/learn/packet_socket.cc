@@ -21,15 +21,15 @@ namespace {
 sock_filter load(std::uint16_t size, std::uint32_t at) {
   return {static_cast<std::uint16_t>(BPF_LD | size | BPF_ABS), 0, 0, at};
 }
-/// So many instructions further where it is so, and where it is not.
+/// A jump over `yes` instructions if the test is true, over `no` otherwise.
 sock_filter jump(std::uint16_t test, std::uint32_t value, std::uint8_t yes, std::uint8_t no) {
   return {static_cast<std::uint16_t>(BPF_JMP | test | BPF_K), yes, no, value};
 }
 sock_filter give(std::uint32_t bytes) { return {BPF_RET | BPF_K, 0, 0, bytes}; }
 
-constexpr std::size_t kTests = 5;  // instructions that look into an IPv4 packet
+constexpr std::size_t kTests = 5;  // instructions that examine an IPv4 packet
 
-/// UDP, and not a later fragment, of the packet that begins at `at`.
+/// Accepts the IPv4 packet at offset `at` if it is UDP and not a later fragment.
 std::array<sock_filter, kTests + 1> is_datagram(std::uint32_t at) {
   constexpr std::uint32_t protocol = 9;
   constexpr std::uint32_t fragment = 6;
@@ -39,16 +39,18 @@ std::array<sock_filter, kTests + 1> is_datagram(std::uint32_t at) {
           give(kFrameRead),           give(0)};
 }
 
-/// The ethertype behind each number of tags, and then the packet: one block for each.
+/// The filter: for each number of VLAN tags a block that examines the EtherType and then the
+/// packet.
 template <std::size_t Blocks>
 auto datagrams_only() {
-  constexpr std::size_t test = 4;  // instructions before a block's is_datagram()
+  constexpr std::size_t test = 4;  // instructions of a block before its is_datagram()
   constexpr std::size_t block = test + kTests + 1;
   std::array<sock_filter, Blocks * block + 1> out{};
   for (std::size_t i = 0; i < Blocks; ++i) {
     auto* at = out.data() + i * block;
     const auto type = static_cast<std::uint32_t>(ETH_HLEN - 2 + 4 * i);
-    constexpr std::uint8_t next = block - 2;  // behind the tests of a tag
+    constexpr std::uint8_t next = block - 2;  // distance to the next block, behind the tests of the
+                                              // tag
     *at++ = load(BPF_H, type);
     *at++ = jump(BPF_JEQ, ETH_P_IP, 2, 0);
     *at++ = jump(BPF_JEQ, ETH_P_8021Q, next - 1, 0);
@@ -62,7 +64,7 @@ auto datagrams_only() {
 }  // namespace
 
 Result<Fd> open_packet_socket(const std::string& interface, int index) {
-  // Without a protocol it gets nothing before the filter is there.
+  // Protocol 0: the socket receives nothing before the filter is attached.
   Fd socket(::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!socket && errno == EPERM)
     return fail(interface +

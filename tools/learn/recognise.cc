@@ -19,8 +19,8 @@ unsigned percent_of(std::size_t part, std::size_t all) {
   return all == 0 ? 0 : static_cast<unsigned>(part * 100 / all);
 }
 
-/// One fast message is most of the frames of a bus, and many that come once are most of its
-/// identifiers: what more of them have counts.
+/// The larger of two shares. A single fast message can make up most frames of a bus, and many rare
+/// ones most of its identifiers.
 struct Share {
   unsigned percent = 0;
   std::string_view of;
@@ -44,7 +44,7 @@ void Recogniser::add(const Frame& frame) {
   add_groups(frame.id & kIdentifierBits);
 }
 
-/// CANopen: heart-beats, SYNC and SDO.
+/// Counts heart-beats, SYNC and SDO of CANopen.
 void Recogniser::add_standard(const Frame& frame) {
   const std::uint32_t id = frame.id & kIdentifierBits;
   const auto& data = frame.data;
@@ -55,7 +55,7 @@ void Recogniser::add_standard(const Frame& frame) {
   if (is_service(id) && data.size() == 8) ++services_;
 }
 
-/// Cyphal: whether the last byte is that of the next transfer, or of the same one.
+/// Counts, for Cyphal, whether the tail byte is that of the next transfer or of the same one.
 void Recogniser::add_tail(const Frame& frame) {
   const std::uint32_t id = frame.id & kIdentifierBits;
   if (frame.data.empty() || (tails_.size() >= kMostIdentifiers && !tails_.contains(id))) return;
@@ -77,7 +77,7 @@ void Recogniser::add_tail(const Frame& frame) {
   if (next_transfer || same_transfer) ++successors_;
 }
 
-/// J1939: PGNs; FAMOUSO: what broker and nodes say, with priority 0x7d and tags 2 and 4.
+/// Counts PGNs of J1939, and the binding protocol of FAMOUSO (priority 0x7d, tags 2 and 4).
 void Recogniser::add_groups(std::uint32_t id) {
   constexpr std::array<std::uint32_t, 5> managing = {0xee, 0xea, 0xec, 0xeb, 0xe8};
   constexpr std::uint32_t pdu2 = 240;
@@ -103,7 +103,7 @@ Recognised Recogniser::result() const {
 
 Recognised Recogniser::of_standard() const {
   if (!heartbeats_.empty()) {
-    // Function codes of the predefined connection set, of nodes that are alive.
+    // Counts the function codes of the predefined connection set of nodes with a heart-beat.
     std::size_t frames = 0;
     std::size_t identifiers = 0;
     for (const auto& [id, count] : standard_)

@@ -19,7 +19,7 @@ namespace {
 using core::Profile;
 
 constexpr std::size_t kMostNamed = 8;                  // channels in a line
-constexpr std::uint64_t kManyGaps = 10;                // as long as so many of a channel
+constexpr std::uint64_t kManyGaps = 10;                // in gaps of a channel
 constexpr std::uint64_t kShortestEnd = 1'000'000'000;  // ns
 
 class Remarks {
@@ -51,7 +51,7 @@ class Remarks {
                                       : tools::number_text(at(key.interface).recognised->profile,
                                                            static_cast<std::uint32_t>(key.number));
   }
-  /// Of the flows of an interface that have channels and of which `is` says so.
+  /// The numbers of the flows of an interface that have channels and for which `is` is true.
   template <class Is>
   [[nodiscard]] Numbers numbers(std::uint32_t interface, const Is& is) const {
     Numbers out;
@@ -77,7 +77,8 @@ class Remarks {
                       names_[interface], tools::profile_word(*perhaps)));
   }
 
-  /// What was there for a part of the time only may be a fault, or a state of the plant.
+  /// Notes channels that were present only part of the time: that may be a fault, or a state of the
+  /// plant.
   void ends(std::uint32_t interface) {
     const Timeline& timeline = at(interface).timeline;
     const auto is_long = [](const Flow& flow, std::uint64_t ns) {
@@ -115,7 +116,7 @@ class Remarks {
                       names_[interface], listed(alike)));
   }
 
-  /// A gate passes no SDO that is not described.
+  /// Notes SDOs, which a gate does not pass unless they are described.
   void services(std::uint32_t interface) {
     if (is_ethernet(interface) || at(interface).recognised->profile != Profile::canopen) return;
     const Numbers all =

@@ -12,16 +12,16 @@
 namespace mlcca::learn {
 namespace {
 
-/// Before a pause there must have been so many frames, in such a time.
+/// So many frames must precede a pause, within so long a time.
 constexpr std::uint64_t kFewestFrames = 32;
 constexpr std::uint64_t kShortestActive = 1'000'000'000;  // ns
 
-/// As candump has it, so that it can be searched for: 1436509052.249713.
+/// A time stamp as in candump, so that it can be searched for: 1436509052.249713.
 std::string stamp(std::uint64_t ns) {
   return fmt::format("{}.{:06}", ns / 1'000'000'000, ns / 1000 % 1'000'000);
 }
 
-/// To three digits.
+/// A span with three digits.
 std::string span_words(std::uint64_t ns) {
   std::uint64_t unit = 1;
   while (ns / unit >= 1000) unit *= 10;
@@ -49,7 +49,7 @@ Stretch Timeline::take(std::uint64_t ns, std::uint32_t recording) {
   return stretch_;
 }
 
-/// A further recording goes on where the one before it ends, or is for itself.
+/// Begins a recording: it continues the one before, or has a clock of its own.
 void Timeline::begin(std::uint64_t ns, std::uint32_t recording) {
   const bool is_first = ranges_.empty();
   const bool has_dates = !is_first && ns >= kFirstDate && last_ >= kFirstDate;
@@ -98,7 +98,7 @@ std::vector<std::string> Timeline::notes(const std::string& interface,
   return out;
 }
 
-/// Recordings in the wrong order, and those of one time, of which the first pair is named.
+/// Notes recordings in the wrong order and of the same time, each kind with its first pair.
 void Timeline::note_order(const std::string& interface, std::span<const std::string> recordings,
                           std::vector<std::string>& out) const {
   std::string earlier;

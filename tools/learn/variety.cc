@@ -6,7 +6,7 @@
 namespace mlcca::learn {
 namespace {
 
-/// Of each byte by itself, without a carry.
+/// The difference of each byte, without carry.
 std::uint64_t difference(std::uint64_t a, std::uint64_t b) {
   constexpr std::uint64_t tops = 0x8080808080808080U;
   return ((a | tops) - (b & ~tops)) ^ ((a ^ ~b) & tops);

@@ -25,7 +25,8 @@ namespace {
 
 using enforce::failure;
 
-/// Bound to an interface, made as a program of `uid` would. Its own frames do not come back to it.
+/// A CAN socket bound to an interface, created with the file-system user `uid`. It does not receive
+/// its own frames.
 Result<Fd> can_socket(int ifindex, std::uint32_t uid = 0) {
   setfsuid(uid);
   Fd fd(::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW));
@@ -55,7 +56,7 @@ bool receives(const Fd& fd, const Probe& probe) {
          frame.len == probe.len;
 }
 
-/// An error at the socket is a drop by the gate: its counter shows it.
+/// Sends a frame. An error of write() is a drop by the gate, whose counter shows it.
 void send(const Fd& fd, const Probe& probe) {
   canfd_frame frame{};
   frame.can_id = probe.id;
@@ -65,7 +66,7 @@ void send(const Fd& fd, const Probe& probe) {
 
 }  // namespace
 
-/// As it was read, byte by byte; but nothing is policed or supervised.
+/// Makes the copy with the same bytes that were read, but without policing and supervision.
 Result<void> CanCopies::add(const enforce::GateReading& gate, const Original& original) {
   const int far = kFarIndex + static_cast<int>(gate.ifindex);
   if (auto made = net::make_pair("vxcan", {gate.interface, static_cast<int>(gate.ifindex)},
@@ -100,7 +101,7 @@ const CanCopies::Copy* CanCopies::find(std::uint32_t ifindex) const {
   return copy == copies_.end() ? nullptr : copy->get();
 }
 
-/// Frames that come by another interface, as `source` forwards them.
+/// Tries frames that arrive at interface `source` and are forwarded.
 void CanCopies::run_through(std::uint32_t source, const std::vector<Probe>& frames,
                             const Copy& copy, bool closed, Trial& trial) {
   const std::uint32_t ifindex = copy.original->ifindex;
@@ -125,7 +126,8 @@ void CanCopies::run_through(std::uint32_t source, const std::vector<Probe>& fram
                                         renamed == 1 ? "enters" : "enter"));
 }
 
-/// Sorted by the way and then by the source: a rule of the forwarder stays for all its frames.
+/// Forwarded frames are sorted by source, so that one forwarding rule serves all frames of a
+/// source.
 void CanCopies::run(std::uint32_t ifindex, bool closed, Trial& trial) {
   const Copy* const copy = find(ifindex);
   if (copy == nullptr) return;
@@ -154,7 +156,7 @@ Result<void> CanCopies::forward(std::uint32_t from, std::uint32_t to, bool wante
   return {};
 }
 
-/// Where a frame enters, where it must come out, and who may have dropped it on the way.
+/// Determines where the frame enters, where it must leave, and which gates may drop it on the way.
 Result<Fate> CanCopies::fate(const Probe& probe, const Copy& copy) const {
   const auto between = [&](const Fd& from, const Fd& to, const Copy& first) {
     const auto drops = [&] {

@@ -35,7 +35,7 @@ std::string source_of(const SlotSpec& s, const NameOf& name_of) {
   return s.source == GATE_NO_SOURCE ? "the kernel" : name_of(s.source);
 }
 
-/// Everything that a slot says, in one order.
+/// The content of a slot as words, in a fixed order.
 Words words_of(const SlotSpec& s, bool ethernet, const NameOf& name_of) {
   return {fmt::format("verdict {}", s.pass ? "pass" : "deny"),
           fmt::format("identifier {:#x}", s.id),
@@ -61,7 +61,7 @@ std::size_t unlike(const Words& a, const Words& b) {
   return count;
 }
 
-/// Those words of `a` that `b` does not say.
+/// The words of `a` that `b` does not have.
 std::string but_for(const Words& a, const Words& b) {
   Words own;
   for (std::size_t i = 0; i < a.size(); ++i)
@@ -69,13 +69,14 @@ std::string but_for(const Words& a, const Words& b) {
   return fmt::format("{}", fmt::join(own, ", "));
 }
 
-/// The slots of a subject in one direction that are not the same on both sides.
+/// The slots of a subject in one direction that differ between kernel and journal.
 struct Odd {
   std::vector<Words> is;
   std::vector<Words> ought;
 };
 
-/// Each of those that are there is taken for the one that it is most like.
+/// Appends lines about the differences. Each present slot is compared with the most similar
+/// expected one.
 void append_lines(Odd& odd, const std::string& where, std::vector<std::string>& to) {
   for (const Words& is : odd.is) {
     const auto like = std::ranges::min_element(
@@ -92,7 +93,8 @@ void append_lines(Odd& odd, const std::string& where, std::vector<std::string>& 
     to.push_back(fmt::format("{}: is not there; ought to be {}", where, fmt::join(ought, ", ")));
 }
 
-/// An Ethernet gate watches as many slots as it can, and reports that the others are not watched.
+/// Whether an Ethernet gate has all its watches in use, so that further slots are not supervised
+/// (which the gate reports).
 bool watches_all_it_can(const GateReading& gate) {
   return gate.ethernet && std::ranges::count_if(gate.slots, [](const SlotSpec& s) {
                             return s.period != 0;
@@ -103,7 +105,7 @@ bool watches_all_it_can(const GateReading& gate) {
 
 std::vector<std::string> differences(const GateReading& gate, std::span<const SlotSpec> ought,
                                      const NameOf& name_of) {
-  // As the gate takes them: publishers with one grant share a slot, which passes for either.
+  // As in the gate, publishers with the same grant share a slot, which passes frames of either.
   std::map<SlotSpec, SlotSpec, enforce::ByGrant> wanted;
   for (const SlotSpec& s : ought) {
     SlotSpec& shared = wanted.try_emplace(s, s).first->second;
@@ -151,7 +153,7 @@ void compare_slots(enforce::Reading& reading, const store::Contents& journal) {
                : fmt::format("interface {}", ifindex);
   };
   for (GateReading& gate : reading.gates) {
-    // Of an interface that is no port any more only what passes matters.
+    // Of an interface that is no longer a port only the passing slots matter.
     if (!gate.readable || std::ranges::none_of(journal.gated, [&gate](const auto& known) {
           return known.second.ifindex == gate.ifindex;
         }))

@@ -22,7 +22,7 @@ namespace {
 
 using enforce::failure;
 
-/// Of one ethertype alone, it stands behind the gate: made as a program of `uid` would.
+/// A packet socket for one EtherType, behind the gate, created with the file-system user `uid`.
 Result<Fd> packet_socket(int ifindex, std::uint16_t ethertype, std::uint32_t uid = 0) {
   setfsuid(uid);
   Fd fd(::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
@@ -50,7 +50,7 @@ bool fill(const Fd& to, const std::vector<T>& from) {
   return true;
 }
 
-/// As it was read, byte by byte; but nothing is policed or supervised.
+/// Copies the tables byte by byte, but without policing and supervision.
 Result<void> copy_table(const enforce::EtherImage& from, const enforce::EtherPinned& to) {
   if (from.sizes != to.sizes) return fail("its copy has another size");
   if (!fill(to.maps.table, from.table) || !fill(to.maps.buckets, from.buckets) ||
@@ -111,7 +111,7 @@ void EtherCopy::run(bool closed, Trial& trial) {
     trial.untried.insert(trial.untried.end(), probes_.untried().begin(), probes_.untried().end());
 }
 
-/// What leaves goes by the socket of its user, what comes in by the far end.
+/// A frame that leaves is sent by the socket of its user, one that arrives by the far end.
 Result<Fate> EtherCopy::fate(const EtherProbe& probe) {
   const std::uint16_t ethertype = ethertype_of(probe);
   if (!ends_.contains(ethertype)) {
@@ -130,7 +130,7 @@ Result<Fate> EtherCopy::fate(const EtherProbe& probe) {
   const Fd& to = probe.out ? ends.far : ends.near;
   const auto frame = frame_of(probe);
   const auto send = [&] {
-    // An error is a drop by the gate: its counter shows it.
+    // An error is a drop by the gate, whose counter shows it.
     static_cast<void>(::write(from.get(), frame.data(), frame.size()));
   };
   return fate_of(to, [&] { return drops_of(gate_); }, send, [&] { return receives(to, frame); });

@@ -14,12 +14,12 @@
 namespace mlcca::readback {
 namespace {
 
-/// Larger ones come in IP fragments.
+/// Larger datagrams would be divided into IP fragments.
 constexpr std::uint16_t kMostPayload = 1400;
-/// 192.0.2.1, and where that is a station of the table the next ones (RFC 5737: they belong to no
-/// host).
+/// 192.0.2.1; if it is a station of the table, the next address is used (RFC 5737: these belong to
+/// no host).
 constexpr std::uint64_t kStation = 0xc0000201;
-/// On 802.15.4 short addresses of a made-up PAN.
+/// For 802.15.4: short addresses of a PAN that is not in use.
 constexpr std::uint64_t kPan = 0x6d6c;
 constexpr std::uint64_t kWpanStation = ETHER_SHORT | kPan << 16U | 1;
 
@@ -96,7 +96,7 @@ bool EtherProbes::is_admitted(const EtherProbe& probe) const {
            (!probe.out ||
             (slot.source == 0 && (slot.uid == GATE_ANY_UID || slot.uid == probe.uid)));
   };
-  // Whoever has a slot for himself never meets the wildcard.
+  // The wildcard entry does not apply to a station that has an entry of its own.
   const bool known = std::any_of(first, last, [&](const auto& at) {
     return may_send(*at.second) && at.second->station == probe.station;
   });
@@ -128,14 +128,15 @@ void put_little(std::vector<std::uint8_t>& to, std::uint64_t number, unsigned oc
   for (; octets-- > 0; number >>= 8) to.push_back(static_cast<std::uint8_t>(number));
 }
 
-/// A data frame to all of one PAN.
+/// A data frame to all nodes of a PAN.
 std::vector<std::uint8_t> wpan_frame(const EtherProbe& probe) {
-  constexpr std::uint64_t to_all = 0x0841;  // data, one PAN, short destination
-  constexpr unsigned from = 14;             // mode of the source: 2 short, 3 extended
+  constexpr std::uint64_t to_all = 0x0841;  // frame control: data, one PAN, short destination
+                                            // address
+  constexpr unsigned from = 14;  // position of the source address mode: 2 short, 3 extended
   const bool extended = (probe.station & ETHER_EXTENDED) != 0;
   std::vector<std::uint8_t> frame;
   put_little(frame, to_all | (extended ? 3U : 2U) << from, 2);
-  put_little(frame, 0, 1);  // sequence
+  put_little(frame, 0, 1);  // sequence number
   put_little(frame, extended ? kPan : probe.station >> 16U, 2);
   put_little(frame, 0xffff, 2);
   put_little(frame, extended ? probe.station & ~ETHER_EXTENDED : probe.station, extended ? 8 : 2);
@@ -143,21 +144,21 @@ std::vector<std::uint8_t> wpan_frame(const EtherProbe& probe) {
   return frame;
 }
 
-/// To a group address, from a made-up station of the link.
+/// An Ethernet header to a multicast address, from an invented station.
 std::vector<std::uint8_t> link_header(const EtherProbe& probe) {
   std::vector<std::uint8_t> frame{0x01, 0x00, 0x5e, 0x4d, 0x4c, 0x43, 0x02, 0, 0, 0, 0, 0x01};
   put(frame, ethertype_of(probe), 2);
   return frame;
 }
 
-/// A flood of the mesh with an event of its own in it.
+/// A flood packet of the mesh that contains an event.
 std::vector<std::uint8_t> awds_packet(const EtherProbe& probe) {
   auto frame = link_header(probe);
   put(frame, ETHER_AWDS_FLOOD, 1);
   put(frame, probe.station, 6);
-  put(frame, 0, 2);              // sequence
-  put(frame, probe.station, 6);  // the last hop
-  put(frame, 1, 1);              // one more
+  put(frame, 0, 2);              // sequence number
+  put(frame, probe.station, 6);  // last hop
+  put(frame, 1, 1);              // TTL
   put(frame, ETHER_AWDS_PUBLISH, 1);
   put(frame, 0, 1);
   put(frame, sizeof(probe.subject) + probe.payload, 2);
@@ -165,16 +166,16 @@ std::vector<std::uint8_t> awds_packet(const EtherProbe& probe) {
   return frame;
 }
 
-/// To 239.77.76.67.
+/// A UDP datagram to 239.77.76.67.
 std::vector<std::uint8_t> datagram(const EtherProbe& probe) {
   constexpr unsigned ip_header = 20;
   const unsigned udp = ETHER_UDP_HEADER + ETHER_EVENT_HEADER + probe.payload;
   auto frame = link_header(probe);
   put(frame, 0x4500, 2);
   put(frame, ip_header + udp, 2);
-  put(frame, 0x00004000, 4);  // not to be fragmented
-  put(frame, 0x0111, 2);      // one hop, UDP
-  put(frame, 0, 2);           // without a checksum: no program here checks it
+  put(frame, 0x00004000, 4);  // do not fragment
+  put(frame, 0x0111, 2);      // TTL 1, UDP
+  put(frame, 0, 2);           // without a checksum, which no program here checks
   put(frame, probe.station, 4);
   put(frame, 0xef4d4c43, 4);
   put(frame, ETHER_MULTICAST_PORT, 2);

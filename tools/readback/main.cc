@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlcca-readback: what `mlccactl gate --verify` becomes. Compares what the kernel has in force with
-// what is pinned and with what the journal has granted, and sends frames through copies of the
-// gates; asks no daemon and changes nothing.
+// mlcca-readback, which `mlccactl gate --verify` starts: compares what is in force in the kernel
+// with the pins and with the journal, and sends frames through copies of the gates. It asks no
+// daemon and changes nothing.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -37,12 +37,12 @@ constexpr const char* kFooter =
     "Exit status: 0 everything is as it should be, 1 something differs, 2 usage, 3 it cannot be "
     "read.";
 
-/// A daemon changes its gates first and then the journal: what is wrong between the two is right a
-/// little later.
+/// The daemon changes its gates before the journal, so a difference counts only if it is there in
+/// several readings.
 constexpr int kReadings = 4;
 constexpr std::chrono::milliseconds kBetween{100};
 
-/// A copy of the journal is opened, because the daemon holds the journal itself.
+/// Reads a copy of the journal, because the daemon has the journal locked.
 Result<store::Contents> read_journal(const std::string& state_directory) {
   std::error_code error;
   const auto temporary = std::filesystem::temp_directory_path(error);
@@ -61,8 +61,8 @@ Result<store::Contents> read_journal(const std::string& state_directory) {
   return contents;
 }
 
-/// The interface of each port is the one that the journal says, and has a gate; and no other
-/// interface passes anything.
+/// Checks that the interface of each port is the one in the journal and has a gate, and that no
+/// other interface passes anything.
 std::vector<std::string> compare_ports(const enforce::Reading& reading,
                                        const store::Contents& journal) {
   std::vector<std::string> problems = reading.problems;
@@ -115,13 +115,13 @@ std::size_t passing(const enforce::GateReading& gate) {
   return static_cast<std::size_t>(std::ranges::count_if(gate.slots, &enforce::SlotSpec::pass));
 }
 
-/// What belongs to no gate.
+/// What does not belong to a gate.
 struct Rest {
   std::vector<std::string> without_gate;  ///< CAN interfaces
   std::vector<std::string> problems;
 };
 
-/// Of the gates, by ifindex; or why there is none.
+/// The trials by interface index, or why there are none.
 using Trials = Result<std::map<std::uint32_t, readback::Trial>>;
 
 nlohmann::ordered_json json(const enforce::GateReading& gate, const Trials& trials) {
@@ -187,7 +187,7 @@ std::string text(const enforce::Reading& reading, const Rest& rest, const Trials
   return out;
 }
 
-/// What frames have shown that ought not to be is a problem of the gate.
+/// Sends frames through copies. Wrong results become problems of the gate.
 Trials try_gates(enforce::Reading& reading, const std::string& root) {
   auto tried = readback::try_gates(reading, root);
   if (!tried) return std::unexpected(tried.error());
@@ -210,7 +210,7 @@ struct Comparison {
              return gate.problems.empty();
            });
   }
-  /// Only what was wrong in a former comparison, too.
+  /// Removes problems that were not in a former comparison, too.
   void keep_what_was_wrong_in(const Comparison& former) {
     const auto keep = [](std::vector<std::string>& now, const std::vector<std::string>& before) {
       std::erase_if(now,
@@ -258,7 +258,7 @@ int verify(const std::string& root, const std::string& state, bool as_json, bool
       fmt::print(stderr, "mlccactl: {}\n", why);
     return world;
   }
-  // The last of all: there is no way back from its namespaces.
+  // This must be last, because the process cannot leave the namespaces.
   const Trials trials = probes ? try_gates(found->reading, root) : Trials(fail("--no-probes"));
   fmt::print("{}", as_json ? json(found->reading, found->rest, trials)
                            : text(found->reading, found->rest, trials));

@@ -18,7 +18,7 @@ using enforce::Direction;
 using enforce::GateReading;
 using enforce::SlotSpec;
 
-/// CAN FD has no other lengths above 8.
+/// The lengths from 8 bytes on that CAN FD has.
 constexpr std::array<std::uint16_t, 8> kFdLengths = {8, 12, 16, 20, 24, 32, 48, 64};
 
 std::uint16_t fd_length(std::uint16_t most) {
@@ -50,7 +50,7 @@ bool is_whence(const SlotSpec& slot, const Probe& probe) {
   return false;
 }
 
-/// Slots of the frame's key, or where it has none those with a mask.
+/// The slots with the frame's key; if there are none, the slots with a matching mask.
 std::vector<SlotSpec> candidates(const Probe& probe, const GateReading& gate) {
   const auto direction = probe.way == Probe::Way::in ? Direction::ingress : Direction::egress;
   std::vector<SlotSpec> named;
@@ -66,7 +66,8 @@ std::vector<SlotSpec> candidates(const Probe& probe, const GateReading& gate) {
   return named.empty() ? masked : named;
 }
 
-/// Of the slots that let it pass: what they admit it as, or demand that it was admitted as.
+/// The subject and origin in the slots that pass the frame: at the ingress what it is admitted as,
+/// at the egress what it must have been admitted as.
 using Origins = std::set<std::pair<std::uint64_t, std::uint32_t>>;
 Origins origins(const Probe& probe, const GateReading& gate) {
   Origins passed;
@@ -76,7 +77,7 @@ Origins origins(const Probe& probe, const GateReading& gate) {
   return passed;
 }
 
-/// Of a key without a slot, in the form that the profile has subjects for.
+/// A frame with a key that has no slot, in the form that the profile uses for subjects.
 Probe unknown_subject(const GateReading& gate, bool extended) {
   Probe probe{.id = extended ? CAN_EFF_FLAG | 0x0c0300c8U : 0x6a5U, .len = 1};
   const std::uint32_t step = gate.profile == GATE_PROFILE_RAW || !extended ? 1U : 0x100U;

@@ -21,7 +21,8 @@ namespace {
 
 using enforce::failure;
 
-/// Pins of the copies hide those of the originals from this process.
+/// Enters new namespaces. The bpffs that is mounted there hides the original pins from this
+/// process.
 Result<void> enter_namespaces(const std::string& root) {
   if (::unshare(CLONE_NEWNET | CLONE_NEWNS) != 0) return failure("a namespace for probes", errno);
   if (::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0)
@@ -31,8 +32,8 @@ Result<void> enter_namespaces(const std::string& root) {
   return {};
 }
 
-/// The copies judge even in audit mode, and as long as it takes, without a heart-beat. Verdicts
-/// that the daemon has put in force since the reading are none of theirs.
+/// Copies the control word so that the copies enforce even in audit mode, without limit and
+/// heart-beat. Verdicts that the daemon has put in force since the reading do not apply to them.
 Result<void> copy_control(const Fd& original, std::uint32_t generation,
                           const enforce::Control& control) {
   const enforce::Mapped<gate_control> from(original.get(), 1);

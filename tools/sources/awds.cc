@@ -17,7 +17,7 @@
 namespace mlcca::net {
 namespace {
 
-/// Packets that are taken before others get their turn.
+/// Packets that are handled before other events of the loop.
 constexpr int kTurn = 64;
 
 class Awds final : public LinkSource {
@@ -44,7 +44,7 @@ class Awds final : public LinkSource {
 
   void connect() {
     Fd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-    // A local socket connects at once or not at all.
+    // Connecting to a local socket succeeds or fails at once.
     if (!socket || ::connect(socket.get(), generic(address_), sizeof address_) < 0) {
       problem_ = error_words(path_, errno);
       return;
@@ -86,7 +86,7 @@ class Awds final : public LinkSource {
     if (changed) pace_.ask();
   }
 
-  /// What was received stays true for as long as it is valid; the next poll connects.
+  /// Ends the connection. What was received stays valid for its time; the next poll connects again.
   void disconnect(const std::string& why) {
     io_.reset();
     socket_.reset();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// All integers are big endian. Octets of a topology packet: 0 type (1 flood, bit 7 trace),
-// 1-6 source, 7-8 sequence, 9-14 last hop, 15 TTL, 16 kind of flood (0 topology), 17-20 validity,
-// 21 number of links, 8 for each link, length of the name, name.
+// Topology packets, with big-endian integers. Octets: 0 type (1 flood, bit 7 trace), 1-6 source,
+// 7-8 sequence, 9-14 last hop, 15 TTL, 16 kind of flood (0 topology), 17-20 validity, 21 number of
+// links, 8 for each link, length of the name, name.
 #include "tools/sources/awds_packet.hpp"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ constexpr std::uint8_t kTopologyFlood = 0;
 constexpr std::uint64_t kNanosPerMilli = 1'000'000;
 constexpr std::uint64_t kNoBackward = (std::uint64_t{1} << 22) - 1;
 
-/// Takes integers and octets off the front; once there are too few, everything it gives is 0.
+/// Reads integers and octets from the front. After the first one beyond the end every value is 0.
 class Reader {
  public:
   explicit Reader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -51,16 +51,16 @@ class Reader {
   bool complete_ = true;
 };
 
-/// Loss of a link of which `quality` says how many of 32 beacons were lost.
+/// The loss of a link whose `quality` states how many of 32 beacons were lost.
 std::optional<Value> etx_loss(std::uint16_t quality) {
   constexpr std::uint32_t step = 2047;
   constexpr std::uint32_t window = 32;
   if (quality == 1) return 0;  // no loss: AWDS does not send 0
   if (quality == 0 || quality % step != 0 || quality > step * window) return std::nullopt;
-  return Value{1'000'000'000} * (quality / step) / window;  // 32 divides 1e9: exact
+  return Value{1'000'000'000} * (quality / step) / window;  // exact, because 32 divides 1e9
 }
 
-/// bit/s of a link on which 800 octets take quality / `per_second` s.
+/// The rate in bit/s of a link on which 800 octets take quality / `per_second` seconds.
 Value probe_rate(std::uint16_t quality, Value per_second) {
   constexpr Value probe_bits = 6400;
   const bool measured = quality != 0 && quality != 0xffff;
@@ -86,7 +86,7 @@ std::optional<Topology> parse(std::span<const std::uint8_t> packet) {
   Topology out;
   out.source = reader.id();
   out.sequence = static_cast<std::uint16_t>(reader.integer(2));
-  reader.octets(6 + 1);  // last hop and TTL: the same flood whoever relays it
+  reader.octets(6 + 1);  // last hop and TTL do not matter: it is the same flood whoever relays it
   if (reader.integer(1) != kTopologyFlood) return std::nullopt;
   out.validity = reader.integer(4);
   const std::uint32_t links = reader.integer(1);
@@ -139,7 +139,8 @@ std::uint64_t weight_of(AwdsMetric metric, std::uint16_t forward,
     case AwdsMetric::hops:
       return 1;
     case AwdsMetric::etx: {
-      // 2048 / (n/32 * m/32); a window without any beacon is as bad as one with none to say.
+      // 2048 / (n/32 * m/32) for n and m received beacons; 0 received beacons give the largest
+      // cost.
       const std::uint64_t both = std::uint64_t{32U - std::min(32U, forward / 2047U)} *
                                  (32U - std::min(32U, *backward / 2047U));
       return both == 0 ? kNoBackward : std::min(kNoBackward, (std::uint64_t{1} << 21) / both);
@@ -161,7 +162,7 @@ void Graph::forget_expired(std::uint64_t now) {
                 [now](const auto& node) { return now - node.second.at >= node.second.valid(); });
 }
 
-/// False: every known node has precedence.
+/// Makes room for a node. False: all known nodes have precedence.
 bool Graph::make_room(bool for_described) {
   if (nodes_.size() < kMaxNodes) return true;
   crowded_ = true;
@@ -178,8 +179,8 @@ bool Graph::make_room(bool for_described) {
 bool Graph::take(Topology topology, std::uint64_t now) {
   forget_expired(now);
   const auto known = nodes_.find(topology.source);
-  // Sequence numbers wrap: the shorter distance shows which is newer. A node that has started again
-  // counts from 0 and is believed when what it said before has expired.
+  // Sequence numbers wrap: the smaller distance shows which one is newer. A node that has restarted
+  // counts from 0 and is accepted when its former packet has expired.
   if (known != nodes_.end() &&
       static_cast<std::int16_t>(topology.sequence - known->second.topology.sequence) <= 0)
     return false;

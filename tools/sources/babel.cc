@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Lines of babeld's local interface: "add|change|flush interface|neighbour|route|xroute NAME" and
-// then pairs of a word and its value. A reply ends with ok, no or bad.
+// Lines of babeld's local interface: "add|change|flush interface|neighbour|route|xroute NAME",
+// followed by pairs of a word and its value. A reply ends with ok, no or bad.
 #include "tools/sources/babel.hpp"
 
 #include <algorithm>
@@ -18,7 +18,7 @@ constexpr std::uint32_t kInfinity = 0xffff;
 constexpr std::uint32_t kIdeal = 256;
 constexpr Value kAll = 1'000'000'000;
 
-/// The next word; `text` loses it.
+/// Removes and returns the next word.
 std::string_view word(std::string_view& text) {
   const auto begin = std::min(text.find_first_not_of(' '), text.size());
   const auto end = std::min(text.find(' ', begin), text.size());
@@ -33,7 +33,7 @@ std::string text_of(const std::map<std::string_view, std::string_view>& fields,
   return it == fields.end() ? std::string{} : std::string(it->second);
 }
 
-/// A cost; what is missing or no number is infinite.
+/// The cost in a field; infinite if it is missing or no number.
 std::uint32_t cost_of(const std::map<std::string_view, std::string_view>& fields,
                       std::string_view key) {
   return number_in<std::uint32_t>(text_of(fields, key)).value_or(kInfinity);
@@ -162,7 +162,7 @@ std::string State::own_name(const std::string& interface, const std::string& hos
 
 State::Names State::neighbours_by_host() const {
   Names out;
-  // A route that costs nothing after the neighbour is the neighbour's own.
+  // A route without further cost behind the neighbour is the neighbour's own.
   for (const auto& [id, route] : routes_)
     if (route.refmetric == 0 && described_.contains(route.host))
       out.try_emplace(route.via, route.host);
@@ -179,7 +179,8 @@ core::mesh::Snapshot State::snapshot() const {
   core::mesh::Snapshot out;
   const Names hosts = neighbours_by_host();
   const std::string host = own_host();
-  std::map<std::string, std::string> own_side;  // of each neighbour, by its address
+  std::map<std::string, std::string> own_side;  // our end of the link to each neighbour, by its
+                                                // address
   for (const auto& [id, neighbour] : neighbours_) {
     const std::string own = own_name(neighbour.interface, host);
     if (own.empty() || neighbour.address.empty()) continue;
@@ -191,7 +192,7 @@ core::mesh::Snapshot State::snapshot() const {
     there.weight = neighbour.cost;
     core::mesh::Sample back = there;
     std::swap(back.from, back.to);
-    // What we count of a neighbour's hellos is our rxcost; what it counts of ours it reports to us.
+    // Our count of a neighbour's hellos is rxcost; its count of ours, which it reports, is txcost.
     there.loss = loss_of(neighbour.txcost);
     back.loss = loss_of(neighbour.rxcost);
     out.links.push_back(std::move(there));
@@ -212,8 +213,8 @@ namespace {
 
 constexpr std::uint64_t kPatience = 5'000'000;  // µs
 
-/// Receives changes as they happen, and asks for everything each second: an answer shows that
-/// babeld is still there and that its reports still hold.
+/// Receives changes as they happen and requests a dump every second: an answer shows that babeld
+/// still runs and that its reports still hold.
 class Babel final : public LinkSource {
  public:
   Babel(Endpoint endpoint, Described described, sd_event* loop, Report report)
@@ -253,7 +254,7 @@ class Babel final : public LinkSource {
                     std::to_string(babel::kMaxRoutes) + " routes to single hosts");
         break;
       case babel::Line::fact:
-        // Changes are reported at once, the lines of a dump together.
+        // Changes are reported at once, the lines of a dump together at its end.
         if (dumped_ && !asked_) pace_.ask();
         break;
       case babel::Line::ok:
@@ -283,7 +284,7 @@ class Babel final : public LinkSource {
   }
 
   void report() {
-    if (!dumped_ || asked_) return;  // the end of the answer reports
+    if (!dumped_ || asked_) return;  // the end of the answer will report
     auto snapshot = state_.snapshot();
     stamp(snapshot, time_of(loop_));
     report_(std::move(snapshot));
@@ -303,8 +304,8 @@ class Babel final : public LinkSource {
   Report report_;
   babel::State state_;
   bool greeted_ = false;
-  bool asked_ = false;   ///< for everything, and the answer is not complete
-  bool dumped_ = false;  ///< everything is known
+  bool asked_ = false;   ///< a dump was requested and is not complete
+  bool dumped_ = false;  ///< a complete dump was received
   Timer timer_;
   Pace pace_;
   LineClient client_;

@@ -21,7 +21,7 @@ std::optional<std::uint16_t> parse_port(std::string_view text) {
   return port.value_or(0) == 0 ? std::nullopt : port;
 }
 
-/// The sockets API takes every family through one type.
+/// Converts an address of any family; the sockets API takes all through one type.
 template <class Address>
 Endpoint endpoint_of(const Address& address, std::string text) {
   static_assert(sizeof(Address) <= sizeof(sockaddr_storage));

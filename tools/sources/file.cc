@@ -33,7 +33,7 @@ using core::mesh::Sample;
 
 constexpr Value kBillion = 1'000'000'000;
 
-/// A number with at most nine decimals.
+/// Parses a number with at most nine decimals.
 std::optional<Decimal> parse_number(std::string_view text) {
   constexpr std::size_t most_decimals = 9;
   const auto point = std::min(text.find('.'), text.size());
@@ -41,7 +41,7 @@ std::optional<Decimal> parse_number(std::string_view text) {
   return Decimal::read(text);
 }
 
-/// bit/s, whole, at least 1.
+/// Parses a rate: an integral number of bit/s, at least 1.
 std::optional<Value> parse_rate(std::string_view text) {
   static constexpr std::array names{"Gbit/s", "Mbit/s", "kbit/s", "bit/s"};
   const auto* const name =
@@ -54,7 +54,7 @@ std::optional<Value> parse_rate(std::string_view text) {
   return rate && *rate >= 1 && *rate <= kMaxRate ? rate : std::nullopt;
 }
 
-/// A share from 0 to 1, in units of 1/whole.
+/// Parses a share from 0 to 1, in units of 1/whole.
 std::optional<Value> parse_share(std::string_view text, Value whole) {
   const auto number = parse_number(text);
   if (!number) return std::nullopt;
@@ -63,7 +63,7 @@ std::optional<Value> parse_share(std::string_view text, Value whole) {
                                                : std::nullopt;
 }
 
-/// The address of a described node that `text` names.
+/// The address of the described node with that name or address; nullptr if there is none.
 const std::string* address_of(const Mesh& mesh, const std::string& text) {
   for (const auto& node : mesh.nodes)
     if (node.name == text || node.address == text) return &node.address;
@@ -82,7 +82,7 @@ std::vector<std::string> words_of(std::string_view line) {
   return words;
 }
 
-/// Takes "NAME=VALUE" into the sample; an error in words.
+/// Parses "NAME=VALUE" into the sample; returns an error text if that fails.
 std::optional<std::string> take_option(const std::string& word, Sample& sample) {
   const auto equals = std::min(word.find('='), word.size());
   const std::string_view name = std::string_view(word).substr(0, equals);
@@ -110,7 +110,7 @@ std::optional<std::string> take_option(const std::string& word, Sample& sample) 
   return std::nullopt;
 }
 
-/// Adds what the line says; an error in words.
+/// Adds the link of a line; returns an error text if that fails.
 std::optional<std::string> take_line(const std::vector<std::string>& words, const Mesh& mesh,
                                      std::vector<Sample>& links,
                                      std::set<std::pair<std::string, std::string>>& stated) {
@@ -145,7 +145,7 @@ std::optional<std::string> take_line(const std::vector<std::string>& words, cons
   return std::nullopt;
 }
 
-/// Of a regular file: another would block, or never end.
+/// Reads a regular file; reading another kind could block or never end.
 Result<std::string> read_file(const std::string& path) {
   const Fd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (!file) return fail(error_words(path, errno));
@@ -168,7 +168,7 @@ Result<std::string> read_file(const std::string& path) {
   }
 }
 
-/// What distinguishes one content of a path from another; nothing where there is none.
+/// Distinguishes the versions of a file by its metadata; nullopt if there is no file.
 using Version = std::optional<std::array<std::int64_t, 6>>;
 Version version_of(const std::string& path) {
   struct stat s{};
@@ -192,7 +192,7 @@ class File final : public LinkSource {
   }
 
  private:
-  /// Refreshes the samples; watches the folder as soon as there is one.
+  /// Refreshes the samples, and watches the folder as soon as it exists.
   void poll() {
     if (!watch_) {
       watch();
@@ -204,8 +204,9 @@ class File final : public LinkSource {
     timer_.set(kPollInterval);
   }
 
-  /// Behind a symbolic link, or with the folder itself: the watch does not report that. A file that
-  /// is being written in place is left alone until it is the same in two polls.
+  /// Whether the file has changed without an event of the watch: behind a symbolic link, or with
+  /// its folder. A file that is being written in place is not read before it is the same in two
+  /// polls.
   [[nodiscard]] bool has_changed_unseen() {
     const Version now = version_of(path_);
     if (now == version_) return false;
@@ -219,7 +220,7 @@ class File final : public LinkSource {
   void watch() {
     const auto folder = std::filesystem::path(path_).parent_path();
     sd_event_source* raw = nullptr;
-    // Not every write: a file that is being written is read when its writer closes it.
+    // IN_MODIFY is left out: a file that is being written is read when its writer closes it.
     constexpr std::uint32_t changes =
         IN_CLOSE_WRITE | IN_MOVED_TO | IN_MOVED_FROM | IN_DELETE | IN_MOVE_SELF | IN_ONLYDIR;
     if (sd_event_add_inotify(loop_, &raw, folder.c_str(), changes, on_change, this) >= 0)
@@ -228,7 +229,7 @@ class File final : public LinkSource {
 
   static int on_change(sd_event_source*, const inotify_event* event, void* self) noexcept {
     auto& file = *static_cast<File*>(self);
-    // The watch is over when the folder is.
+    // The folder was removed or renamed.
     if ((event->mask & (IN_IGNORED | IN_MOVE_SELF)) != 0) file.watch_.reset();
     const bool other =
         event->len > 0 && std::filesystem::path(file.path_).filename() != event->name;
@@ -263,8 +264,8 @@ class File final : public LinkSource {
   Report report_;
   std::vector<Sample> links_;
   std::string problem_;
-  Version seen_;          ///< in the last poll, while it differs from what was read
-  Version version_;       ///< of what was read
+  Version seen_;          ///< version in the latest poll, while it differs from version_
+  Version version_;       ///< version that was read
   bool changed_ = false;  ///< since it was read
   EventSource watch_;
   Timer timer_;

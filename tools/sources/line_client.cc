@@ -52,7 +52,7 @@ Result<void> LineClient::begin_connecting() {
   return {};
 }
 
-/// That it is whose we believe: the same socket listens as before.
+/// Checks that the server is trusted and that the same socket listens as before connecting.
 Result<void> LineClient::check_server() const {
   if (endpoint_.address.ss_family == AF_UNIX) return check_peer(socket_.get());
   const auto listeners = trusted_listeners(endpoint_);
@@ -122,7 +122,7 @@ void LineClient::receive() {
 }
 
 bool LineClient::take_lines() {
-  // A handler may end the connection, which empties the buffer: the text is kept here meanwhile.
+  // A handler may end the connection, which clears the buffer; so the text is kept here.
   const std::string text = std::exchange(buffer_, {});
   std::size_t begin = 0;
   for (auto end = text.find('\n'); end != std::string::npos; end = text.find('\n', begin)) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlcca-sources: reads one source that untrusted peers write and sends mlccad facts. Its standard
-// input is a connection to mlccad (daemon/net/sources/facts.hpp); it ends with that.
+// mlcca-sources: reads one source whose data untrusted peers write, and sends facts to mlccad.
+// Standard input is a connection to mlccad (daemon/net/sources/facts.hpp); the process ends with
+// it.
 #include <poll.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>
@@ -27,7 +28,7 @@ namespace {
 using net::facts::Message;
 
 constexpr int kConversation = STDIN_FILENO;
-constexpr int kPatience = 10'000;  // ms for the question
+constexpr int kPatience = 10'000;  // ms to wait for the question
 
 void say(const std::string& text) { write_at_once(STDERR_FILENO, "mlcca-sources: " + text + '\n'); }
 
@@ -48,8 +49,8 @@ Result<net::facts::Question> read_question() {
   }
 }
 
-/// Sends one snapshot after the other. While one waits for mlccad to read, only the latest of those
-/// that follow is kept.
+/// Sends snapshots one after another. While one waits for mlccad to read, only the latest further
+/// one is kept.
 class Answers {
  public:
   Result<void> start(sd_event* loop) {
@@ -113,7 +114,8 @@ Result<void> serve() {
     answers.take(std::move(snapshot));
   };
   const auto source = net::open_here(question->source, question->mesh, raw, report);
-  // It stays, so that the problem stays reported and no other process is started for nothing.
+  // The process goes on without a source, so that the problem stays reported and mlccad does not
+  // start another process in vain.
   net::Timer refused;
   if (!source) {
     const auto report_why = [&] {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The telnet interface of olsrd2 answers a line that begins with '/' with the output of each of its
-// commands and closes. "json" makes each output an object with one array; numbers of the raw
-// metrics are integers, everything else is text ("-": no address).
+// Parses answers of the telnet interface of olsrd2: it answers a line that begins with '/' with the
+// output of each command and closes. "json" makes each output an object with one array; raw metrics
+// are integers, everything else is text ("-": no address).
 #include "tools/sources/olsr.hpp"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ constexpr std::uint64_t kWorstMetric = 0xffff00;  // RFC 7181, 4.2 and 6.2
 
 bool is_v6(std::string_view address) { return address.find(':') != std::string_view::npos; }
 
-/// The fields of a row that we know. Texts are empty where they are missing or "-".
+/// The known fields of a row. A text is empty if it is missing or "-".
 struct Row {
   std::string originator;
   std::string neighbour;
@@ -35,15 +35,15 @@ struct Row {
   std::uint64_t in = 0;
 };
 
-/// What the rows of the three tables say, before it is known who we are.
+/// The rows of the three tables, before our own addresses are known.
 struct Tables {
   std::vector<std::string> own;  ///< at most one address of each family
   std::vector<Row> neighbours;
   std::vector<Row> edges;
 };
 
-/// Takes {"TABLE": [{"KEY": text, number, true or false}, …], …} as it is parsed and stops at
-/// anything else: nothing is built that has not been asked for, and depth costs nothing.
+/// Takes {"TABLE": [{"KEY": text, number, true or false}, …], …} while it is parsed, and stops at
+/// anything else: nothing else is stored, and nesting costs nothing.
 class Reader : public nlohmann::json_sax<json> {
  public:
   explicit Reader(Tables& tables) : tables_(tables) {}
@@ -101,7 +101,7 @@ class Reader : public nlohmann::json_sax<json> {
         "numbers";
     return false;
   }
-  /// A value that no field of ours has.
+  /// Takes a value of a type that none of our fields has.
   bool other() {
     return where_ == Where::row && text_field() == nullptr && number_field() == nullptr ? true
                                                                                         : refuse();
@@ -174,7 +174,7 @@ core::mesh::Snapshot snapshot_of(const Tables& tables) {
     }
   }
   for (const Row& row : tables.edges) {
-    // Of a link to us we have just read what is younger: our own count.
+    // For a link to us the neighbour table has our own count, which is more recent.
     const bool known = std::ranges::find(tables.own, row.edge) != tables.own.end();
     if (row.node.empty() || row.edge.empty() || known || !is_cost(row.out)) continue;
     out.links.push_back(link(row.node, row.edge, row, row.out));
@@ -203,7 +203,7 @@ namespace {
 constexpr std::uint64_t kInterval = 2'000'000;  // µs
 constexpr std::uint64_t kPatience = 5'000'000;  // µs
 
-/// Asks, reads until olsrd2 closes, and comes back.
+/// Sends the request, reads until olsrd2 closes, and connects again after a pause.
 class Olsr final : public LinkSource {
  public:
   Olsr(Endpoint endpoint, sd_event* loop, Report report)

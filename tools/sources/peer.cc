@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The kernel does not report to a client who is at the other end of a TCP connection, but it lists
-// the owner of every socket of this machine (proc_net(5)). A connection that was accepted and
-// closed has no owner any more; that which listens has, as long as it does. So it must listen
-// before and after.
+// Trust in the server of a TCP connection. The kernel does not report the peer of a TCP connection,
+// but it lists the owner of every socket of this machine (proc_net(5)). A connection that was
+// accepted and closed has no owner any more, but a listening socket has one as long as it listens.
+// So the same socket must listen before and after connecting.
 #include "tools/sources/peer.hpp"
 
 #include <fcntl.h>
@@ -42,7 +42,8 @@ Result<uid_t> owner_of(int socket) {
   return owner.uid;
 }
 
-using Address = std::array<std::uint8_t, 16>;  // IPv4 in the last four, as ::ffff:a.b.c.d
+using Address = std::array<std::uint8_t, 16>;  // IPv4 addresses in the last four octets, as
+                                               // ::ffff:a.b.c.d
 
 Address mapped(std::span<const std::uint8_t> v4) {
   Address out{};
@@ -61,7 +62,8 @@ bool is_v4(const Address& address) {
   return std::equal(address.begin(), address.begin() + 12, none.begin());
 }
 
-/// How the kernel prefers a socket that listens there for a connection to `to`; 0: never.
+/// The precedence that the kernel gives a socket listening at `listens` for a connection to `to`;
+/// 0: it is never reached.
 int rank_of(const At& listens, const At& to) {
   if (listens.port != to.port) return 0;
   if (listens.address == to.address) return 3;
@@ -87,7 +89,7 @@ std::optional<At> place_of(const Endpoint& endpoint) {
   return out;
 }
 
-/// "0100007F:07D9": words of the address as this machine has them, and the port.
+/// Parses "0100007F:07D9": words of the address in host byte order, and the port.
 std::optional<At> read_place(std::string_view text) {
   const auto colon = text.find(':');
   if (colon != 8 && colon != 32) return std::nullopt;
@@ -107,7 +109,7 @@ std::optional<At> read_place(std::string_view text) {
   return out;
 }
 
-/// Those who listen come first: what follows is not read.
+/// Reads the listening sockets, which come first in the table; the rest is not read.
 Result<void> read_listeners(const char* path, Reachable& to) {
   const Fd file(::open(path, O_RDONLY | O_CLOEXEC));
   if (!file && errno == ENOENT) return {};  // no IPv6

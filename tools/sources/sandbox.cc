@@ -32,7 +32,7 @@ Result<void> limit_resources() {
   return kSanitized ? Result<void>{} : limit_resource(RLIMIT_AS, kMemory);
 }
 
-/// Whatever their arguments.
+/// System calls that are allowed with any arguments.
 constexpr std::array kAllowed{
     SYS_read,
     SYS_write,

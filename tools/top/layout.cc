@@ -18,7 +18,8 @@ struct Title {
   std::size_t width;
   Align align;
 };
-/// In the order of Field. The first two get what a wide screen has to spare.
+/// Titles and least widths in the order of Field. The first two columns get the spare space of a
+/// wide screen.
 constexpr std::array<Title, kFields> kTitles = {{{"CHANNEL", "NETWORK", 16, Align::left},
                                                  {"WAY", "GRANTED", 15, Align::left},
                                                  {"VERDICT", "STATE", 7, Align::left},
@@ -28,14 +29,14 @@ constexpr std::array<Title, kFields> kTitles = {{{"CHANNEL", "NETWORK", 16, Alig
                                                  {"DROP/s", "DROP/s", 6, Align::right},
                                                  {"RESV", "RESV", 5, Align::right},
                                                  {"USED", "USED", 5, Align::right}}};
-/// In audit mode, which drops nothing, in place of DROP/s.
+/// The title in place of DROP/s in audit mode, which drops nothing.
 constexpr std::string_view kWouldDrop = "WOULD";
 constexpr std::size_t kNarrow = [] {
   std::size_t sum = kFields - 1;
   for (const Title& title : kTitles) sum += title.width;
   return sum;
 }();
-// The last column of a terminal stays free: some go to the next line at once.
+// The last column of a terminal stays free, because some terminals then go to the next line.
 static_assert(kNarrow < 80);
 
 constexpr std::string_view kKeys =
@@ -64,7 +65,7 @@ std::size_t width(std::string_view text) {
       text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80; }));
 }
 
-/// The first `columns` characters; "~" at the end of what is longer.
+/// The first `columns` characters, with "~" at the end if something was cut off.
 std::string clipped(std::string_view text, std::size_t columns) {
   if (width(text) <= columns) return std::string(text);
   if (columns == 0) return {};
@@ -94,7 +95,8 @@ std::array<std::string, kFields> texts_of(const Row& row) {
           short_share(row.used)};
 }
 
-/// A state of a network ("unavailable") is longer than a verdict, and "2 of 2" shorter than a way.
+/// Further columns for the state of a network ("unavailable"), which is longer than a verdict; the
+/// place ("2 of 2") needs fewer than a route.
 constexpr std::size_t kLongerState = 4;
 
 std::array<std::size_t, kFields> widths_of(const std::vector<Row>& rows, bool by_network,
@@ -135,7 +137,7 @@ Style style_of(const Row& row, Field field) {
   if (field == Field::verdict) return row.style;
   if (field == Field::drops && row.drops.value_or(0) > 0) return Style::warning;
   if (field == Field::loss && row.loss.value_or(0) > 0) return Style::warning;
-  // Clocks differ a little.
+  // A tolerance for differences between clocks.
   if (field == Field::used && row.used.value_or(0) > 1.01) return Style::warning;
   return Style::plain;
 }
@@ -160,10 +162,10 @@ std::string about(const View& view, std::size_t shown, const Heading& heading) {
   return text;
 }
 
-/// Titles, and the rows from the first one that is to be seen, `room` of them at most.
+/// The titles and at most `room` rows, from the first visible one.
 std::vector<std::string> table(const std::vector<Row>& rows, const View& view, bool audit,
                                std::size_t columns, std::size_t room, Color color) {
-  // Too narrow for whole columns: what does not fit is cut off at the right.
+  // Too narrow for complete columns: lines are cut off at the right.
   const bool fits = columns >= kNarrow;
   const Color shown = fits ? color : Color::no;
   const auto widths = widths_of(rows, view.by_network, columns);
@@ -196,7 +198,7 @@ Heading heading_of(const control::Status& status) {
 std::string short_number(std::optional<double> value) {
   if (!value) return "-";
   double v = *value;
-  constexpr double least = 0.005;  // what is less would be 0 with two decimals
+  constexpr double least = 0.005;  // less would be 0 with two decimals
   if (v > 0 && v < least) return "<.01";
   constexpr std::array<std::string_view, 4> units = {"", "k", "M", "G"};
   std::size_t unit = 0;

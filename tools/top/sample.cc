@@ -23,10 +23,10 @@ struct Counts {
   std::uint64_t passed = 0;
   std::uint64_t dropped = 0;
   std::uint64_t would_drop = 0;
-  std::uint64_t events = 0;  ///< where they are watched
+  std::uint64_t events = 0;  ///< of supervised publishers
 };
 
-/// How often a second something was counted between two moments.
+/// Converts differences of counters between two moments into rates per second.
 class Interval {
  public:
   Interval(const Sample* before, const Sample& now)
@@ -58,7 +58,7 @@ std::map<Key, Counts> delivery_counts(const Sample* sample) {
   return counts;
 }
 
-/// Of all interfaces on each network.
+/// Sums over all interfaces of each network.
 std::map<std::string, Counts> network_counts(const Sample* sample) {
   std::map<std::string, Counts> counts;
   if (sample != nullptr)
@@ -71,7 +71,7 @@ std::map<std::string, Counts> network_counts(const Sample* sample) {
   return counts;
 }
 
-/// What is refused now: audit mode lets it through, and otherwise it is dropped.
+/// The rate of refused frames: in audit mode those that would be dropped, otherwise those that are.
 std::optional<double> drop_rate(const Interval& interval, const Sample& now, const Counts* before,
                                 const Counts& counts) {
   const auto what = now.status.mode == "audit" ? &Counts::would_drop : &Counts::dropped;
@@ -84,7 +84,7 @@ const Counts* find(const Map& counts, const K& key) {
   return known == counts.end() ? nullptr : &known->second;
 }
 
-/// Of the events that its publisher announced, 0: none is announced.
+/// The announced period of the events, in ns; 0: none is announced.
 std::uint64_t period_of(const control::Channel& c) {
   if (c.watch && c.watch->period_ns != 0) return c.watch->period_ns;
   std::uint64_t period = 0;
@@ -103,14 +103,14 @@ void raise(std::optional<double>& most, std::optional<double> value) {
   if (value && (!most || *most < *value)) most = value;
 }
 
-/// Channel, publisher and the admission that brought it in, 0 where it is described.
+/// Channel, publisher, and the admission that added the publisher (0: it is described).
 using Holder = std::tuple<std::string, std::string, std::uint64_t>;
 
 bool is_of(const control::Resource& resource, const std::string& place) {
   return resource.name == place || resource.name.starts_with(place + ": ");
 }
 
-/// The share of each resource that a publisher holds, with all of its flows there.
+/// The share of each resource that a publisher holds with all its flows there.
 using Shares = std::map<const control::Resource*, double>;
 
 std::map<Holder, Shares> shares_held(const control::Reservations& all) {
@@ -124,13 +124,13 @@ std::map<Holder, Shares> shares_held(const control::Reservations& all) {
   return held;
 }
 
-/// The publisher of a delivery; its admission may also be that of a subscriber.
+/// The holder for a delivery; the admission of a delivery may also be that of a subscriber.
 Holder holder_of(const control::Channel& c, const std::map<Holder, Shares>& held) {
   const Holder admitted{c.name, c.publisher, c.admission};
   return held.contains(admitted) ? admitted : Holder{c.name, c.publisher, 0};
 }
 
-/// Of the resource on its way that it takes the most of.
+/// The largest share that the delivery holds of a resource on its route.
 std::optional<double> reserved_for(const control::Channel& c,
                                    const std::map<Holder, Shares>& held) {
   std::optional<double> most;
@@ -144,13 +144,13 @@ std::optional<double> reserved_for(const control::Channel& c,
   return most;
 }
 
-/// " from 10.0.0.7 (02:00:5e:10:00:01)", as far as it is known.
+/// " from 10.0.0.7 (02:00:5e:10:00:01)" as far as the sender is known.
 std::string sender_of(const control::Unknown& frame) {
   const std::string sender = print_sender(frame);
   return sender.empty() ? "" : " from " + sender;
 }
 
-/// Frames without a slot, dropped because no sender was granted anything by that name.
+/// A row for frames without a slot, which were dropped because nothing of that identity is granted.
 Row unknown_row(const control::Interface& interface, const control::Unknown& frame) {
   Row row;
   row.name = frame.subject != 0 ? core::format_subject(frame.subject) : print_can_id(frame.can_id);
@@ -183,14 +183,15 @@ void add_unknown(const Interval& interval, const Sample* before, const Sample& n
     for (const auto& u : i.unknown) {
       Row row = unknown_row(i, u);
       const auto old = counted.find(key_of(i, u));
-      // What was not among the last seen ones then has come since.
+      // Frames that were not listed before have come since then.
       const std::uint64_t none = 0;
       row.drops = interval.rate(old == counted.end() ? &none : &old->second, u.frames);
       rows.push_back(std::move(row));
     }
 }
 
-/// Of several publishers that look alike, how regularly one of them sends is not known.
+/// Adds jitter and loss. If several publishers share the identity the regularity of one is not
+/// known.
 void add_watch(const control::Watch& watch, Row& row) {
   if (watch.last_gap_ns != 0 && !watch.shared)
     row.jitter = static_cast<double>(watch.jitter_ns) / kSecond;
@@ -232,7 +233,7 @@ const control::Resource* tightest(const control::Reservations& all, const std::s
   return found;
 }
 
-/// Of what is reserved of a resource, by those of whom it is known.
+/// The used share of what is reserved of a resource, by the publishers whose use is known.
 std::optional<double> used_of(const control::Resource& resource,
                               const std::map<Holder, double>& used) {
   double reserved = 0;
@@ -247,8 +248,8 @@ std::optional<double> used_of(const control::Resource& resource,
   return taken / reserved;
 }
 
-/// How much of what it holds a publisher uses, as far as it is known. The first rows are those of
-/// the deliveries.
+/// The used share of the reservation of each publisher, as far as it is known. `deliveries` are the
+/// first rows, in the order of the channels.
 std::map<Holder, double> used_by_holder(const Sample& now, const std::vector<Row>& deliveries) {
   std::map<Holder, double> used;
   const auto held = shares_held(now.reservations);
@@ -261,7 +262,8 @@ std::map<Holder, double> used_by_holder(const Sample& now, const std::vector<Row
   return used;
 }
 
-/// Those that cross the network of `row`: how many are granted, and the worst of what is measured.
+/// Sums up the deliveries that cross the network of `row`: how many are granted, and the worst of
+/// the measured values.
 void add_deliveries(const Sample& now, const std::vector<Row>& deliveries, Row& row) {
   std::size_t granted = 0;
   std::size_t all = 0;
@@ -278,7 +280,8 @@ void add_deliveries(const Sample& now, const std::vector<Row>& deliveries, Row& 
   row.place = fmt::format("{} of {}", granted, all);
 }
 
-/// Of events that cross no gate, such as from a program to a program, no frame is counted.
+/// The rate of frames. For events that cross no gate, such as between programs, no frames are
+/// counted.
 std::optional<double> frame_rate(const Interval& interval, const Counts* before,
                                  const control::Channel& c) {
   std::optional<double> rate;
@@ -304,7 +307,7 @@ std::vector<Row> rows_by_subject(const Sample* before, const Sample& now) {
     if (c.granted) {
       row.reserved = reserved_for(c, held);
       const auto period = period_of(c);
-      // An event in several fragments is several frames.
+      // An event of several fragments consists of several frames.
       const auto events =
           c.watch ? interval.rate(old == nullptr ? nullptr : &old->events, c.watch->events)
                   : row.rate;

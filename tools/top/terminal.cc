@@ -17,7 +17,7 @@
 namespace mlcca::tools::top {
 namespace {
 
-// The other screen, no cursor, no line breaks of its own; and back.
+// Switch to the alternate screen, hide the cursor and disable line wrapping; and the reverse.
 constexpr std::string_view kEnter = "\x1b[?1049h\x1b[?25l\x1b[?7l\x1b[2J";
 constexpr std::string_view kLeave = "\x1b[?7h\x1b[?25h\x1b[?1049l";
 
@@ -40,7 +40,7 @@ bool write_all(std::string_view text) {
   return true;
 }
 
-/// Takes the default action of a signal that is blocked.
+/// Performs the default action of a blocked signal.
 void suffer(int signal) {
   sigset_t one;
   sigemptyset(&one);
@@ -144,7 +144,7 @@ void Terminal::stop_and_go_on() {
 void Terminal::end_by(int signal) {
   leave();
   suffer(signal);
-  std::_Exit(128 + signal);  // the signal did not end it
+  std::_Exit(128 + signal);  // in case the signal has not ended the process
 }
 
 }  // namespace mlcca::tools::top

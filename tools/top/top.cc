@@ -34,12 +34,12 @@ namespace {
 using namespace mlcca::tools::top;  // NOLINT(google-build-using-namespace)
 using Clock = std::chrono::steady_clock;
 
-/// A daemon that does not answer must not block the keys for longer.
+/// An answer that takes longer must not block the keys.
 constexpr std::chrono::milliseconds kPatience{3000};
-/// After that mlccad may have closed a connection that asks for nothing.
+/// After this time mlccad may have closed an idle connection.
 constexpr std::chrono::seconds kUsable{30};
 
-/// Asks again and again over one connection, and makes another one when it is lost.
+/// Requests samples over one connection, and reconnects when it is lost.
 class Watcher {
  public:
   explicit Watcher(const Options& options)
@@ -60,7 +60,7 @@ class Watcher {
     return {};
   }
 
-  /// Of channels and interfaces, and nothing else.
+  /// A sample with channels and interfaces only.
   Result<Sample> counters() {
     if (auto connected = connect(); !connected) return std::unexpected(connected.error());
     Sample sample;
@@ -88,7 +88,7 @@ class Watcher {
     return {};
   }
 
-  /// A reload that comes between two slices ends the answer: the second try begins after it.
+  /// A reload between two slices ends the answer with an error; the second attempt begins after it.
   template <class Answer, class Question>
   Result<void> ask_for(Answer& answer, Question question) {
     auto reply = client_->call({0, question});
@@ -179,7 +179,8 @@ Exit in_batches(const Options& options, const TopArguments& arguments, Watcher& 
   return Exit::fine;
 }
 
-/// Ends when mlccad does not answer: who follows begins again, and knows that something is missing.
+/// Prints samples as JSON. Ends if mlccad does not answer, so that the reader knows that something
+/// is missing and starts again.
 Exit as_json(const Options& options, const TopArguments& arguments, Clock::duration delay) {
   Watcher watcher(options);
   Changes changes;

@@ -48,7 +48,7 @@ const std::string& text_of(const Row& row, Field field) {
 
 bool is_text(Field field) { return field <= Field::verdict; }
 
-/// Small letters are found whatever their case.
+/// Whether `text` contains `part`, regardless of case.
 bool contains(std::string_view text, std::string_view part) {
   const auto lower = [](char c) {
     return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -56,10 +56,10 @@ bool contains(std::string_view text, std::string_view part) {
   return !std::ranges::search(text, part, {}, lower, lower).empty() || part.empty();
 }
 
-/// How long the key is that `keys` begins with; 0: more has to come.
+/// The length of the key at the beginning of `keys`; 0 if it is incomplete.
 std::size_t length_of_key(std::string_view keys) {
   if (keys[0] != kEscape) return 1;
-  if (keys.size() == 1) return 1;  // the key itself: a terminal sends the rest along
+  if (keys.size() == 1) return 1;  // the key itself: a terminal sends a sequence at once
   if (keys[1] != '[' && keys[1] != 'O') return 1;
   for (std::size_t i = 2; i < keys.size(); ++i)
     if (keys[i] >= '@' && keys[i] <= '~') return i + 1;
@@ -74,7 +74,7 @@ void type(View& view, std::string_view key) {
   } else if (key[0] == kEscape) {
     view.typing = view.typing && key.size() > 1;
   } else if (key[0] == kDelete || key[0] == kControlH) {
-    // A whole character of UTF-8.
+    // Removes a complete character of UTF-8.
     while (!view.typed.empty()) {
       const auto last = static_cast<unsigned char>(view.typed.back());
       view.typed.pop_back();
@@ -172,7 +172,7 @@ std::vector<Row> arranged(std::vector<Row> rows, const View& view) {
       const auto& y = text_of(b, view.sort);
       return view.reverse ? y < x : x < y;
     }
-    // What is unknown comes last, either way.
+    // Unknown values come last in either order.
     const auto x = value_of(a, view.sort);
     const auto y = value_of(b, view.sort);
     if (!x || !y) return x.has_value() && !y.has_value();
