@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
+// Access to the clocks of the kernel, and an interface for them that tests can replace.
 #pragma once
 #include <cstdint>
 #include <ctime>

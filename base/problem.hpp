@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
+// Reports a lasting problem once, and not at each check that finds it.
 #pragma once
 #include <string>
 #include <utility>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
+// Sets timerfds.
 #pragma once
 #include <sys/timerfd.h>
 

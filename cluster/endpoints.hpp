@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
+// The choice of the member of the store that is asked.
 #pragma once
 #include <algorithm>
 #include <cstddef>

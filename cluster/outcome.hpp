@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
+// What is known about a transaction whose call has failed.
 #pragma once
 #include "cluster/channel.hpp"
 #include "core/cluster/store.hpp"

@@ -38,7 +38,6 @@ std::string render(const control::Reservations& reservations, Color color);
 /// The deliveries that lose first, then a line with counts.
 std::string render(const control::WhatIf& what_if, Color color);
 /// Whether a delivery is granted now and would no longer be.
-/// Granted now, and then no more.
 bool loses(const control::Outlook& outlook);
 
 /// The newest entry last, next to the prompt of a terminal.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// From frames of a profile to events: whose they are, of which channel, and how long, also where an
-// event has several frames.
+// Decodes the frames of a profile into events: sender, channel and size, also of events in several
+// frames.
 #pragma once
 #include <array>
 #include <cstddef>

@@ -53,7 +53,7 @@ int index_of(const std::string& name) {
 
 /// A frame with its own buffer, so that frames of several sockets can be sorted.
 struct Read {
-  Frame frame;  ///< its data begins at `begin`
+  Frame frame;  ///< its data begins at index `begin` of `bytes`
   std::array<std::uint8_t, kFrameRead> bytes{};
   std::size_t begin = 0;
 };

@@ -19,7 +19,7 @@ constexpr std::uint16_t kMostPayload = 1400;
 /// 192.0.2.1; if it is a station of the table, the next address is used (RFC 5737: these belong to
 /// no host).
 constexpr std::uint64_t kStation = 0xc0000201;
-/// For 802.15.4: short addresses of a PAN that is not in use.
+/// For 802.15.4: short addresses of an invented PAN.
 constexpr std::uint64_t kPan = 0x6d6c;
 constexpr std::uint64_t kWpanStation = ETHER_SHORT | kPan << 16U | 1;
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
+// Parses the addresses of servers that are link sources.
 #pragma once
 #include <sys/socket.h>
 

@@ -12,12 +12,12 @@ namespace mlcca::net {
 
 inline constexpr std::size_t kMaxFileBytes = std::size_t{4} << 20U;
 
-/// One link a line, '#' begins a comment:
+/// Parses a file of links, one a line, '#' begins a comment:
 ///   FROM TO RATE [loss=0.01] [channel=2412] [kind=phy|effective|derived] [busy=0.1] [weight=N]
 ///   [both]
 /// FROM and TO are names or addresses of described nodes, RATE is a number with bit/s, kbit/s,
-/// Mbit/s or Gbit/s. An error begins with "NAME:LINE: ". At most kMaxFacts
-/// directions. `taken` is left to the caller.
+/// Mbit/s or Gbit/s. At most kMaxFacts directions are accepted. An error begins with "NAME:LINE: ".
+/// The caller sets `taken`.
 [[nodiscard]] Result<std::vector<core::mesh::Sample>> parse_links(std::string_view text,
                                                                   const std::string& name,
                                                                   const core::mesh::Mesh& mesh);
