@@ -31,7 +31,7 @@ class FrameReader {
   [[nodiscard]] bool push(std::string_view octets);
   /// Removes and returns the next complete message; nullopt while there is none.
   [[nodiscard]] std::optional<std::string> next();
-  /// Whether the octets that were pushed end with a complete message that was taken.
+  /// Whether all octets that were pushed belong to messages that next() has returned.
   [[nodiscard]] bool at_end() const { return at_ == octets_.size(); }
   /// Whether a frame was longer than `most`.
   [[nodiscard]] bool too_long() const { return too_long_; }

@@ -29,10 +29,10 @@ inline std::string render(const control::Gates& gates, Color color) {
 const control::Interface* interface_of(const control::Gate& gate,
                                        const std::vector<control::Interface>& interfaces);
 
-/// All resources, then the reservations of each.
 std::string render(const control::Transfers& transfers, Color color);
 std::string render(const control::Subscriptions& subscriptions, Color color);
 std::string render(const control::Presence& presence, Color color);
+/// All resources, then the reservations of each.
 std::string render(const control::Reservations& reservations, Color color);
 
 /// The deliveries that lose first, then a line with counts.
