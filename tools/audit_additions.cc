@@ -177,8 +177,8 @@ class Additions {
                        escaped(name(elements.channel)), escaped(channel.name), end);
   }
 
-  /// A subscriber for the frames that were seen. A described channel has its own on the gateway's
-  /// side.
+  /// A subscriber for the frames that were seen; empty for frames that arrive on a described
+  /// channel, which has its subscribers, and if an addition contains it.
   std::string subscriber(const control::Finding& f, Channel& channel, const Elements& elements) {
     if (channel.is_described && !f.egress) return {};
     const std::string end = f.egress ? fmt::format(R"(network="{}")", escaped(f.network))

@@ -32,7 +32,7 @@ Cell frames(std::uint64_t count, Style style = Style::plain) {
   return {fmt::format("{}", count), count == 0 ? Style::plain : style};
 }
 
-/// The most important trouble of a channel now, and how many more there are.
+/// The first trouble of a channel now, and how many more there are.
 Cell now_cell(const control::Channel& channel) {
   if (channel.withdrawn) return {"WITHDRAWN", Style::bad};
   if (channel.troubles.empty()) return {};
@@ -176,8 +176,8 @@ std::string delivery(const control::Channel& channel, Color color, bool in_full)
   return text;
 }
 
-/// The admissions for which the description has no place, so that they carry nothing; empty if there
-/// are none.
+/// The admissions for which the description has no place, so that they carry nothing; empty if
+/// there are none.
 std::string left_out_text(const control::Channels& channels, Color color) {
   std::string text;
   for (const control::LeftOutAdmission& one : channels.admissions_left_out)
