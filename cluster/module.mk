@@ -1,8 +1,8 @@
-# The way to the store that gateways share: a program of its own, which alone has libcurl and the key.
+# mlcca-cluster, the connection to the store that gateways share; only it has libcurl and the key.
 CURL_LIBS := $(shell $(PKG_CONFIG) --libs libcurl 2>/dev/null)
-# mlccad's end of the socket, and the words that both ends use.
+# mlccad's end of the socket between the two, and the messages that both use.
 $(eval $(call library,clusterlink,daemon/cluster/wire.cc daemon/cluster/link.cc))
-# What the values of the store say, for mlccad alone.
+# The meaning of the values in the store, for mlccad alone.
 $(eval $(call library,clustercodec,daemon/cluster/codec.cc))
 $(eval $(call library,cluster,$(filter-out cluster/main.cc,$(wildcard cluster/*.cc))))
 CLUSTER_ARCHIVES := $O/libcluster.a $O/libclusterlink.a $O/libsources.a

@@ -1,18 +1,18 @@
-# mlccactl starts as often as a shell prompt: everything is linked into it, which also lets it run
-# where no library of ours is installed. MLCCACTL_STATIC= links the shared libraries instead.
+# mlccactl is linked statically so that it starts fast, as it is used interactively, and runs where
+# our libraries are not installed. MLCCACTL_STATIC= links the shared libraries instead.
 MLCCACTL_STATIC ?= $(if $(SAN),,-static)
 TOOLS_SOURCES := $(filter-out tools/main.cc,$(wildcard tools/*.cc tools/top/*.cc))
-# Debian has no libfmt.a.
+# Debian has no static libfmt.
 TOOLS_CPPFLAGS := -DFMT_HEADER_ONLY
 
 $(eval $(call library,tools,$(TOOLS_SOURCES)))
-# The page of report --html is that of Cockpit.
+# The page of report --html consists of the files of the Cockpit page.
 $O/gen/report_page.inc: tools/report/bundle tools/report/ask.js $(wildcard cockpit/*.js cockpit/*.html cockpit/*.css)
 	$(call say,PAGE,$@)
 	$(Q)mkdir -p $(@D) && tools/report/bundle page cockpit tools/report/ask.js > $@
 $O/tools/report.o $O/fuzz/obj/tools/report.o: | $O/gen/report_page.inc
 $O/tools/report.o: $O/gen/report_page.inc
-# So is the drawing of check --format html.
+# The drawing of check --format html uses the same files.
 $O/gen/check_page.inc: tools/report/bundle $(wildcard tools/design/check/page.*s cockpit/*.js cockpit/*.css)
 	$(call say,PAGE,$@)
 	$(Q)mkdir -p $(@D) && tools/report/bundle check cockpit tools/design/check > $@
@@ -24,11 +24,11 @@ $(tools_objects) $(mlccactl_objects): CPPFLAGS += $(TOOLS_CPPFLAGS)
 $O/mlccactl: LDFLAGS += $(MLCCACTL_STATIC)
 PROGRAMS += $O/mlccactl
 
-# What `mlccactl learn` does with traffic.
+# The analysis of traffic for `mlccactl learn`.
 $(eval $(call library,learn,$(wildcard tools/learn/*.cc)))
 $(learn_objects): CPPFLAGS += $(TOOLS_CPPFLAGS)
 
-# The verbs of design time (check, describe, generate, learn): mlccactl starts this program for them.
+# The design-time verbs (check, describe, generate, learn …): mlccactl starts this program for them.
 $(eval $(call library,design,$(filter-out tools/design/main.cc,$(wildcard tools/design/*.cc tools/design/*/*.cc))))
 YAML_LIBS := $(shell $(PKG_CONFIG) --libs yaml-0.1 2>/dev/null)
 DESIGN_LIBS := $(XML_LIBS) $(YAML_LIBS) $(NL_LIBS) -lz
@@ -45,7 +45,7 @@ install-design: $O/mlcca-design
 PARTS += install-design
 .PHONY: install-design
 
-# Where Debian's zsh looks for what packages install; elsewhere `make ZSHDIR=…`.
+# The folder in which zsh on Debian finds completions of packages; elsewhere set ZSHDIR.
 ZSHDIR ?= $(PREFIX)/share/zsh/$(if $(filter /usr,$(PREFIX)),vendor-completions,site-functions)
 install-tools-extras:
 	$(call say,INSTALL,manual pages and shell completion)
@@ -60,17 +60,17 @@ install-tools-extras:
 PARTS += install-tools-extras
 .PHONY: install-tools-extras
 
-# What untrusted peers write is read by a program of its own, and by an archive that mlccad does not have.
+# Data of untrusted peers is parsed in mlcca-sources alone; mlccad does not link this archive.
 $(eval $(call library,untrusted,$(filter-out tools/sources/main.cc,$(wildcard tools/sources/*.cc))))
 $(eval $(call program,mlcca-sources,tools/sources/main.cc daemon/manager.cc,$O/libuntrusted.a $O/libsources.a,-lsystemd))
 SOURCES_ARCHIVES := $O/libuntrusted.a $O/libsources.a
 PROGRAMS += $O/mlcca-sources
 
-# Opens the socket of CAN that mlccad may not open.
+# Opens the CAN socket that the unit of mlccad does not permit it to open.
 $(eval $(call program,mlcca-can,tools/can/main.cc,,))
 PROGRAMS += $O/mlcca-can
 
-# What `mlccactl gate --verify` becomes.
+# Carries out `mlccactl gate --verify`.
 $(eval $(call program,mlcca-readback,$(wildcard tools/readback/*.cc),$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
 PROGRAMS += $O/mlcca-readback
 install-readback: $O/mlcca-readback
@@ -80,7 +80,7 @@ install-readback: $O/mlcca-readback
 PARTS += install-readback
 .PHONY: install-readback
 
-# What `mlccactl doctor` becomes.
+# Carries out `mlccactl doctor`.
 $(eval $(call library,doctor,$(filter-out tools/doctor/main.cc,$(wildcard tools/doctor/*.cc))))
 $(eval $(call program,mlcca-doctor,tools/doctor/main.cc,$O/libdoctor.a $(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
 PROGRAMS += $O/mlcca-doctor
@@ -91,11 +91,11 @@ install-doctor: $O/mlcca-doctor
 PARTS += install-doctor
 .PHONY: install-doctor
 
-# The only program that may listen to a network interface; mlccad reads it through a socket.
+# The only service that listens to a network interface; it passes packets on through a socket.
 $(eval $(call program,mlcca-awds,$(wildcard tools/awds/*.cc) daemon/listen.cc daemon/manager.cc,$O/libsources.a,$(SOURCES_LIBS)))
 PROGRAMS += $O/mlcca-awds
 
-# What mlccad says, for Prometheus; the rules and the dashboard are for its server.
+# Metrics for Prometheus; the alert rules and the dashboard are for the server of Prometheus.
 $(eval $(call library,exporter,$(filter-out tools/exporter/main.cc,$(wildcard tools/exporter/*.cc))))
 EXPORTER_ARCHIVES := $O/libexporter.a $O/libcontrol.a $O/libcore.a
 EXPORTER_LIBS := -lmicrohttpd -lsystemd
