@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The link source AWDS. The topology packets come from the unit mlcca-awds@INTERFACE, the only
-// process that may listen to the interface; this side reads a local socket.
+// service that may listen to the interface; this side reads a local socket.
 #pragma once
 #include "daemon/net/sources/source.hpp"
 
