@@ -38,6 +38,7 @@ class OctetReader {
  public:
   explicit OctetReader(std::span<const char> message) : rest_(message) {}
 
+  /// Reads a little-endian integer of `octets` octets.
   std::uint64_t number(std::size_t octets) {
     std::uint64_t value = 0;
     const auto from = take(octets);

@@ -10,6 +10,7 @@
 
 namespace mlcca {
 
+/// Computes the hash of octets that are added in pieces.
 class Sha256 {
  public:
   using Digest = std::array<std::uint8_t, 32>;

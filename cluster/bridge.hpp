@@ -38,6 +38,8 @@ class Bridge {
   };
   Bridge(sd_event* loop, const Settings& settings, Outside outside);
 
+  /// Starts the timers; an error if the event loop refuses one. It connects once mlccad has said
+  /// hello.
   [[nodiscard]] Result<void> start();
   /// Sets the function to call whenever there is something in the outbox.
   void on_output(std::function<void()> call) { wrote_ = std::move(call); }

@@ -50,6 +50,7 @@ struct Request {
   std::function<void(const End&)> on_end;
 };
 
+/// A connection to one member, on which calls are started.
 class Channel {
  public:
   Channel() = default;

@@ -21,6 +21,8 @@ inline constexpr std::string_view kTxn = "/etcdserverpb.KV/Txn";
 inline constexpr std::string_view kWatch = "/etcdserverpb.Watch/Watch";
 inline constexpr std::string_view kStatus = "/etcdserverpb.Maintenance/Status";
 
+/// The part of a response header that is used: the identity of the cluster and the store's
+/// revision.
 struct Header {
   std::uint64_t cluster_id = 0;
   std::int64_t revision = 0;
@@ -43,6 +45,7 @@ struct Page {
 
 /// Encodes a transaction: if its comparisons hold its writes are made, otherwise its keys are read.
 [[nodiscard]] std::string txn_request(const core::cluster::Txn& txn);
+/// The answer to a transaction; `succeeded` says whether its comparisons held.
 struct TxnAnswer {
   Header header;
   bool succeeded = false;

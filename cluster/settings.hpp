@@ -11,6 +11,7 @@
 
 namespace mlcca::cluster {
 
+/// The settings of the file.
 struct Settings {
   std::vector<std::string> endpoints;  ///< "https://HOST:PORT", in the order in which they are
                                        ///< tried, at least one

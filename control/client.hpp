@@ -43,6 +43,7 @@ class Client {
   Result<std::optional<Event>> next_event_unless(int other);
 
  private:
+  /// Sends all bytes; an error if the daemon takes longer than patience_.
   Result<void> send(const std::string& bytes);
   /// The next reply; an error if the daemon takes longer than patience_.
   Result<Reply> receive();

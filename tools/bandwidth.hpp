@@ -23,6 +23,7 @@ struct BandwidthArguments {
   std::string demand;
 };
 
+/// The result in both output forms.
 struct BandwidthAnswer {
   std::string text;  ///< lines for a person; the first one is the rate by the paper's equation (1/R
                      ///< = sum of 1/R_link)

@@ -10,6 +10,7 @@
 
 namespace mlcca::tools {
 
+/// A program that carries out verbs.
 struct Program {
   const char* name;
   const char* what;  ///< text for a user on whose machine the program is not installed
@@ -20,6 +21,7 @@ inline constexpr Program kReadback{"mlcca-readback",
                                    "Reading back without the daemon is a program of its own"};
 inline constexpr Program kDoctor{"mlcca-doctor", "The doctor is a program of its own"};
 
+/// A verb and the program that carries it out; `help` is its line in the help of mlccactl.
 struct OtherVerb {
   const char* name;
   const char* help;

@@ -23,11 +23,13 @@ std::string printable(std::string_view text);
 /// The printable() text in the colour of `style`.
 std::string styled(std::string_view text, Style style, Color color);
 
+/// The text of a cell and its style.
 struct Cell {
   std::string text;
   Style style = Style::plain;
 };
 
+/// The title and alignment of a column.
 struct Column {
   std::string_view title;
   Align align = Align::left;

@@ -18,6 +18,7 @@ namespace mlcca::tools::design {
 Result<void> adopt(const core::System& system, const std::string& gateway,
                    learn::DraftOptions& options);
 
+/// The result of the comparison.
 struct Merged {
   /// The path and new content of each file that would change.
   std::vector<std::pair<std::string, std::string>> files;

@@ -9,6 +9,7 @@ namespace mlcca::doctor {
 
 enum class Outcome : std::uint8_t { ok, failed, not_tested };
 
+/// The result of a check with an explanation.
 struct Line {
   std::string check;
   Outcome outcome = Outcome::ok;

@@ -11,6 +11,7 @@
 
 namespace mlcca::doctor {
 
+/// The identifier of probe frames.
 struct Identifier {
   std::uint32_t value = 0;
   bool extended = false;
@@ -29,6 +30,7 @@ struct Seen {
   core::can::WireFrame frame;
 };
 
+/// The socket; frames of ours are numbered, so that their echoes are recognised.
 class Probe {
  public:
   static Result<Probe> open(int ifindex, Identifier id, bool fd);

@@ -35,6 +35,7 @@ struct Failure {
   std::string why;
 };
 
+/// The answers that a page shows; `reports` are `reports_age_s` seconds old.
 struct Answers {
   Live live;
   Reports reports;

@@ -70,7 +70,7 @@ void Scrapes::work() {
   auto from = asking();
   take_reports(from);
   note(from.failures());
-  // Reports that are missing are requested again after the next scrape.
+  // Missing reports are requested again in the next scrape.
   if (!from.failures().empty()) reports_at_ = 0;
 }
 

@@ -12,6 +12,7 @@
 
 namespace mlcca::exporter {
 
+/// What the command line states.
 struct Settings {
   std::string socket = "/run/mlcca/control.sock";
   unsigned timeout_s = 5;
@@ -19,9 +20,9 @@ struct Settings {
 };
 
 /// Answers scrapes one after another. Answers of the kind Live are requested in each scrape.
-/// Reports make mlccad fork, so they are requested after a scrape and shown in the next one. A
-/// report is not shown if it is older than a minute or than the description in force, or while
-/// mlccad does not answer.
+/// Reports make mlccad fork, so they are requested after a scrape and shown in the next one. If
+/// they are older than a minute or than the description in force, or if there are none, they are
+/// requested in the scrape itself. While mlccad does not answer none are shown.
 class Scrapes {
  public:
   using Say = std::function<void(const std::string&)>;
@@ -29,10 +30,12 @@ class Scrapes {
   Scrapes(Settings settings, Say say, std::function<std::uint64_t()> now_ns)
       : settings_(std::move(settings)), say_(std::move(say)), now_ns_(std::move(now_ns)) {}
 
+  /// Makes the page for a scrape.
   [[nodiscard]] std::string page();
 
   /// Whether reports should be requested. Call work() then, when no scrape is waiting.
   [[nodiscard]] bool has_work() const { return due_; }
+  /// Requests reports for the next page.
   void work();
 
  private:

@@ -94,6 +94,7 @@ class Crossings {
   };
   struct Candidate;
 
+  /// Whether the events of that span of time (its number) are kept.
   [[nodiscard]] bool is_kept(std::uint64_t span) const;
   [[nodiscard]] bool is_inner(std::uint64_t ns) const;
   void compare(std::span<const Of> flows);

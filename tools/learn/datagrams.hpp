@@ -43,6 +43,7 @@ class Datagrams {
   [[nodiscard]] std::string other_ports() const;
 
  private:
+  /// Adds a fragment to its event. `data` is what was recorded of it.
   void take_fragment(const Frame& frame, Event event, std::span<const std::uint8_t> data,
                      const Decoder::OnEvent& on_event);
   void count_other(const Datagram& datagram);

@@ -42,6 +42,7 @@ struct Event {
   return (id > 0x580 && id < 0x600) || (id > 0x600 && id < 0x680);
 }
 
+/// Decodes the frames of one CAN interface.
 class Decoder {
  public:
   explicit Decoder(core::Profile profile) : profile_(profile) {}

@@ -8,6 +8,7 @@
 
 namespace mlcca::learn {
 
+/// What an Ethernet frame contains.
 enum class Carries : std::uint8_t {
   datagram,  ///< a UDP datagram over IPv4, complete or its first IP fragment
   other,     ///< other traffic, or a later IP fragment

@@ -33,6 +33,7 @@ struct Datagram {
   std::array<std::uint8_t, 6> mac = {};  ///< of the sender; zeros: not known
 };
 
+/// A frame of either kind.
 struct Frame {
   std::uint64_t ns = 0;         ///< since 1970 or the beginning of the recording
   std::uint32_t interface = 0;  ///< number of the interface, see Interfaces

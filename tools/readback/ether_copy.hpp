@@ -22,6 +22,8 @@ class EtherCopy {
   static Result<EtherCopy> make(const enforce::GateReading& gate, const Original& original,
                                 const enforce::Control& control);
 
+  /// Sends all probes through the copy and records the results; `closed` states that the gate is
+  /// closed.
   void run(bool closed, Trial& trial);
 
  private:

@@ -16,6 +16,7 @@ namespace mlcca::readback {
 /// The frame arrived, it was counted as dropped, or neither.
 enum class Fate : std::uint8_t { passed, dropped, lost };
 
+/// The frames that the gate has dropped in both directions.
 inline std::uint64_t drops_of(const enforce::PortGate& gate) {
   std::uint64_t sum = 0;
   for (const auto direction : enforce::kBothDirections) {

@@ -11,6 +11,7 @@
 
 namespace mlcca::readback {
 
+/// The identity of the programs of a gate.
 struct Original {
   std::array<std::string, 2> tags;  ///< tags of the ingress and the egress program: hashes of their
                                     ///< instructions, by the kernel

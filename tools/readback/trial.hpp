@@ -10,6 +10,7 @@
 
 namespace mlcca::readback {
 
+/// The results for one gate.
 struct Trial {
   std::uint32_t ifindex = 0;
   std::size_t passed = 0;   ///< frames that had to pass and did

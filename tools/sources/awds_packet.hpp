@@ -32,6 +32,7 @@ using NodeId = std::array<std::uint8_t, 6>;
 /// The form "02:00:00:00:00:01".
 [[nodiscard]] std::string address_of(const NodeId& id);
 
+/// A neighbour in a topology packet.
 struct Neighbour {
   NodeId id{};
   std::uint16_t quality = 0;  ///< its meaning depends on the metric (core::mesh::AwdsMetric)

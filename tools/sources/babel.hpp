@@ -33,6 +33,7 @@ class State {
   /// that.
   explicit State(Described described) : described_(std::move(described)) {}
 
+  /// Takes the next line without its line ending.
   Line take(std::string_view line);
   /// The links; the caller sets `taken`.
   [[nodiscard]] core::mesh::Snapshot snapshot() const;

@@ -17,6 +17,7 @@
 
 namespace mlcca::net {
 
+/// One connection at a time to the server, made again after each end.
 class LineClient {
  public:
   /// Longest line in bytes; a server that sends a longer one is not the expected one.

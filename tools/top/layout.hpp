@@ -13,6 +13,7 @@
 
 namespace mlcca::tools::top {
 
+/// The size of the screen in characters.
 struct Size {
   std::size_t columns = 80;
   std::size_t lines = 24;

@@ -21,6 +21,7 @@ struct TopArguments {
   std::string filter;
 };
 
+/// Runs the verb until the user quits, `count` is reached or an error occurs.
 Exit follow(const Options& options, const TopArguments& arguments);
 
 }  // namespace mlcca::tools

@@ -20,6 +20,7 @@ inline constexpr std::size_t kFields = 9;
 /// All names: "name, way, …".
 [[nodiscard]] std::string field_names();
 
+/// The state of the screen that the user controls.
 struct View {
   bool by_network = false;
   Field sort = Field::rate;

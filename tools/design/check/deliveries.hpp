@@ -35,6 +35,8 @@ struct ReportedDelivery {
                                ///< …"
 };
 
+/// Describes the delivery of a verdict; its margin does not consider analysed buses, see
+/// consider().
 ReportedDelivery in_words(const core::System& system, const core::Members& members,
                           const core::Verdict& verdict);
 

@@ -49,6 +49,7 @@ struct SystemReport {
   core::InspectedBuses buses;
 };
 
+/// The numbers of findings by severity.
 struct Totals {
   std::size_t errors = 0;
   std::size_t warnings = 0;
@@ -63,6 +64,7 @@ struct ChannelCounts {
   std::size_t unused = 0;  ///< nothing to decide, because there is no publisher or no subscriber
 };
 
+/// The result of a check of several files.
 struct Report {
   std::vector<SystemReport> systems;
   std::vector<std::string> part_files;  ///< files that belong to no System

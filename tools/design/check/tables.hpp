@@ -16,6 +16,7 @@ namespace mlcca::tools::design {
 class FileNames {
  public:
   FileNames(const std::vector<std::string>& files, std::string folder);
+  /// The short name of one of the files.
   [[nodiscard]] std::string of(const std::string& file) const;
 
  private:

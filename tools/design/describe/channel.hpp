@@ -19,6 +19,7 @@ struct AttributeSetText {
   std::vector<Quantity> attributes;
 };
 
+/// The values of an EventChannel element.
 struct ChannelText {
   std::string name;  ///< empty: the channel is known by its subject
   std::string subject;

@@ -18,6 +18,7 @@ struct Range {
   [[nodiscard]] bool empty() const { return from == to; }
 };
 
+/// An attribute of a start tag.
 struct MarkupAttribute {
   std::string_view name;  ///< with its namespace prefix
   Range whole;            ///< name, equals sign and quoted value

@@ -19,6 +19,7 @@ struct Kept {
   std::string_view why;
 };
 
+/// A converted text.
 struct Rewritten {
   std::string text;
   std::size_t attributes = 0;  ///< the number of attributes that were converted

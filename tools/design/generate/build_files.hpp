@@ -8,6 +8,7 @@
 
 namespace mlcca::tools::design {
 
+/// The contents of the two snippets.
 struct BuildFiles {
   std::string make;   ///< mlcca_generated.mk
   std::string cmake;  ///< mlcca_generated.cmake

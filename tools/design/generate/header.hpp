@@ -27,6 +27,7 @@ struct Callback {
   bool notifies = false;  ///< true: it receives events; false: it receives exceptions
 };
 
+/// A generated header with the files and handlers that belong to it.
 struct Header {
   std::string text;
   std::vector<Blob> blobs;

@@ -30,6 +30,7 @@ std::string string_literal(std::string_view text);
 /// equal, because some file systems do not distinguish them.
 class Names {
  public:
+  /// Returns `wanted` or a variant that was not returned before.
   std::string take(const std::string& wanted);
 
  private:

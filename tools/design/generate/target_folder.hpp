@@ -13,17 +13,20 @@
 
 namespace mlcca::tools::design {
 
+/// How a file that exists is recognised as one that we generated.
 enum class FileKind : std::uint8_t {
   text,  ///< ours if it contains kMark
   blob,  ///< ours if it is a DER encoding of a channel
 };
 
+/// A file to be written.
 struct OutputFile {
   std::string name;
   std::string content;
   FileKind kind = FileKind::text;
 };
 
+/// What was done with a file.
 enum class Written : std::uint8_t { unchanged, created, changed };
 
 /// The folder for generated files.

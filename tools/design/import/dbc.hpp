@@ -18,6 +18,7 @@ namespace mlcca::tools::design {
 /// none.
 using DbcValue = std::optional<std::string>;
 
+/// A message (BO_) with its comment and attributes.
 struct DbcMessage {
   std::uint32_t id = 0;  ///< bit 31 marks an extended identifier
   std::string name;
@@ -31,12 +32,14 @@ struct DbcMessage {
   DbcValue cycle, fast, signal_cycle, delay, send_type, format, long_name;
 };
 
+/// A node (BU_) with its comment and attributes.
 struct DbcNode {
   std::string name;
   std::string comment;
   DbcValue address, long_name;
 };
 
+/// The content of a file; `lacks` lists what was not understood.
 struct DbcFile {
   std::vector<DbcNode> nodes;
   std::vector<DbcMessage> messages;

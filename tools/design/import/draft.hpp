@@ -9,6 +9,7 @@
 
 namespace mlcca::tools::design {
 
+/// What the command line states about the description.
 struct DraftOptions {
   std::string system;                   ///< name of the system
   std::string gateway;                  ///< name of the gateway; empty: there is none

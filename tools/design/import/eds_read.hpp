@@ -12,11 +12,13 @@
 
 namespace mlcca::tools::design {
 
+/// The value of an object.
 struct EdsEntry {
   int line = 0;
   std::string value;  ///< ParameterValue, or else DefaultValue; can contain $NODEID
 };
 
+/// The content of a file.
 struct EdsFile {
   /// The objects by index and sub-index.
   std::map<std::pair<std::uint32_t, std::uint32_t>, EdsEntry> objects;

@@ -18,6 +18,7 @@
 
 namespace mlcca::tools::design {
 
+/// A node of the network.
 struct ImportedNode {
   std::string name;
   std::string description;
@@ -31,6 +32,7 @@ struct ImportedEnd {
   AttributeSet attributes;             ///< if not empty, these replace those of the message
 };
 
+/// A message or topic; it becomes an event channel.
 struct ImportedMessage {
   std::string name;
   std::string description;
@@ -55,6 +57,7 @@ void remove_receiver(ImportedMessage& message, std::size_t node);
 /// Adds a receiver. If the node is a receiver already, the stricter attributes count.
 void add_receiver(ImportedMessage& message, const ImportedEnd& end);
 
+/// A network as one or several files describe it.
 struct ImportedNetwork {
   std::string file;
   std::string name;

@@ -14,6 +14,7 @@
 
 namespace mlcca::tools::design {
 
+/// A network of the new system.
 struct PlannedNetwork {
   std::string name;
   core::NetworkKind kind{};
@@ -22,6 +23,7 @@ struct PlannedNetwork {
   std::uint32_t queue_length = 0;  ///< frames of the queue of the gateway's port; 0: the default
 };
 
+/// A channel of the new system.
 struct PlannedChannel {
   std::string name;
   Value period = 0;  ///< ns
@@ -30,6 +32,7 @@ struct PlannedChannel {
   std::vector<std::size_t> to;  ///< indices of networks
 };
 
+/// The new system, with a gateway on all networks; without one if its name is empty.
 struct Plan {
   std::string name;
   std::string gateway;
