@@ -14,9 +14,9 @@
 
 namespace mlcca::tools::design {
 
-/// Deadlines by name of channel, in ns, for channels whose response time, if everything described
-/// is sent, exceeds what they require now. They are a quarter longer than the response time.
-/// Channels without a bound are left out.
+/// Deadlines by name of channel, in ns, for channels whose response times on all buses and gateways
+/// of their way together exceed the Period if everything that is described is sent. A Deadline is a
+/// quarter longer than that sum. Channels without a bound are left out.
 [[nodiscard]] std::map<std::string, std::uint64_t> deadlines_that_hold(const core::System& system);
 
 /// The names of channels whose messages the transport protocol of J1939 cannot send as often as

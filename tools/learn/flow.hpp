@@ -55,7 +55,8 @@ class Flow {
   [[nodiscard]] std::uint32_t first_clock() const { return first_clock_; }
   [[nodiscard]] std::uint32_t last_clock() const { return stretch_.clock; }
 
-  /// Whether at least a quarter of the gaps are shorter than a tenth of the mean.
+  /// Whether at least a quarter of the gaps are shorter than a tenth of the mean; false for fewer
+  /// than 4 gaps.
   [[nodiscard]] bool comes_in_bursts() const;
 
   // For a flow with fewer than kFirst - 1 gaps:
