@@ -81,6 +81,10 @@ class Learn {
     if (const auto refused = note_silence()) return say(*refused, context_.json);
     observer_.finish(interfaces_.names().size(), interfaces_.media());
     note_profiles();
+    a_.draft.made_up = interfaces_.made_up();
+    for (const std::string& name : a_.draft.made_up)
+      notes_.push_back(name +
+                       ": its recording has no names of interfaces: state the one that it is");
     const learn::Draft draft = draft_that_holds(observer_, interfaces_.names(), a_.draft);
     if (draft.channels.empty())
       notes_.emplace_back("no events were seen: what was there needs no channel of the profile");

@@ -90,7 +90,7 @@ class Asc {
     frame.ns = now_;
     if (channel != channel_) {
       channel_ = channel;
-      number_ = recording_.interfaces.number_of("can" + std::string(channel));
+      number_ = recording_.interfaces.number_of_made_up("can" + std::string(channel));
     }
     frame.interface = number_;
     recording_.take(frame);

@@ -187,7 +187,7 @@ class Blf {
     if (!frame.is_extended() && frame.id > 0x7ff) return;
     if (remote) frame.id |= kRemote;
     frame.data = body.subspan(data, size);
-    frame.interface = recording_.interfaces.number_of("can" + std::to_string(channel));
+    frame.interface = recording_.interfaces.number_of_made_up("can" + std::to_string(channel));
     recording_.take(frame);
   }
 

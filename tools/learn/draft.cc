@@ -398,6 +398,9 @@ class Drafter {
   }
 
   void write_port(std::uint32_t number, const std::string& interface) {
+    if (options_.made_up.contains(names_[number]))
+      out_.xml +=
+          "    <!-- The recording has no name of this interface: state the one that it is. -->\n";
     std::string length;
     if (const auto waiting = options_.waiting.find(names_[number]);
         waiting != options_.waiting.end()) {

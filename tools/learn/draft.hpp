@@ -18,6 +18,7 @@ struct DraftOptions {
   std::string gateway = "gateway";
   std::map<std::string, std::uint32_t> bitrates = {};       ///< bit/s, by interface
   std::map<std::string, std::uint32_t> data_bitrates = {};  ///< the same of the FD data phase
+  std::set<std::string> made_up = {};  ///< names of interfaces that no recording has
   std::map<std::string, std::uint32_t> queue_lengths = {};  ///< frames that fit, by interface
   /// Frames that may wait there, by interface: where more than fit a queue by default.
   std::map<std::string, std::uint32_t> waiting = {};

@@ -62,8 +62,9 @@ bool take_cooked(Bytes& packet, std::uint32_t link, Cooked& head) {
 /// The packets of one interface of a recording, or of all that "any" has.
 class Packets {
  public:
-  Packets(std::string name, std::uint32_t link, Recording& recording)
-      : name_(std::move(name)), link_(link), recording_(recording) {
+  /// `named`: the recording has the name.
+  Packets(std::string name, bool named, std::uint32_t link, Recording& recording)
+      : name_(std::move(name)), named_(named), link_(link), recording_(recording) {
     if (link == kSocketCan) number(0, Medium::can);
     if (link == kEthernet) number(0, Medium::ethernet);
   }
@@ -104,12 +105,15 @@ class Packets {
     const auto known = numbers_.find({index, medium});
     if (known != numbers_.end()) return known->second;
     const std::string name = index == 0 ? name_ : name_ + "-" + std::to_string(index);
-    const auto out = recording_.interfaces.number_of(name, medium);
+    Interfaces& all = recording_.interfaces;
+    const auto out =
+        named_ && index == 0 ? all.number_of(name, medium) : all.number_of_made_up(name, medium);
     if (numbers_.size() < Interfaces::kMost) numbers_[{index, medium}] = out;
     return out;
   }
 
   std::string name_;
+  bool named_;
   std::uint32_t link_;
   Recording& recording_;
   std::map<std::pair<std::uint32_t, Medium>, std::uint32_t> numbers_;
@@ -184,9 +188,11 @@ class PcapNg {
     if (type == 1 && body.size() >= 8 && interfaces_.size() < kMostDescribed) {
       NgInterface one;
       const std::uint32_t link = number_at<std::uint16_t>(body, 0, big_);
-      std::string name = (link == kEthernet ? "eth" : "can") + std::to_string(interfaces_.size());
+      std::string name;
       read_options(body.subspan(8), big_, name, one.units);
-      if (is_known(link)) one.packets.emplace(name, link, recording_);
+      const bool named = !name.empty();
+      if (!named) name = (link == kEthernet ? "eth" : "can") + std::to_string(interfaces_.size());
+      if (is_known(link)) one.packets.emplace(name, named, link, recording_);
       interfaces_.push_back(std::move(one));
     }
     if (type != 6 || body.size() < 20) return;  // an enhanced packet block
@@ -237,7 +243,7 @@ Result<void> read_pcap(Recording& recording) {
     return fail("link type " + std::to_string(link) +
                 " has neither frames of CAN nor of Ethernet: record a CAN interface (SocketCAN, "
                 "227), an Ethernet interface (1) or any (113, 276)");
-  Packets packets(recording.stem, link, recording);
+  Packets packets(recording.stem, false, link, recording);
   for (std::size_t at = 24; at < all.size();) {
     if (all.size() - at < 16) return fail(at_offset(at) + ": the file ends within a packet");
     const auto size = number_at<std::uint32_t>(all, at + 8, big);

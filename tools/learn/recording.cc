@@ -50,6 +50,13 @@ std::uint32_t Interfaces::number_of(std::string_view name, Medium medium) {
   return static_cast<std::uint32_t>(names_.size() - 1);
 }
 
+std::uint32_t Interfaces::number_of_made_up(std::string_view name, Medium medium) {
+  const std::size_t before = names_.size();
+  const std::uint32_t number = number_of(name, medium);
+  if (names_.size() != before) made_up_.insert(names_.back());
+  return number;
+}
+
 std::string_view next_word(std::string_view& line) {
   const auto begin = line.find_first_not_of(" \t");
   if (begin == std::string_view::npos) {

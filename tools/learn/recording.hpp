@@ -5,6 +5,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,12 +23,16 @@ class Interfaces {
   /// The number of a name; kMost where there are that many others. A name that is of the other
   /// medium already, as "any" can be of both, gets "-can" or "-eth" at its end.
   std::uint32_t number_of(std::string_view name, Medium medium = Medium::can);
+  /// The same of a name that no recording has, and that was made for it.
+  std::uint32_t number_of_made_up(std::string_view name, Medium medium = Medium::can);
+  [[nodiscard]] const std::set<std::string>& made_up() const { return made_up_; }
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
   [[nodiscard]] const std::vector<Medium>& media() const { return media_; }
 
  private:
   std::vector<std::string> names_;
   std::vector<Medium> media_;
+  std::set<std::string> made_up_;
 };
 
 using OnFrame = std::function<void(const Frame&)>;

@@ -272,6 +272,22 @@ TEST_F(LearnVerb, WhatNowCrossesToABusIsBoundThere) {
   EXPECT_TRUE(both.out.contains(R"("crosses_to":["can0"])")) << both.out;
 }
 
+TEST_F(LearnVerb, AnInterfaceThatNoRecordingNamesIsSaid) {
+  const auto trace = folder.write("trace.pcap", datagrams(kDistance, 7, 8));
+  const Ran ran = run({"learn", trace});
+  EXPECT_TRUE(ran.error.contains(
+      "note: trace: its recording has no names of interfaces: state the one that it is"))
+      << ran.error;
+  EXPECT_TRUE(
+      ran.out.contains("<!-- The recording has no name of this interface: state the one "
+                       "that it is. -->\n    <Port network=\"trace\">"))
+      << ran.out;
+  const auto log = folder.write("first.log", frames("can0", "123", 4, 60));
+  const Ran named = run({"learn", log});
+  EXPECT_FALSE(named.error.contains("names of interfaces")) << named.error;
+  EXPECT_FALSE(named.out.contains("name of this interface")) << named.out;
+}
+
 TEST_F(LearnVerb, AProfileOfCanIsNoneOfAnEthernet) {
   const auto trace = folder.write("eth0.pcap", datagrams(kDistance, 7, 8));
   const Ran ran = run({"learn", trace, "--profile", "eth0=j1939"});
