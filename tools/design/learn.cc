@@ -181,7 +181,8 @@ class Learn {
     std::set<std::pair<::dev_t, ::ino_t>> files;
     for (const std::string& source : a_.sources) {
       struct stat status{};
-      if (::stat(source.c_str(), &status) == 0) {
+      const bool is_standard = source == "-";
+      if ((is_standard ? ::fstat(STDIN_FILENO, &status) : ::stat(source.c_str(), &status)) == 0) {
         if (!files.emplace(status.st_dev, status.st_ino).second)
           return wrong(source + " is given twice: each recording counts once");
         if (auto refused = read_file_of_frames(source)) return refused;
@@ -229,7 +230,8 @@ class Learn {
   }
 
   std::optional<Refusal> read_file_of_frames(const std::string& path) {
-    observer_.begin(path);
+    const std::string name = path == "-" ? "standard input" : path;
+    observer_.begin(name);
     bool has_frames = false;
     const auto left = learn::read_recording(path, interfaces_, [&](const auto& frame) {
       has_frames = true;
@@ -237,13 +239,13 @@ class Learn {
     });
     if (!left) return wrong(left.error().text);
     if (!has_frames)
-      return wrong(fmt::format("{}: no frame was recognised in it{}{}", path,
+      return wrong(fmt::format("{}: no frame was recognised in it{}{}", name,
                                left->first.empty() ? "" : ": ", left->first));
     if (left->lines != 0)
-      notes_.push_back(fmt::format("{}: {} passed over, the first: {}", path,
+      notes_.push_back(fmt::format("{}: {} passed over, the first: {}", name,
                                    many(left->lines, "entry", "entries"), left->first));
     if (left->interfaces != 0)
-      notes_.push_back(fmt::format("{}: {} of further interfaces: {} are the most", path,
+      notes_.push_back(fmt::format("{}: {} of further interfaces: {} are the most", name,
                                    many(left->interfaces, "frame"), learn::Interfaces::kMost));
     return std::nullopt;
   }
@@ -445,10 +447,9 @@ void add_learn(CLI::App& app, Context& context) {
   auto a = std::make_shared<LearnArguments>();
   verb->add_option("source", a->sources,
                    "interfaces of CAN or Ethernet to listen to, or recordings: candump -l or -ta, "
-                   "pcap, pcapng, "
-                   ".asc, .blf")
+                   "pcap, pcapng, .asc, .blf, also packed by gzip; - is standard input")
       ->required()
-      ->type_name("INTERFACE|FILE");
+      ->type_name("INTERFACE|FILE|-");
   verb->add_option("--for", a->time, "how long to listen")
       ->type_name("TIME")
       ->capture_default_str();

@@ -6,6 +6,11 @@
 //      2.501000 1  223             Rx   d 4 01 02 03 04
 //      2.502000 1  18EBFF00x       Rx   d 8 01 A0 0F A6 60 3B D1 40
 //      2.503000 CANFD   1 Rx  223  1 0 d 16 01 02 …
+//
+// Some have the name of a message in the place of its identifier, which then is at the end:
+//
+//      2.504000 1  EngineData      Rx   d 2 01 02  Length = 135910 BitCount = 70 ID = 547
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstdint>
@@ -13,6 +18,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/ascii.hpp"
 #include "base/decimal.hpp"
 #include "base/number.hpp"
 #include "tools/learn/formats.hpp"
@@ -20,15 +26,18 @@
 namespace mlcca::learn {
 namespace {
 
+/// What a program wanted to send: when it is on the bus it has a line of its own.
+constexpr std::string_view kAskedFor = "TxRq";
+
 class Asc {
  public:
-  explicit Asc(Recording& recording) : recording_(recording), lines_(recording.bytes) {}
+  explicit Asc(Recording& recording) : recording_(recording), lines_(recording.input) {}
 
   Result<void> read() {
     while (lines_.next()) {
       if (lines_.line().size() > Lines::kLongest)
-        return fail("line " + std::to_string(lines_.number()) + " has " +
-                    std::to_string(lines_.line().size()) + " characters: no line is so long");
+        return fail("line " + std::to_string(lines_.number()) + " has more than " +
+                    std::to_string(Lines::kLongest) + " characters: no line is so long");
       std::string_view line = lines_.line();
       const auto first = next_word(line);
       if (first == "base") take_base(line);
@@ -60,18 +69,32 @@ class Asc {
       done = take_fd(line);
     else if (number<unsigned>(first, kDecimalBase))
       done = take_classic(first, line);
-    if (!done)
-      recording_.pass_over("line " + std::to_string(lines_.number()) +
-                           ": an event that is no CAN frame");
+    if (!done) pass_over("an event that is no CAN frame");
   }
 
-  bool take_identifier(std::string_view word, Frame& frame) const {
+  void pass_over(const std::string& what) {
+    recording_.pass_over("line " + std::to_string(lines_.number()) + ": " + what);
+  }
+
+  [[nodiscard]] std::optional<std::uint32_t> identifier(std::string_view word, int base) const {
     const bool extended = word.ends_with('x');
     if (extended) word.remove_suffix(1);
-    const auto id = number<std::uint32_t>(word, base_);
-    if (!id || *id > (extended ? kIdentifierBits : 0x7ffU)) return false;
-    frame.id = *id | (extended ? kExtended : 0);
-    return true;
+    const auto id = number<std::uint32_t>(word, base);
+    if (!id || *id > (extended ? kIdentifierBits : 0x7ffU)) return std::nullopt;
+    return *id | (extended ? kExtended : 0);
+  }
+
+  /// The number behind "ID =", which is decimal, where the word is or may be a name: "AB".
+  [[nodiscard]] std::optional<std::uint32_t> identifier_of(std::string_view word,
+                                                           std::string_view rest) const {
+    constexpr std::string_view before = " ID = ";
+    const auto written = identifier(word, base_);
+    const auto at = rest.find(before);
+    if (at == std::string_view::npos || (written && std::ranges::any_of(word, is_digit)))
+      return written;
+    rest.remove_prefix(at + before.size());
+    const auto stated = identifier(next_word(rest), kDecimalBase);
+    return stated ? stated : written;
   }
 
   /// So many bytes, each a word.
@@ -98,18 +121,26 @@ class Asc {
 
   bool take_classic(std::string_view channel, std::string_view line) {
     Frame frame;
-    const auto id = next_word(line);
-    if (id == "ErrorFrame" || id == "Statistic:") return true;
-    if (!take_identifier(id, frame)) return false;
-    frame.local = next_word(line) == "Tx";
+    const auto word = next_word(line);
+    if (word == "ErrorFrame" || word == "Statistic:") return true;
+    const auto direction = next_word(line);
     const auto kind = next_word(line);
-    if (kind == "r") {
-      frame.id |= kRemote;
-    } else {
+    if (direction == kAskedFor) return true;
+    if (kind == "d") {
       const auto size = number<std::size_t>(next_word(line), kHexadecimalBase);
-      if (kind != "d" || !size || !take_data(line, std::min<std::size_t>(*size, 8), frame))
-        return false;
+      if (!size || !take_data(line, std::min<std::size_t>(*size, 8), frame)) return false;
+    } else if (kind != "r") {
+      return false;
     }
+    const auto id = identifier_of(word, line);
+    if (!id && direction != "Rx" && direction != "Tx") return false;
+    if (!id) {
+      pass_over("the message " + std::string(word.substr(0, 60)) +
+                " has a name and no identifier: record identifiers, as numbers");
+      return true;
+    }
+    frame.id = *id | (kind == "r" ? kRemote : 0);
+    frame.local = direction == "Tx";
     hand_over(frame, channel);
     return true;
   }
@@ -119,8 +150,12 @@ class Asc {
     if (!number<unsigned>(channel, kDecimalBase)) return false;
     Frame frame;
     frame.fd = true;
-    frame.local = next_word(line) == "Tx";
-    if (!take_identifier(next_word(line), frame)) return false;
+    const auto direction = next_word(line);
+    if (direction == kAskedFor) return true;
+    frame.local = direction == "Tx";
+    const auto id = identifier(next_word(line), base_);
+    if (!id) return false;
+    frame.id = *id;
     auto word = next_word(line);  // the bit-rate switch, or the name of the message before it
     if (word != "0" && word != "1") word = next_word(line);
     next_word(line);  // the error state
@@ -136,7 +171,7 @@ class Asc {
   int base_ = kHexadecimalBase;
   bool relative_ = false;
   std::uint64_t now_ = 0;
-  std::string_view channel_;
+  std::string channel_;
   std::uint32_t number_ = 0;
   std::array<std::uint8_t, 64> data_{};
 };

@@ -24,9 +24,11 @@ constexpr std::uint32_t kObject = 0x4a424f4c;  // "LOBJ"
 constexpr std::uint32_t kNothing = 0;
 constexpr std::uint32_t kLongestObject = 1U << 20U;      // of which one is a frame
 constexpr std::uint32_t kLargestContainer = 64U << 20U;  // uncompressed; tools write 128 KiB
-constexpr std::size_t kHeader = 16;                      // that all objects have
-constexpr std::size_t kBefore = 32;                      // of a container, what is before its data
-constexpr std::uint32_t kTenMicroseconds = 1;            // unit of times; else ns
+constexpr std::uint32_t kLargestObject = kLargestContainer + (1U << 16U);  // of the file
+constexpr std::uint32_t kLargestHeader = 1U << 16U;
+constexpr std::size_t kHeader = 16;            // that all objects have
+constexpr std::size_t kBefore = 32;            // of a container, what is before its data
+constexpr std::uint32_t kTenMicroseconds = 1;  // unit of times; else ns
 
 template <class Number>
 Number at(Bytes bytes, std::size_t offset) {
@@ -38,21 +40,24 @@ class Blf {
   explicit Blf(Recording& recording) : recording_(recording) {}
 
   Result<void> read() {
-    const Bytes all = recording_.bytes;
-    if (all.size() < 8) return fail("the file ends within its header");
-    const auto header = at<std::uint32_t>(all, 4);
-    if (header < 8 || header > all.size())
+    Input& input = recording_.input;
+    if (input.from(0, 8).size() < 8) return fail("the file ends within its header");
+    const auto header = at<std::uint32_t>(input.from(0, 8), 4);
+    if (header < 8 || header > kLargestHeader)
       return fail("offset 4: a header of " + std::to_string(header) + " bytes does not fit");
-    for (std::size_t offset = header; offset + kHeader <= all.size();) {
-      if (at<std::uint32_t>(all, offset) != kObject)
+    for (std::uint64_t offset = header;;) {
+      const Bytes begun = input.from(offset, kHeader);
+      if (begun.size() < kHeader) return {};
+      if (at<std::uint32_t>(begun, 0) != kObject)
         return fail("offset " + std::to_string(offset) + ": no object begins here");
-      const std::uint64_t size = at<std::uint32_t>(all, offset + 8);
-      if (size > all.size() - offset) return take_cut(all.subspan(offset), offset, size);
-      if (size < kHeader)
+      const std::uint64_t size = at<std::uint32_t>(begun, 8);
+      if (size < kHeader || size > kLargestObject)
         return fail("offset " + std::to_string(offset + 8) + ": an object of " +
                     std::to_string(size) + " bytes does not fit into the file");
-      const Bytes object = all.subspan(offset, size);
-      if (at<std::uint32_t>(all, offset + 12) == kContainer) {
+      const Bytes all = input.from(offset, size);
+      if (all.size() < size) return take_cut(all, offset, size);
+      const Bytes object = all.first(size);
+      if (at<std::uint32_t>(object, 12) == kContainer) {
         if (const auto done = open_container(object); !done)
           return fail("offset " + std::to_string(offset) + ": " + done.error().text);
       } else {
@@ -60,13 +65,12 @@ class Blf {
       }
       offset += size + size % 4;
     }
-    return {};
   }
 
  private:
   /// The file ends within this object, as it does when its writer was ended: what is complete in a
   /// container is taken.
-  Result<void> take_cut(Bytes object, std::size_t offset, std::uint64_t size) {
+  Result<void> take_cut(Bytes object, std::uint64_t offset, std::uint64_t size) {
     if (at<std::uint32_t>(object, 12) == kContainer && object.size() > kBefore)
       (void)open_container(object, true);
     if (recording_.handed_over == 0)

@@ -88,6 +88,12 @@ bool take_frame(std::string_view word, Frame& frame, std::array<std::uint8_t, kM
 
 }  // namespace
 
+bool is_candump_frame(std::string_view word) {
+  Frame frame;
+  std::array<std::uint8_t, kMostData> data{};
+  return take_frame(word, frame, data);
+}
+
 bool take_candump_time(std::string_view word, std::uint64_t& ns) {
   if (!word.starts_with('(') || !word.ends_with(')')) return false;
   word = word.substr(1, word.size() - 2);
@@ -107,8 +113,8 @@ bool take_candump_time(std::string_view word, std::uint64_t& ns) {
 
 Result<void> check_candump_length(const Lines& lines) {
   if (lines.line().size() <= Lines::kLongest) return {};
-  return fail("line " + std::to_string(lines.number()) + " has " +
-              std::to_string(lines.line().size()) + " characters: no line of candump is so long");
+  return fail("line " + std::to_string(lines.number()) + " has more than " +
+              std::to_string(Lines::kLongest) + " characters: no line of candump is so long");
 }
 
 void pass_over_line(Recording& recording, const Lines& lines, std::string_view why) {
@@ -117,8 +123,8 @@ void pass_over_line(Recording& recording, const Lines& lines, std::string_view w
 }
 
 Result<void> read_candump(Recording& recording) {
-  Lines lines(recording.bytes);
-  std::string_view name;  // of the latest interface, which is mostly that of the next line
+  Lines lines(recording.input);
+  std::string name;  // of the latest interface, which is mostly that of the next line
   std::uint32_t number = 0;
   std::array<std::uint8_t, kMostData> data{};
   while (lines.next()) {

@@ -86,6 +86,13 @@ std::string_view first_line(Bytes bytes) {
   return {};
 }
 
+/// Lines of candump -L without their times: "can0 123#1122", or the frame alone.
+bool is_frame_alone(std::string_view line) {
+  const auto first = next_word(line);
+  if (first.starts_with('(')) return false;
+  return is_candump_frame(first) || is_candump_frame(next_word(line));
+}
+
 bool is_shown_frame(std::string_view behind_time) {
   std::string_view interface;
   Frame frame;
@@ -112,13 +119,14 @@ bool are_between_frames(Bytes bytes) {
   return smaller * 10 > steps;
 }
 
+constexpr std::size_t kHeadOfText = std::size_t{64} << 10U;  // in which times are compared
 constexpr const char* kInstead = ": record with candump -l, or with candump -ta";
 
 }  // namespace
 
-Screen screen_of(Bytes bytes) {
-  std::string_view line = first_line(bytes);
-  if (is_shown_frame(line)) return Screen::without_times;
+Screen screen_of(Bytes head) {
+  std::string_view line = first_line(head);
+  if (is_shown_frame(line) || is_frame_alone(line)) return Screen::without_times;
   const std::string_view time = next_word(line);
   if (!time.starts_with('(')) return Screen::none;
   if (is_shown_frame(line)) return Screen::with_times;
@@ -127,14 +135,16 @@ Screen screen_of(Bytes bytes) {
 }
 
 Result<void> read_candump_screen(Recording& recording) {
-  const Screen screen = screen_of(recording.bytes);
+  Bytes head = recording.input.from(0, kHeadOfText);
+  head = head.first(std::min(head.size(), kHeadOfText));
+  const Screen screen = screen_of(head);
   if (screen == Screen::without_times)
     return fail(std::string("lines of candump without time stamps") + kInstead);
   if (screen == Screen::with_dates)
     return fail(std::string("lines of candump with dates (-tA)") + kInstead);
-  if (are_between_frames(recording.bytes))
+  if (are_between_frames(head))
     return fail(std::string("lines of candump with the times between frames (-td)") + kInstead);
-  Lines lines(recording.bytes);
+  Lines lines(recording.input);
   Shown data{};
   while (lines.next()) {
     std::string_view line = lines.line();

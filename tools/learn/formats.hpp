@@ -7,15 +7,14 @@
 #include <string_view>
 
 #include "base/result.hpp"
+#include "tools/learn/input.hpp"
 #include "tools/learn/recording.hpp"
 
 namespace mlcca::learn {
 
-using Bytes = std::span<const std::uint8_t>;
-
 /// What each reader gets. An error of it has no name of the file yet: "line 7: …".
 struct Recording {
-  Bytes bytes;
+  Input& input;
   Interfaces& interfaces;
   const OnFrame& on_frame;
   std::string stem;  ///< of the file's name: what formats without interface names call theirs
@@ -25,6 +24,12 @@ struct Recording {
   /// Something that is no frame, and is passed over.
   void pass_over(const std::string& what) {
     if (left.lines++ == 0) left.first = what;
+  }
+  /// The file ends within something, as it does when its writer was ended: what is complete counts.
+  Result<void> cut(const std::string& where) {
+    if (handed_over == 0) return fail(where);
+    pass_over(where);
+    return {};
   }
   /// Hands the frame over, unless its interface is one too many, or no frame can have its
   /// identifier.
@@ -48,20 +53,23 @@ Result<void> read_pcap(Recording& recording);
 Result<void> read_pcapng(Recording& recording);
 
 /// The lines of a text, one after the other, without its end. Those of more than 4096 bytes are
-/// longer than any format has.
+/// longer than any format has, and may be cut.
 class Lines {
  public:
   static constexpr std::size_t kLongest = 4096;
-  explicit Lines(Bytes bytes)
-      : rest_(reinterpret_cast<const char*>(bytes.data()), bytes.size()) {
-  }  // NOLINT(*-reinterpret-cast)
-  /// False at the end.
+  explicit Lines(Input& input) : input_(&input) {}
+  /// Of the beginning of a text, whose last line may be cut.
+  explicit Lines(Bytes head) : rest_(text_of(head)) {}
+  /// False at the end. The line is valid until the next call.
   bool next() {
+    auto end = rest_.find('\n');
+    if (end == std::string_view::npos) end = fill();
     if (rest_.empty()) return false;
     ++number_;
-    const auto end = rest_.find('\n');
     line_ = rest_.substr(0, end);
-    rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
+    const std::size_t size = end == std::string_view::npos ? rest_.size() : end + 1;
+    rest_.remove_prefix(size);
+    offset_ += size;
     if (line_.ends_with('\r')) line_.remove_suffix(1);
     return true;
   }
@@ -69,14 +77,33 @@ class Lines {
   [[nodiscard]] std::uint64_t number() const { return number_; }
 
  private:
+  static std::string_view text_of(Bytes bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()),
+            bytes.size()};  // NOLINT(*-reinterpret-cast)
+  }
+  /// Where the line ends that rest_ begins, once there is more of it.
+  std::size_t fill() {
+    while (input_ != nullptr && rest_.size() <= kLongest) {
+      const std::size_t before = rest_.size();
+      rest_ = text_of(input_->from(offset_, before + 1));
+      if (rest_.size() <= before) return std::string_view::npos;
+      if (const auto end = rest_.find('\n', before); end != std::string_view::npos) return end;
+    }
+    return std::string_view::npos;
+  }
+
+  Input* input_ = nullptr;
+  std::uint64_t offset_ = 0;  ///< of rest_
   std::string_view rest_;
   std::string_view line_;
   std::uint64_t number_ = 0;
 };
 
-/// What candump shows on a screen, as the first line tells.
+/// What candump shows on a screen, or what cansend takes, as the first line says.
 enum class Screen : std::uint8_t { none, with_times, with_dates, without_times };
-Screen screen_of(Bytes bytes);
+Screen screen_of(Bytes head);
+/// "123#1122"
+bool is_candump_frame(std::string_view word);
 /// "(1436509052.249713)" in ns; false: it is no time.
 bool take_candump_time(std::string_view word, std::uint64_t& ns);
 /// Error: the line is longer than any of candump.

@@ -26,10 +26,12 @@ constexpr std::uint16_t kEtherDevice = 1;  // ARPHRD_ETHER
 constexpr std::uint8_t kFdFlag = 0x04;     // CANFD_FDF
 constexpr std::uint64_t kSecond = 1'000'000'000;
 constexpr std::size_t kLongestPacket = 1U << 18U;  // as the formats have it
-constexpr std::size_t kMostDescribed = 4096;       // interfaces of a section
+constexpr std::size_t kBlockHead = 12;             // type and size, and the size at its end
+constexpr std::uint32_t kLargestBlock = 16U << 20U;
+constexpr std::size_t kMostDescribed = 4096;  // interfaces of a section
 constexpr const char* kNoFrame = "a packet that is neither a frame of CAN nor a sound one of IPv4";
 
-std::string at_offset(std::size_t offset) { return "offset " + std::to_string(offset); }
+std::string at_offset(std::uint64_t offset) { return "offset " + std::to_string(offset); }
 
 bool is_known(std::uint32_t link) {
   return link == kEthernet || link == kSocketCan || link == kCooked || link == kCooked2;
@@ -162,29 +164,34 @@ class PcapNg {
   explicit PcapNg(Recording& recording) : recording_(recording) {}
 
   Result<void> read() {
-    const Bytes all = recording_.bytes;
-    for (std::size_t at = 0; at < all.size();) {
-      if (at + 12 > all.size()) return fail(at_offset(at) + ": the file ends within a block");
-      const auto type = number_at<std::uint32_t>(all, at, big_);
+    for (std::uint64_t at = 0;;) {
+      const Bytes head = recording_.input.from(at, kBlockHead);
+      if (head.empty()) return {};
+      if (head.size() < kBlockHead)
+        return recording_.cut(at_offset(at) + ": the file ends within a block");
+      const auto type = number_at<std::uint32_t>(head, 0, big_);
       if (type == 0x0a0d0d0a) {
-        const auto magic = number_at<std::uint32_t>(all, at + 8, true);
+        const auto magic = number_at<std::uint32_t>(head, 8, true);
         if (magic != 0x1a2b3c4d && magic != 0x4d3c2b1a)
           return fail(at_offset(at + 8) + ": no byte-order magic of pcapng");
         big_ = magic == 0x1a2b3c4d;
         interfaces_.clear();
       }
-      const auto size = number_at<std::uint32_t>(all, at + 4, big_);
-      if (size < 12 || size % 4 != 0 || size > all.size() - at)
-        return fail(at_offset(at + 4) + ": a block of " + std::to_string(size) +
-                    " bytes does not fit into the file");
-      block(type, all.subspan(at + 8, size - 12), at);
+      const auto size = number_at<std::uint32_t>(head, 4, big_);
+      const auto what = [&] {
+        return at_offset(at + 4) + ": a block of " + std::to_string(size) + " bytes";
+      };
+      if (size < kBlockHead || size % 4 != 0 || size > kLargestBlock)
+        return fail(what() + ": a multiple of 4, 12 to " + std::to_string(kLargestBlock));
+      const Bytes all = recording_.input.from(at, size);
+      if (all.size() < size) return recording_.cut(what() + " does not fit into the file");
+      block(type, all.subspan(8, size - kBlockHead), at);
       at += size;
     }
-    return {};
   }
 
  private:
-  void block(std::uint32_t type, Bytes body, std::size_t at) {
+  void block(std::uint32_t type, Bytes body, std::uint64_t at) {
     if (type == 1 && body.size() >= 8 && interfaces_.size() < kMostDescribed) {
       NgInterface one;
       const std::uint32_t link = number_at<std::uint16_t>(body, 0, big_);
@@ -233,31 +240,39 @@ bool take_socketcan(Bytes packet, std::uint64_t ns, std::uint32_t interface, boo
 }
 
 Result<void> read_pcap(Recording& recording) {
-  const Bytes all = recording.bytes;
-  if (all.size() < 24) return fail("the file ends within its header");
-  const auto magic = number_at<std::uint32_t>(all, 0, true);
+  constexpr std::size_t header = 24;
+  constexpr std::size_t before = 16;  // a packet
+  const Bytes head = recording.input.from(0, header);
+  if (head.size() < header) return fail("the file ends within its header");
+  const auto magic = number_at<std::uint32_t>(head, 0, true);
   const bool big = magic == 0xa1b2c3d4 || magic == 0xa1b23c4d;
   const bool nanoseconds = magic == 0xa1b23c4d || magic == 0x4d3cb2a1;
-  const auto link = number_at<std::uint32_t>(all, 20, big) & 0xffffU;
+  const auto link = number_at<std::uint32_t>(head, 20, big) & 0xffffU;
   if (!is_known(link))
     return fail("link type " + std::to_string(link) +
                 " has neither frames of CAN nor of Ethernet: record a CAN interface (SocketCAN, "
                 "227), an Ethernet interface (1) or any (113, 276)");
   Packets packets(recording.stem, false, link, recording);
-  for (std::size_t at = 24; at < all.size();) {
-    if (all.size() - at < 16) return fail(at_offset(at) + ": the file ends within a packet");
-    const auto size = number_at<std::uint32_t>(all, at + 8, big);
-    if (size > kLongestPacket || size > all.size() - at - 16)
-      return fail(at_offset(at) + ": a packet of " + std::to_string(size) +
-                  " bytes does not fit into the file");
-    const std::uint64_t fraction = number_at<std::uint32_t>(all, at + 4, big);
-    const auto ns = number_at<std::uint32_t>(all, at, big) * kSecond +
+  for (std::uint64_t at = header;;) {
+    const Bytes begun = recording.input.from(at, before);
+    if (begun.empty()) return {};
+    if (begun.size() < before)
+      return recording.cut(at_offset(at) + ": the file ends within a packet");
+    const auto size = number_at<std::uint32_t>(begun, 8, big);
+    const auto what = [&] {
+      return at_offset(at) + ": a packet of " + std::to_string(size) + " bytes";
+    };
+    if (size > kLongestPacket)
+      return fail(what() + ": " + std::to_string(kLongestPacket) + " are the limit");
+    const Bytes packet = recording.input.from(at, before + size);
+    if (packet.size() < before + size) return recording.cut(what() + " does not fit into the file");
+    const std::uint64_t fraction = number_at<std::uint32_t>(packet, 4, big);
+    const auto ns = number_at<std::uint32_t>(packet, 0, big) * kSecond +
                     (nanoseconds ? fraction : fraction * 1000);
-    if (!packets.take(all.subspan(at + 16, size), ns))
+    if (!packets.take(packet.subspan(before, size), ns))
       recording.pass_over(at_offset(at) + ": " + kNoFrame);
-    at += 16 + size;
+    at += before + size;
   }
-  return {};
 }
 
 Result<void> read_pcapng(Recording& recording) { return PcapNg(recording).read(); }

@@ -7,30 +7,86 @@
 #include <string_view>
 
 #include "tools/learn/formats.hpp"
-#include "tools/learn/mapped_file.hpp"
+#include "tools/learn/input.hpp"
+#include "tools/learn/recording_file.hpp"
 
 namespace mlcca::learn {
 namespace {
 
+using namespace std::string_view_literals;
+
 using Reader = Result<void> (*)(Recording&);
 
+std::string_view text_of(Bytes head) {
+  return {reinterpret_cast<const char*>(head.data()), head.size()};  // NOLINT(*-reinterpret-cast)
+}
+
 /// By what a file begins with; text is distinguished by its first line.
-Reader reader_of(Bytes bytes) {
-  const std::string_view text(
-      reinterpret_cast<const char*>(bytes.data()),  // NOLINT(*-reinterpret-cast)
-      std::min<std::size_t>(bytes.size(), 512));
-  using namespace std::string_view_literals;
+Reader reader_of(Bytes head) {
+  std::string_view text = text_of(head);
   if (text.starts_with("LOGG")) return read_blf;
   if (text.starts_with("\x0a\x0d\x0d\x0a"sv)) return read_pcapng;
   for (const auto magic :
        {"\xa1\xb2\xc3\xd4"sv, "\xd4\xc3\xb2\xa1"sv, "\xa1\xb2\x3c\x4d"sv, "\x4d\x3c\xb2\xa1"sv})
     if (text.starts_with(magic)) return read_pcap;
+  const auto first = text.find_first_not_of(" \t\r\n");
+  text.remove_prefix(std::min(first, text.size()));
   if (text.starts_with("date ") || text.starts_with("base ") || text.starts_with("//"))
     return read_asc;
-  if (screen_of(bytes) != Screen::none) return read_candump_screen;
-  const auto first = text.find_first_not_of(" \t\r\n");
-  if (first != std::string_view::npos && text[first] == '(') return read_candump;
-  return nullptr;
+  if (screen_of(head) != Screen::none) return read_candump_screen;
+  return text.starts_with('(') ? read_candump : nullptr;
+}
+
+/// What is known to be none of these, and what to do about it.
+struct Other {
+  std::string_view begins;
+  std::string_view is;
+};
+constexpr auto kOthers = std::to_array<Other>({
+    {"\xfd"
+     "7zXZ\0"sv,
+     "it is packed by xz: xzcat FILE | mlccactl learn -"},
+    {"\x28\xb5\x2f\xfd"sv, "it is packed by zstd: zstdcat FILE | mlccactl learn -"},
+    {"BZh"sv, "it is packed by bzip2: bzcat FILE | mlccactl learn -"},
+    {"PK\3\4"sv, "it is a ZIP archive: unzip -p FILE | mlccactl learn -"},
+    {"\x1f\x8b"sv, "it is packed by gzip twice: zcat FILE | mlccactl learn -"},
+    {"\xff\xfe"sv, "it is a text in UTF-16: iconv -f UTF-16 -t UTF-8 FILE | mlccactl learn -"},
+    {"\xfe\xff"sv, "it is a text in UTF-16: iconv -f UTF-16 -t UTF-8 FILE | mlccactl learn -"},
+});
+
+Result<Reader> known_reader_of(Bytes head) {
+  for (const Other& other : kOthers)
+    if (text_of(head).starts_with(other.begins)) return fail(std::string(other.is));
+  if (const Reader reader = reader_of(head); reader != nullptr) return reader;
+  return fail(
+      "this is no recording that can be read: a log of candump (-l, -ta), pcap or pcapng with "
+      "frames of CAN or Ethernet, or a log of a Vector tool (.asc, .blf), also packed by gzip");
+}
+
+/// Of what is not packed.
+Result<Left> read_plain(Input& input, const std::string& stem, Interfaces& interfaces,
+                        const OnFrame& on_frame, const std::string& remark) {
+  constexpr std::string_view mark = "\xef\xbb\xbf";  // of texts in UTF-8, on Windows
+  if (text_of(input.from(0, mark.size())).starts_with(mark)) input.begin_at(mark.size());
+  Bytes head = input.from(0, Lines::kLongest);
+  head = head.first(std::min(head.size(), Lines::kLongest));
+  if (input.error()) return std::unexpected(*input.error());
+  if (head.empty()) return fail(remark.empty() ? "the file is empty" : remark);
+  const auto read = known_reader_of(head);
+  if (!read) return std::unexpected(read.error());
+  Recording recording{input, interfaces, on_frame, stem};
+  const auto done = (*read)(recording);
+  if (input.error()) return std::unexpected(*input.error());
+  if (!done) return std::unexpected(done.error());
+  if (!remark.empty())
+    if (const auto cut = recording.cut(remark); !cut) return std::unexpected(cut.error());
+  return std::move(recording.left);
+}
+
+/// "bus-a" of "logs/bus-a.pcap.gz".
+std::string stem_of(const std::filesystem::path& path) {
+  const auto stem = path.stem();
+  return path.extension() == ".gz" ? stem.stem() : stem;
 }
 
 }  // namespace
@@ -69,27 +125,35 @@ std::string_view next_word(std::string_view& line) {
   return word;
 }
 
+Result<Left> read_recording(Input& input, const std::string& stem, Interfaces& interfaces,
+                            const OnFrame& on_frame) {
+  if (!is_gzip(input)) return read_plain(input, stem, interfaces, on_frame, {});
+  Gunzip gunzip(input);
+  Input unpacked([&](std::span<std::uint8_t> to) { return gunzip.pull(to); });
+  return read_plain(unpacked, stem, interfaces, on_frame, gunzip.remark());
+}
+
 Result<Left> read_recording(Bytes bytes, const std::string& stem, Interfaces& interfaces,
                             const OnFrame& on_frame) {
-  const Reader read = reader_of(bytes);
-  if (read == nullptr)
-    return fail(
-        "this is no recording that can be read: a log of candump (-l, -ta), pcap or pcapng with "
-        "frames "
-        "of CAN or Ethernet, or a log of a Vector tool (.asc, .blf)");
-  Recording recording{bytes, interfaces, on_frame, stem};
-  if (const auto done = read(recording); !done) return std::unexpected(done.error());
-  return std::move(recording.left);
+  Input input(bytes);
+  return read_recording(input, stem, interfaces, on_frame);
 }
 
 Result<Left> read_recording(const std::string& path, Interfaces& interfaces,
                             const OnFrame& on_frame) {
-  const auto file = MappedFile::open(path);
-  if (!file) return std::unexpected(file.error());
-  auto left =
-      read_recording(file->bytes(), std::filesystem::path(path).stem(), interfaces, on_frame);
-  if (!left) return fail(path + ": " + left.error().text);
-  return left;
+  const bool is_standard = path == "-";
+  const std::string name = is_standard ? "standard input" : path;
+  const auto named = [&](Result<Left> left) -> Result<Left> {
+    if (!left) return fail(name + ": " + left.error().text);
+    return left;
+  };
+  const auto file = RecordingFile::open(path);
+  if (!file) return fail(name + ": " + file.error().text);
+  if (const auto bytes = file->bytes(); bytes)
+    return named(
+        read_recording(*bytes, stem_of(is_standard ? "stdin" : path), interfaces, on_frame));
+  Input input([&](std::span<std::uint8_t> to) { return file->read(to); });
+  return named(read_recording(input, stem_of(is_standard ? "stdin" : path), interfaces, on_frame));
 }
 
 }  // namespace mlcca::learn

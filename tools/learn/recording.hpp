@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Recordings of traffic: logs of candump (-l, -L) and what it shows on a screen (-ta, -tz), pcap
 // and pcapng with frames of SocketCAN and of Ethernet, logs of Vector tools in text (ASC) and
-// binary (BLF). What they hold is input from outside.
+// binary (BLF); also packed by gzip, and from a pipe. What they hold is input from outside.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -13,6 +13,7 @@
 
 #include "base/result.hpp"
 #include "tools/learn/frame.hpp"
+#include "tools/learn/input.hpp"
 
 namespace mlcca::learn {
 
@@ -46,11 +47,14 @@ struct Left {
 
 /// Hands over the frames of a recording in its order. Formats that have numbers of channels instead
 /// of names give "can" and the number. An error says what is wrong with the file, with the line or
-/// the offset; the frames before it have been handed over.
+/// the offset; the frames before it have been handed over. The path "-" is standard input.
 Result<Left> read_recording(const std::string& path, Interfaces& interfaces,
                             const OnFrame& on_frame);
-/// The same of bytes; `stem`: the name of an interface in a format that has none.
+/// The same of bytes, and of what comes piece by piece, packed by gzip or not; `stem`: the name of
+/// an interface in a format that has none.
 Result<Left> read_recording(std::span<const std::uint8_t> bytes, const std::string& stem,
                             Interfaces& interfaces, const OnFrame& on_frame);
+Result<Left> read_recording(Input& input, const std::string& stem, Interfaces& interfaces,
+                            const OnFrame& on_frame);
 
 }  // namespace mlcca::learn
