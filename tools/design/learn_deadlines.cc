@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "tools/design/learn_deadlines.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <map>
 #include <optional>
+#include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -50,6 +56,13 @@ std::map<std::string, std::uint64_t> deadlines_that_hold(const core::System& sys
   core::InspectedBuses buses;
   std::ignore = core::inspect(system, {}, {}, &buses);
   std::map<std::string, std::uint64_t> out;
+  // A Period without a Deadline asks for one of the Period, of each publisher its own.
+  std::map<std::size_t, std::uint64_t> shortest;
+  for (const core::Publisher& publisher : system.publishers) {
+    const std::uint64_t period = core::attributes_in(publisher, 0)[Attribute::period];
+    const auto [known, is_first] = shortest.try_emplace(publisher.channel, period);
+    if (!is_first) known->second = std::min(known->second, period);
+  }
   for (const auto& [channel, on_buses] : responses_of(system, buses)) {
     // Each gateway between two buses takes what its Provision says.
     std::uint64_t takes = 0;
@@ -60,39 +73,116 @@ std::map<std::string, std::uint64_t> deadlines_that_hold(const core::System& sys
       bounded = bounded && response.has_value();
       takes += response.value_or(0);
     }
-    const core::EventChannel& c = system.channels[channel];
-    if (bounded && takes > c.attributes[Attribute::period]) out.emplace(c.name, takes + takes / 4);
+    if (bounded && takes > shortest[channel])
+      out.emplace(system.channels[channel].name, takes + takes / 4);
   }
   return out;
 }
 
+namespace {
+
+class Holding {
+ public:
+  Holding(const learn::Observer& observer, const std::vector<std::string>& names,
+          learn::DraftOptions options)
+      : observer_(observer), names_(names), options_(std::move(options)) {
+    draw();
+    if (system_ && !refused_transport()) return;
+    // What is granted now delays others, and waits, too.
+    constexpr int rounds = 8;
+    for (int round = 0; system_ && round < rounds && allow_more(); ++round) draw();
+  }
+
+  [[nodiscard]] learn::Draft& draft() { return draft_; }
+  /// What a check refuses.
+  [[nodiscard]] std::vector<core::Finding> refused() const {
+    std::vector<core::Finding> out;
+    if (!system_) return out;  // who asked for it says why it cannot be read
+    for (core::Finding& finding : core::inspect(*system_).findings)
+      if (core::info(finding.id).severity == core::Severity::error)
+        out.push_back(std::move(finding));
+    return out;
+  }
+
+ private:
+  void draw() {
+    draft_ = learn::draft_of(observer_, names_, options_);
+    auto system = description::read_memory(draft_.xml, "draft", {}, description::Users::any);
+    system_.reset();
+    if (!system) return;
+    system_ = std::move(*system);
+    system_->sort_bindings();
+  }
+
+  /// False: the draft cannot be read now.
+  bool refused_transport() {
+    options_.at_mean = too_often_for_transport(*system_);
+    if (!options_.at_mean.empty()) draw();
+    return system_.has_value();
+  }
+
+  /// Longer queues and Deadlines; false: none needs more.
+  bool allow_more() {
+    bool more = false;
+    for (const auto& [network, frames] : lengthen_queues(*system_)) {
+      options_.waiting[names_[network]] = frames;
+      more = true;
+    }
+    for (const auto& [channel, ns] : deadlines_that_hold(*system_)) {
+      std::uint64_t& known = options_.deadlines[channel];
+      more = more || known < ns;
+      known = std::max(known, ns);
+    }
+    return more;
+  }
+
+  const learn::Observer& observer_;
+  const std::vector<std::string>& names_;
+  learn::DraftOptions options_;
+  learn::Draft draft_;
+  std::optional<core::System> system_;
+};
+
+/// One of each kind, and how many there are.
+std::vector<std::string> notes_on(const std::vector<core::Finding>& refused) {
+  std::map<core::FindingId, std::size_t> count;
+  for (const core::Finding& finding : refused) ++count[finding.id];
+  std::vector<std::string> out;
+  for (const core::Finding& finding : refused) {
+    const std::size_t others = std::exchange(count[finding.id], 0);
+    if (others == 0) continue;
+    out.push_back(fmt::format(
+        "'mlccactl check' refuses a part of this draft: {}{}{}{}", finding.text,
+        finding.hint.empty() ? "" : "; ", finding.hint,
+        others == 1 ? ""
+                    : fmt::format(" ({}, and {} more)", core::code_of(finding.id), others - 1)));
+  }
+  return out;
+}
+
+}  // namespace
+
 learn::Draft draft_that_holds(const learn::Observer& observer,
                               const std::vector<std::string>& names, learn::DraftOptions options) {
-  learn::Draft draft = learn::draft_of(observer, names, options);
-  auto system = description::read_memory(draft.xml, "draft", {}, description::Users::any);
-  if (!system) return draft;  // who asked for it says why it cannot be read
-  system->sort_bindings();
-  options.at_mean = too_often_for_transport(*system);
-  if (!options.at_mean.empty()) {
-    draft = learn::draft_of(observer, names, options);
-    system = description::read_memory(draft.xml, "draft", {}, description::Users::any);
-    if (!system) return draft;
-    system->sort_bindings();
+  Holding best(observer, names, options);
+  auto refused = best.refused();
+  // What is assumed may be the reason: how often things come that were seen once, then the rates.
+  constexpr std::uint64_t second = 1'000'000'000;
+  learn::DraftOptions fast = options;
+  fast.assumed_period = second;
+  for (const std::string& name : names)
+    if (!options.bitrates.contains(name)) fast.fast.insert(name);
+  options.assumed_period = second;
+  for (const learn::DraftOptions* other : {&options, &fast}) {
+    if (refused.empty()) break;
+    Holding next(observer, names, *other);
+    auto refused_then = next.refused();
+    if (refused_then.size() >= refused.size()) continue;
+    best.draft() = std::move(next.draft());
+    refused = std::move(refused_then);
   }
-  const auto lengthen = [&] {
-    const auto lengths = lengthen_queues(*system);
-    for (const auto& [network, frames] : lengths) options.waiting[names[network]] = frames;
-    return !lengths.empty();
-  };
-  const bool longer = lengthen();
-  options.deadlines = deadlines_that_hold(*system);
-  if (!longer && options.deadlines.empty()) return draft;
-  draft = learn::draft_of(observer, names, options);
-  system = description::read_memory(draft.xml, "draft", {}, description::Users::any);
-  if (!system) return draft;
-  system->sort_bindings();
-  // What is in time now is granted, and waits, too.
-  return lengthen() ? learn::draft_of(observer, names, options) : draft;
+  std::ranges::move(notes_on(refused), std::back_inserter(best.draft().left_out));
+  return std::move(best.draft());
 }
 
 }  // namespace mlcca::tools::design

@@ -9,6 +9,7 @@
 #include <ranges>
 #include <utility>
 
+#include "core/profiles/profile.hpp"
 #include "tools/elements.hpp"
 
 namespace mlcca::learn {
@@ -47,7 +48,8 @@ Times times_of_few(const Flow& flow, OfFew few) {
                        "seen {} times, each alone in its recording or before time went "
                        "back: the Period is assumed",
                        flow.events());
-  if (flow.gaps() == 0) return out;
+  out.assumed = flow.gaps() == 0;
+  if (out.assumed) return out;
   const std::uint64_t mean = flow.mean_of_few();
   const bool is_half = few == OfFew::half_the_mean;
   out.period = std::max<std::uint64_t>(tools::nominal(is_half ? mean / 2 : mean), 1000);
@@ -112,6 +114,7 @@ Rate rate_of_others(const std::vector<Rate>& rates) {
 Times times_of_one_stamp(const Flow& flow) {
   Times out;
   out.period = tools::kPeriodOfOne;
+  out.assumed = true;
   out.seen =
       fmt::format("{} events that all have one time stamp: the Period is assumed", flow.events());
   return out;
@@ -267,11 +270,17 @@ class Collector {
     add_source(channel, {key, &seen, times_of(seen.flow)});
   }
 
-  /// Programs of this host have no numbers on Ethernet, and are one publisher.
+  /// Of a program of this host: none on Ethernet, and none where the profile has no nodes.
+  [[nodiscard]] std::optional<std::uint32_t> node_of(const FlowKey& key) const {
+    const bool has = !is_ethernet(key.interface) &&
+                     core::has_nodes(observer_.interfaces()[key.interface].recognised->profile);
+    return has ? std::optional(key.node) : std::nullopt;
+  }
+  /// Programs of this host that no node distinguishes are one publisher, on all interfaces.
   void add_source(Channel& channel, Source source) const {
-    if (source.key.local && is_ethernet(source.key.interface))
+    if (source.key.local)
       for (Source& other : channel.sources)
-        if (other.key.local && is_ethernet(other.key.interface)) {
+        if (other.key.local && node_of(other.key) == node_of(source.key)) {
           if (other.times.period > source.times.period) std::swap(other, source);
           other.times.jitter = std::max(other.times.jitter, source.times.jitter);
           return;

@@ -20,6 +20,7 @@ struct Times {
   bool periodic = false;
   bool on_events = false;  ///< periodic, and further events come in between
   bool bursts = false;     ///< not periodic, and many events come soon after another
+  bool assumed = false;    ///< nothing says how often it comes
   std::string seen;        ///< in words, with the margin
 };
 /// What the Period of a flow with few events is.

@@ -6,6 +6,7 @@
 
 #include "base/big_endian.hpp"
 #include "core/gates/control_traffic.hpp"
+#include "core/profiles/profile.hpp"
 #include "tools/elements.hpp"
 
 namespace mlcca::learn {
@@ -22,6 +23,10 @@ bool Decoder::is_heart_beat(const Frame& frame) {
 
 void Decoder::take(const Frame& frame, const OnEvent& on_event) {
   Event event;
+  if ((frame.id & kRemote) != 0 && !core::traits_of(profile_).remote_frames) {
+    ++others_;
+    return;
+  }
   event.ns = frame.ns;
   event.bytes = event.frame_bytes = static_cast<std::uint32_t>(frame.data.size());
   event.fd = frame.fd;

@@ -22,6 +22,7 @@
 #include "tools/learn/channels.hpp"
 #include "tools/learn/crossing_remarks.hpp"
 #include "tools/learn/remarks.hpp"
+#include "tools/learn/senders.hpp"
 
 namespace mlcca::learn {
 namespace {
@@ -29,10 +30,14 @@ namespace {
 using core::Profile;
 
 constexpr std::uint32_t kAssumedBitrate = 500'000;  // bit/s, where none is stated
+// Where that cannot carry what was seen:
+constexpr std::uint32_t kFastBitrate = 1'000'000;
+constexpr std::uint32_t kFastDataBitrate = 5'000'000;
 constexpr std::uint64_t kAssumedLatency =
     1'000'000;  // ns that forwarding takes, where none was seen
 constexpr std::uint64_t kAssumedEthernet = 100'000;  // ns that an Ethernet takes
 constexpr std::size_t kLongestName = 63;
+constexpr std::uint32_t kClassicBytes = 8;
 
 std::string mac_text(const std::array<std::uint8_t, 6>& mac) {
   return fmt::format("{:02x}", fmt::join(mac, ":"));
@@ -45,14 +50,16 @@ class Drafter {
       : observer_(observer), names_(names), options_(options) {}
 
   Draft run() {
+    used_.insert(options_.gateway);
     for (const std::string& name : names_) {
       const auto described = options_.networks.find(name);
-      std::string network =
-          described == options_.networks.end() ? tools::name_like(name) : described->second;
-      while (!used_.insert(network).second) network += "-2";
-      networks_.push_back(network);
+      networks_.push_back(described == options_.networks.end()
+                              ? name_in(used_, tools::name_like(name), "")
+                              : described->second);
+      used_.insert(networks_.back());
     }
     channels_ = channels_of(observer_);
+    out_.left_out = leave_out_senders(observer_, names_, channels_);
     for (const Channel& channel : channels_)
       if (channel.subject) subjects_.insert(*channel.subject);
     write();
@@ -71,13 +78,14 @@ class Drafter {
     return !is_ethernet(interface) && core::has_nodes(profile_of(interface));
   }
 
-  /// `stem` and `end`, as long as a name may be, that no other publisher has.
-  std::string publisher_name(const std::string& stem, const std::string& end) {
+  /// `stem` and `end`, as long as a name may be, that is not in `used`.
+  static std::string name_in(std::set<std::string>& used, const std::string& stem,
+                             const std::string& end) {
     for (unsigned n = 1;; ++n) {
       const std::string behind = n == 1 ? end : fmt::format("{}-{}", end, n);
       std::string out = stem.substr(0, kLongestName - std::min(kLongestName, behind.size()));
       out += behind;
-      if (publishers_.insert(out).second) return out;
+      if (used.insert(out).second) return out;
     }
   }
 
@@ -168,6 +176,8 @@ class Drafter {
     if (options_.at_mean.contains(row.name))
       for (Source& source : channel.sources)
         source.times = times_of(source.seen->flow, OfFew::the_mean);
+    for (Source& source : channel.sources)
+      if (source.times.assumed) source.times.period = options_.assumed_period;
     std::string comment = put_together(channel, row);
     if (channel.sources.size() > 1)
       comment += fmt::format("; the first of {} publishers", channel.sources.size());
@@ -207,13 +217,16 @@ class Drafter {
     const auto priority = has_priority && place.priorities.size() == 1
                               ? std::optional(*place.priorities.begin())
                               : std::nullopt;
+    // Longer events than were seen there may cross, too.
+    const bool fd = place.fd || (row.bytes > kClassicBytes &&
+                                 core::traits_of(profile).fragmentation == nullptr);
     std::string format;
-    if (place.fd) format = place.classic ? R"( format="any")" : R"( format="fd")";
+    if (fd) format = place.classic ? R"( format="any")" : R"( format="fd")";
     row.binding_xml[names_[interface]] = fmt::format(
         "    <Binding channel=\"{}\"{}{}>{}</Binding>\n", row.name, format,
         place.remote ? R"( remote-frames="true")" : "",
         tools::binding_element(profile, static_cast<std::uint32_t>(place.number), priority));
-    if (place.fd) fd_[interface] = true;
+    if (fd) fd_[interface] = true;
   }
 
   /// A gate distinguishes so many senders of a subject: the ones with most events. One entry is for
@@ -275,7 +288,7 @@ class Drafter {
       }
       where += node_beyond(channel);
     }
-    const std::string name = publisher_name(row.name, end);
+    const std::string name = name_in(publishers_, row.name, end);
     std::string text =
         comment + fmt::format(R"(  <Publisher name="{}" channel="{}" {})", name, row.name, where);
     std::string own;
@@ -366,19 +379,21 @@ class Drafter {
     const auto& of = observer_.interfaces()[interface];
     const std::string& name = names_[interface];
     const auto stated = options_.bitrates.find(name);
-    const std::uint32_t bitrate =
-        stated == options_.bitrates.end() ? kAssumedBitrate : stated->second;
+    const bool fast = options_.fast.contains(name);
+    const std::uint32_t assumed = fast ? kFastBitrate : kAssumedBitrate;
+    const std::uint32_t bitrate = stated == options_.bitrates.end() ? assumed : stated->second;
     const auto data = options_.data_bitrates.find(name);
     std::string& xml = out_.xml;
     xml += fmt::format("  <Network name=\"{}\">\n    <Kind>can</Kind>\n    <Profile>{}</Profile>\n",
                        networks_[interface], tools::profile_word(of.recognised->profile));
     if (stated == options_.bitrates.end())
-      xml += "    <!-- The bit rate is assumed: state the real one. -->\n";
+      xml += fmt::format("    <!-- The bit rate is assumed{}: state the real one. -->\n",
+                         fast ? ", as 500 kbit/s cannot carry this" : "");
     std::string data_rate;
     if (data != options_.data_bitrates.end())
       data_rate = fmt::format(" data-bitrate=\"{}\"", data->second);
     else if (fd_[interface])
-      data_rate = fmt::format(" data-bitrate=\"{}\"", bitrate);
+      data_rate = fmt::format(" data-bitrate=\"{}\"", fast ? kFastDataBitrate : bitrate);
     xml += fmt::format("    <Bus bitrate=\"{}\"{}/>\n", bitrate, data_rate);
     xml += "    <Provision omission=\"0\" packetLoss=\"0\"/>\n";
     for (const DraftChannel& row : out_.channels)

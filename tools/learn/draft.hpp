@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/elements.hpp"
 #include "tools/learn/observer.hpp"
 
 namespace mlcca::learn {
@@ -18,6 +19,8 @@ struct DraftOptions {
   std::string gateway = "gateway";
   std::map<std::string, std::uint32_t> bitrates = {};       ///< bit/s, by interface
   std::map<std::string, std::uint32_t> data_bitrates = {};  ///< the same of the FD data phase
+  /// Interfaces whose rates are assumed to be those of a fast bus, where none are stated.
+  std::set<std::string> fast = {};
   std::set<std::string> made_up = {};  ///< names of interfaces that no recording has
   std::map<std::string, std::uint32_t> queue_lengths = {};  ///< frames that fit, by interface
   /// Frames that may wait there, by interface: where more than fit a queue by default.
@@ -28,6 +31,8 @@ struct DraftOptions {
   std::map<std::string, std::uint64_t> deadlines = {};
   /// Names of channels with few events whose Period is the mean of their gaps and not half of it.
   std::set<std::string> at_mean = {};
+  /// Of what was seen so seldom that nothing says how often it comes, ns.
+  std::uint64_t assumed_period = tools::kPeriodOfOne;
   std::string user = "root";      ///< of programs on the gateway that send
   bool local_subscribers = true;  ///< programs on the gateway receive what comes
 };
