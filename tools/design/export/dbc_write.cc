@@ -54,10 +54,8 @@ class DbcNames {
 std::string in_dbc_quotes(std::string_view text) {
   std::string out;
   for (const char c : text) {
-    if (c == '"')
-      out += '\'';
-    else
-      out += c == '\\' ? '/' : c;
+    if (c == '"') out += '\\';
+    out += c == '\\' ? '/' : c;  // it would hide a quote behind it
   }
   return out;
 }

@@ -113,10 +113,15 @@ bool DbcDefinitions::define(DbcObject object, std::string_view name,
   return true;
 }
 
-void DbcDefinitions::set_default(std::string_view name, const std::string& value) {
+bool DbcDefinitions::set_default(std::string_view name, const std::string& value) {
   // A default does not say of what; names are unique over all objects in practice.
-  for (auto& [key, definition] : definitions_)
-    if (key.second == name) definition.otherwise = value;
+  bool known = false;
+  for (auto& [key, definition] : definitions_) {
+    if (key.second != name) continue;
+    definition.otherwise = value;
+    known = true;
+  }
+  return known;
 }
 
 void DbcDefinitions::complete(DbcFile& file) const {

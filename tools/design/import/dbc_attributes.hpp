@@ -46,7 +46,8 @@ class DbcDefinitions {
  public:
   /// False: there are too many.
   bool define(DbcObject object, std::string_view name, std::vector<std::string> words);
-  void set_default(std::string_view name, const std::string& value);
+  /// False: there is no such attribute.
+  bool set_default(std::string_view name, const std::string& value);
   /// Numbers of an ENUM become its words, and what was not stated becomes the default.
   void complete(DbcFile& file) const;
 

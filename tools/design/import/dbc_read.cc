@@ -201,7 +201,7 @@ class DbcReader {
   void signal() {
     const auto line = scan_.peek().line;
     const auto name = word("the name of a signal");
-    if (is_none_)
+    if (!current_)
       lack("no-message", "signals of no message: left out", line, std::string(cut(name, 60)));
     bool multiplexed = false;
     while (error_.empty() && !scan_.peek().is(':')) {
@@ -320,8 +320,10 @@ class DbcReader {
     }
     const auto text = scan_.take();
     if (!to.unknown.empty()) unknown(text.line, "CM_", to.unknown);
-    if (to.object == DbcObject::node && to.node != nullptr) to.node->comment = text.text;
-    if (to.object == DbcObject::message && to.message != nullptr) to.message->comment = text.text;
+    if (to.object == DbcObject::node && to.node != nullptr)
+      to.node->comment = without_backslashes(text.text);
+    if (to.object == DbcObject::message && to.message != nullptr)
+      to.message->comment = without_backslashes(text.text);
     if (to.object != DbcObject::node && to.object != DbcObject::message && to.unknown.empty())
       lack("comments", "have no place, or are not understood", text.line,
            std::string(cut(text.text, 60)));
@@ -362,7 +364,9 @@ class DbcReader {
     if (name.kind != DbcToken::Kind::text) return wrong(name, "the name of an attribute in quotes");
     const auto value = scan_.take();
     if (value.kind == DbcToken::Kind::word || value.kind == DbcToken::Kind::text)
-      definitions_.set_default(name.text, std::string(value.text));
+      if (!definitions_.set_default(name.text, without_backslashes(value.text)))
+        lack("undefined", "defaults of attributes that are not defined: left out", name.line,
+             std::string(cut(name.text, 60)));
     if (!value.is(';')) scan_.skip_statement();
   }
 
@@ -374,7 +378,7 @@ class DbcReader {
     const auto value = scan_.take();
     if (value.kind != DbcToken::Kind::word && value.kind != DbcToken::Kind::text)
       return wrong(value, "the value of the attribute");
-    keep(to, name, std::string(value.text));
+    keep(to, name, without_backslashes(value.text));
     scan_.skip_statement();
   }
 

@@ -14,6 +14,14 @@ bool is_of_word(char c) {
 
 }  // namespace
 
+std::string without_backslashes(std::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if (!text.substr(i).starts_with("\\\"")) out += text[i];
+  return out;
+}
+
 DbcToken DbcScanner::take() {
   const auto taken = next_;
   advance();

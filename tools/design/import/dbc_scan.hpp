@@ -28,6 +28,10 @@ struct DbcToken {
   }
 };
 
+/// What stood in quotes, where a quote has a backslash in front. Other backslashes stay: tools
+/// write paths without a second one.
+[[nodiscard]] std::string without_backslashes(std::string_view text);
+
 /// What follows // up to the end of its line counts for nothing.
 class DbcScanner {
  public:

@@ -102,7 +102,7 @@ TEST_F(ExportTest, ADbcFileHasWhatIsAdmittedOnTheNetwork) {
   EXPECT_TRUE(has(dbc, "BO_ 2147483785 moved: 4 gate")) << dbc;
   EXPECT_FALSE(has(dbc, "strict:")) << dbc;
   EXPECT_TRUE(has(dbc, "BA_ \"GenMsgCycleTime\" BO_ 291 50;")) << dbc;
-  EXPECT_TRUE(has(dbc, "CM_ BO_ 291 \"a 'beat'\";")) << dbc;
+  EXPECT_TRUE(has(dbc, "CM_ BO_ 291 \"a \\\"beat\\\"\";")) << dbc;
   EXPECT_TRUE(has(said_, "not-admitted")) << said_;
   EXPECT_TRUE(has(said_, "    strict on second\n")) << said_;
   const auto first = exported({"dbc", "--network", "first"});

@@ -81,7 +81,7 @@ TEST_F(DbcImportTest, SendersPublishAndReceiversSubscribe) {
   const auto engine = part("<Component name=\"Engine\" network=\"bus\">", "</Component>");
   EXPECT_NE(engine.find("<Publisher channel=\"EngineSpeed\"/>"), std::string::npos) << engine;
   EXPECT_NE(engine.find("<Subscriber channel=\"BrakeState\"/>"), std::string::npos) << engine;
-  EXPECT_NE(engine.find("Drives; \\&quot;and\\&quot; warms."), std::string::npos) << engine;
+  EXPECT_NE(engine.find("Drives; &quot;and&quot; warms."), std::string::npos) << engine;
   const auto dash = part("<Component name=\"Dash\" network=\"bus\">", "</Component>");
   EXPECT_EQ(dash.find("Subscriber channel=\"EngineSpeed\""),
             dash.rfind("Subscriber channel=\"EngineSpeed\""))
@@ -132,6 +132,30 @@ TEST_F(DbcImportTest, WhatIsSaidOfMessagesAndNodesThatDoNotExistIsListed) {
                            "a.dbc:9: NmStationAddress: BU_ Gone", "a.dbc:10: CM_: BO_ 997",
                            "a.dbc:11: BO_TX_BU_: BO_ 996"})
     EXPECT_NE(said.find(item), std::string::npos) << item << "\n" << said;
+}
+
+TEST_F(DbcImportTest, AQuoteInATextHasABackslashAndOtherBackslashesStay) {
+  const auto text = bus_with(
+      "CM_ BO_ 256 \"a \\\"quoted\\\" word; from C:\\dir\\x.can\";\n"
+      "CM_ BU_ N \"\\\"all of it\\\"\";\n"
+      "BA_DEF_ BO_ \"SystemMessageLongSymbol\" STRING ;\n"
+      "BA_DEF_DEF_ \"SystemMessageLongSymbol\" \"\";\n"
+      "BA_ \"SystemMessageLongSymbol\" BO_ 256 \"Longer\";\n");
+  json("a.dbc", text);
+  EXPECT_TRUE(has("a &quot;quoted&quot; word; from C:\\dir\\x.can<")) << draft_;
+  EXPECT_TRUE(has(">&quot;all of it&quot;<")) << draft_;
+  EXPECT_TRUE(has("<EventChannel name=\"Longer\">")) << draft_;
+}
+
+TEST_F(DbcImportTest, SignalsAndDefaultsThatBelongToNothingAreListed) {
+  const std::string signal = " SG_ Lost : 0|8@1+ (1,0) [0|0] \"\" M\n";
+  const auto out = json("a.dbc", "BU_: N M\n" + signal +
+                                     "BO_ 256 A: 8 N\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" M\n"
+                                     "BO_ 256 Again: 8 N\n" +
+                                     signal + "BA_DEF_DEF_ \"GenMsgCycleTime\" 70;\n");
+  EXPECT_EQ(lacking(out, "no-message"), 2U);
+  EXPECT_EQ(lacking(out, "repeated"), 1U);
+  EXPECT_EQ(lacking(out, "undefined"), 1U);
 }
 
 TEST_F(DbcImportTest, NodesMayGoOnInTheNextLine) {
