@@ -120,9 +120,7 @@ class Import {
     if (!*file) return refuse(Exit::world, path + ": No such file or directory");
     const auto* format = a_.format.empty() ? recognise((*file)->text) : format_called(a_.format);
     if (format == nullptr)
-      return refuse(Exit::usage,
-                    fmt::format("{}: is in no format that is known: --format states one of {}",
-                                path, format_names()));
+      return refuse(Exit::usage, fmt::format("{}: {}", path, reason_of((*file)->text)));
     options_.node = a_.nodes.empty() ? 0 : a_.nodes[i];
     auto network = format->read((*file)->text, path, options_);
     if (!network) return refuse(Exit::usage, network.error().text);

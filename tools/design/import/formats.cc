@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <initializer_list>
+#include <utility>
 
 #include "tools/design/import/cyphal.hpp"
 #include "tools/design/import/dbc.hpp"
@@ -72,6 +73,16 @@ std::vector<std::string> format_list() {
   out.reserve(kFormats.size());
   for (const auto& format : kFormats) out.emplace_back(format.name);
   return out;
+}
+
+std::string reason_of(std::string_view text) {
+  for (const auto& [begins, name] :
+       {std::pair("<NetworkDefinition", "KCD"), std::pair("<AUTOSAR", "ARXML")})
+    if (text.contains(begins))
+      return "is " + std::string(name) +
+             ", which is not read: convert it to DBC first, as canconvert of the Python package "
+             "canmatrix does";
+  return "is in no format that is known: --format states one of " + format_names();
 }
 
 std::string format_names() {

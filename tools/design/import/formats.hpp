@@ -25,5 +25,7 @@ const ImportFormat* format_called(std::string_view name);
 std::vector<std::string> format_list();
 /// "dbc, eds, ..."
 std::string format_names();
+/// Of a text in none of these: what it is, and what to do with it.
+std::string reason_of(std::string_view text);
 
 }  // namespace mlcca::tools::design

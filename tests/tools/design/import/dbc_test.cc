@@ -147,6 +147,20 @@ TEST_F(DbcImportTest, AQuoteInATextHasABackslashAndOtherBackslashesStay) {
   EXPECT_TRUE(has("<EventChannel name=\"Longer\">")) << draft_;
 }
 
+TEST_F(DbcImportTest, OtherDescriptionsOfABusAreNamedWithWhatToDo) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"<?xml version=\"1.0\"?>\n<NetworkDefinition xmlns=\"x\"><Bus/></NetworkDefinition>",
+       "is KCD, which is not read: convert it to DBC first"},
+      {"<AUTOSAR xmlns=\"http://autosar.org/schema/r4.0\"></AUTOSAR>",
+       "is ARXML, which is not read: convert it to DBC first"},
+      {"hello", "is in no format that is known: --format states one of dbc, eds"}};
+  for (const auto& [text, says] : cases) {
+    const auto done = import("a.xml", text);
+    EXPECT_EQ(done.status, 2);
+    EXPECT_NE(done.error.find(says), std::string::npos) << done.error;
+  }
+}
+
 TEST_F(DbcImportTest, SignalsAndDefaultsThatBelongToNothingAreListed) {
   const std::string signal = " SG_ Lost : 0|8@1+ (1,0) [0|0] \"\" M\n";
   const auto out = json("a.dbc", "BU_: N M\n" + signal +
