@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstddef>
+#include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -25,6 +26,8 @@ namespace mlcca::tools::design {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr const char* kUsualGateway = "gateway";
 
 struct NewArguments {
   std::string file;
@@ -72,14 +75,20 @@ class New {
   }
 
   Result<void> take_flags() {
-    if (auto set = set_gateway(a_.gateway); !set) return fail("--gateway: " + set.error().text);
+    if (a_.networks.empty())
+      return fail("--network: a system has at least one, such as --network bus:can:can0");
+    const bool is_named = !a_.gateway.empty();
+    if (auto set = set_gateway(is_named ? a_.gateway : kUsualGateway); !set)
+      return fail("--gateway: " + set.error().text);
+    if (!is_named) notes_.push_back(fmt::format("no --gateway: it is called {}", kUsualGateway));
     for (const auto& network : a_.networks)
       if (auto added = add_network(plan_, network); !added)
         return fail("--network " + added.error().text);
     for (const auto& channel : a_.channels)
       if (auto added = add_channel(plan_, channel); !added)
         return fail("--channel " + added.error().text);
-    if (plan_.networks.empty()) return fail("--network: a system has at least one");
+    if (plan_.channels.empty())
+      notes_.emplace_back("no --channel: the gateway passes nothing until one is described");
     return {};
   }
 
@@ -105,8 +114,8 @@ class New {
 
   bool ask() {
     Terminal::say(a_.file + ": a new system. An empty answer takes what stands in brackets.");
-    return question("Gateway, the computer between the networks [gateway]: ", "gateway",
-                    [&](const std::string& name) { return set_gateway(name); }) &&
+    return question(fmt::format("Gateway, the computer between the networks [{}]: ", kUsualGateway),
+                    kUsualGateway, [&](const std::string& name) { return set_gateway(name); }) &&
            several([&](bool& more) { return ask_network(more); }) &&
            several([&](bool& more) { return ask_channel(more); }) &&
            confirm(terminal_, fmt::format("Write {}?", a_.file));
@@ -221,10 +230,15 @@ class New {
       Json out = {{"file", a_.file},
                   {"written", !a_.dry_run},
                   {"networks", plan_.networks.size()},
-                  {"channels", plan_.channels.size()}};
+                  {"gateway", plan_.gateway},
+                  {"channels", plan_.channels.size()},
+                  {"notes", notes_}};
       if (a_.dry_run) out["text"] = text;
       exit_ = say(out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
-    } else if (a_.dry_run) {
+      return;
+    }
+    for (const std::string& note : notes_) fmt::print(stderr, "note: {}\n", printable(note));
+    if (a_.dry_run) {
       exit_ = say(text);
     } else {
       exit_ = say(fmt::format("{}: created. Now: mlccactl check {}\n", printable(a_.file),
@@ -236,6 +250,7 @@ class New {
   const Context& context_;
   Terminal terminal_;
   Plan plan_;
+  std::vector<std::string> notes_;
   Exit exit_ = Exit::fine;
 };
 
@@ -247,7 +262,8 @@ void add_new(CLI::App& app, Context& context) {
   a->name = "system";
   verb->add_option("file", a->file, "is created")->required()->type_name("FILE");
   verb->add_option("--name", a->name, "of the system")->type_name("NAME")->capture_default_str();
-  verb->add_option("--gateway", a->gateway, "with a port on each network")->type_name("NAME");
+  verb->add_option("--gateway", a->gateway, "with a port on each network; default: gateway")
+      ->type_name("NAME");
   verb->add_option("--network", a->networks,
                    "NAME:KIND:INTERFACE, KIND is can, udp-multicast, udp-broadcast or mesh; of "
                    "can perhaps :BITRATE; may be repeated")

@@ -191,8 +191,13 @@ Result<void> add_network(Plan& plan, std::string_view text) {
       .name = parts[0], .kind = {}, .interface = parts[2], .bitrate = kUsualBitrate};
   if (auto problem = problem_of_planned_name(next.name); !problem.empty())
     return fail(std::move(problem));
-  if (network_called(plan, next.name) || next.name == plan.gateway)
+  if (network_called(plan, next.name))
     return fail(fmt::format("'{}': the name is taken", next.name));
+  if (next.name == plan.gateway)
+    return fail(
+        fmt::format("'{}': is the name of the gateway: give one of the two another name "
+                    "(--gateway)",
+                    next.name));
   const auto kind = core::words::kNetworkKinds.find(parts[1]);
   if (!kind || *kind == core::NetworkKind::ieee802154 || *kind == core::NetworkKind::other)
     return fail(fmt::format("'{}': must be can, udp-multicast, udp-broadcast or mesh", parts[1]));

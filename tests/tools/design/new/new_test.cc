@@ -53,6 +53,23 @@ TEST_F(NewTest, TheQueueOfThePortHoldsWhatCrosses) {
   EXPECT_EQ(checked.status, 0) << checked.out;
 }
 
+TEST_F(NewTest, WithoutANameTheGatewayIsCalledGateway) {
+  const auto done = make({"--network", "bus:can:can0", "--network", "lan:udp-multicast:eth0",
+                          "--channel", "speed:50ms:8:bus:lan"});
+  ASSERT_EQ(done.status, 0) << done.error;
+  EXPECT_EQ(done.error, "note: no --gateway: it is called gateway\n");
+  EXPECT_TRUE(has("<Gateway name=\"gateway\">")) << made();
+  EXPECT_TRUE(has("<Port network=\"bus\"><Interface name=\"can0\"/></Port>")) << made();
+  const auto checked = test::run({"check", path_});
+  EXPECT_EQ(checked.status, 0) << checked.out;
+  EXPECT_NE(checked.out.find("1 channel: 1 fit"), std::string::npos) << checked.out;
+  const auto named = test::run(
+      {"new", folder_.path("named.xml"), "--gateway", "g", "--network", "bus:can:can0", "--json"});
+  EXPECT_NE(named.out.find(R"("gateway":"g","channels":0,"notes":["no --channel: the gateway)"),
+            std::string::npos)
+      << named.out;
+}
+
 TEST_F(NewTest, AMeshIsDecidedAtRunTime) {
   ASSERT_EQ(make({"--gateway", "laptop", "--network", "bus:can:can0", "--network", "air:mesh:mesh0",
                   "--channel", "speed:50ms:8:bus:air"})
@@ -93,7 +110,12 @@ INSTANTIATE_TEST_SUITE_P(
     Options, NewWrongTest,
     ::testing::Values(
         NewRow{"Nothing", {}, "say what there is"},
-        NewRow{"NoNetwork", {"--gateway", "g"}, "a system has at least one"},
+        NewRow{"NoNetwork", {"--gateway", "g"}, "--network: a system has at least one"},
+        NewRow{
+            "AChannelAlone", {"--channel", "c:1s:8:a:a"}, "--network: a system has at least one"},
+        NewRow{"NameOfTheGateway",
+               {"--network", "gateway:can:x"},
+               "'gateway': is the name of the gateway: give one of the two another name"},
         NewRow{"Kind",
                {"--network", "a:bus:can0"},
                "'bus': must be can, udp-multicast, udp-broadcast or mesh"},
