@@ -18,29 +18,29 @@ using test::kMs;
 using test::Sent;
 using test::station;
 
-using Bytes = std::vector<std::uint8_t>;
+using Payload = std::vector<std::uint8_t>;
 
 // --- frames --------------------------------------------------------------------------------------
 
 TEST(EthernetFrame, ADatagramIsFoundBehindUpToTwoTags) {
   const Sent sent = event(0, 0, kDistance, station(7), {1, 2, 3});
   for (unsigned tags = 0; tags <= 2; ++tags) {
-    const Bytes bytes = frame_of(sent, tags);
+    const Payload bytes = frame_of(sent, tags);
     Frame out;
     ASSERT_EQ(read_ethernet(bytes, out), Carries::datagram) << tags;
     EXPECT_EQ(out.datagram->source, station(7));
     EXPECT_EQ(out.datagram->port, 9999);
     EXPECT_EQ(out.datagram->bytes, 12U);
     EXPECT_EQ(out.datagram->mac, sent.datagram->mac);
-    EXPECT_EQ(Bytes(out.data.begin(), out.data.end()), sent.data);
+    EXPECT_EQ(Payload(out.data.begin(), out.data.end()), sent.data);
   }
   Frame out;
   EXPECT_EQ(read_ethernet(frame_of(sent, 3), out), Carries::other);
 }
 
 TEST(EthernetFrame, PaddingIsNoDataAndWhatWasCutOffIsCounted) {
-  const Sent sent = event(0, 0, kDistance, station(7), Bytes(100));
-  Bytes bytes = frame_of(sent);
+  const Sent sent = event(0, 0, kDistance, station(7), Payload(100));
+  Payload bytes = frame_of(sent);
   bytes.insert(bytes.end(), 20, 0xee);
   Frame out;
   ASSERT_EQ(read_ethernet(bytes, out), Carries::datagram);
@@ -52,7 +52,7 @@ TEST(EthernetFrame, PaddingIsNoDataAndWhatWasCutOffIsCounted) {
 }
 
 TEST(EthernetFrame, OfIpFragmentsTheFirstOneSaysTheLengthOfAll) {
-  Bytes bytes = frame_of(event(0, 0, kDistance, station(7), Bytes(1463)));
+  Payload bytes = frame_of(event(0, 0, kDistance, station(7), Payload(1463)));
   bytes[20] = 0x20;       // more fragments
   bytes[38] = 4000 >> 8;  // length that UDP states
   bytes[39] = 4000 & 0xff;
@@ -65,9 +65,9 @@ TEST(EthernetFrame, OfIpFragmentsTheFirstOneSaysTheLengthOfAll) {
 }
 
 TEST(EthernetFrame, OtherTrafficIsNoneAndBrokenHeadersAreSaid) {
-  const Bytes good = frame_of(event(0, 0, kDistance, station(7), {1}));
+  const Payload good = frame_of(event(0, 0, kDistance, station(7), {1}));
   const auto with = [&](std::size_t at, std::uint8_t value) {
-    Bytes bytes = good;
+    Payload bytes = good;
     bytes[at] = value;
     Frame out;
     return read_ethernet(bytes, out);
@@ -81,7 +81,7 @@ TEST(EthernetFrame, OtherTrafficIsNoneAndBrokenHeadersAreSaid) {
   EXPECT_EQ(with(39, 3), Carries::broken) << "less than a header of UDP";
   for (std::size_t size = 0; size < good.size(); ++size) {
     Frame out;
-    const Bytes cut(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(size));
+    const Payload cut(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(size));
     EXPECT_EQ(read_ethernet(cut, out), size < 42 ? Carries::broken : Carries::datagram) << size;
   }
 }
@@ -91,7 +91,7 @@ TEST(EthernetFrame, OtherTrafficIsNoneAndBrokenHeadersAreSaid) {
 struct Taken {
   Datagrams datagrams;
   std::vector<Event> events;
-  std::vector<Bytes> heads;
+  std::vector<Payload> heads;
   void take(const Sent& sent) {
     datagrams.take(sent.frame(), [&](const Event& event) {
       events.push_back(event);
@@ -111,7 +111,7 @@ TEST(Datagrams, AnEventHasItsSubjectItsSenderAndItsLength) {
   EXPECT_EQ(taken.events[0].number, kDistance);
   EXPECT_EQ(taken.events[0].node, station(7));
   EXPECT_EQ(taken.events[0].bytes, 3U);
-  EXPECT_EQ(taken.heads[0], (Bytes{1, 2, 3}));
+  EXPECT_EQ(taken.heads[0], (Payload{1, 2, 3}));
   EXPECT_TRUE(taken.events[1].local);
   EXPECT_EQ(taken.events[1].node, 0U) << "programs of this host are one";
   EXPECT_EQ(taken.events[1].bytes, 0U) << "an event may be empty";
@@ -120,7 +120,7 @@ TEST(Datagrams, AnEventHasItsSubjectItsSenderAndItsLength) {
 }
 
 TEST(Datagrams, FragmentsAreOneEventWhateverOrderTheyComeIn) {
-  Bytes data(20'000);
+  Payload data(20'000);
   for (std::size_t i = 0; i < data.size(); ++i) data[i] = static_cast<std::uint8_t>(i);
   for (const bool reversed : {false, true}) {
     Taken taken;
@@ -138,14 +138,14 @@ TEST(Datagrams, FragmentsAreOneEventWhateverOrderTheyComeIn) {
     }
     ASSERT_EQ(taken.events.size(), 1U);
     EXPECT_EQ(taken.events[0].bytes, 20'000U);
-    EXPECT_EQ(taken.heads[0], Bytes(data.begin(), data.begin() + 64));
+    EXPECT_EQ(taken.heads[0], Payload(data.begin(), data.begin() + 64));
   }
 }
 
 TEST(Datagrams, OfAnEventOfWhichAFragmentIsMissingNothingComes) {
   Taken taken;
   for (std::uint32_t number = 0; number < 2000; ++number) {
-    auto fragments = relay::afp::Fragments::of(relay::afp::kUdp, Bytes(9000), number);
+    auto fragments = relay::afp::Fragments::of(relay::afp::kUdp, Payload(9000), number);
     taken.take(event(number * kMs, 0, kDistance, station(7), *fragments->next(), true));
   }
   EXPECT_TRUE(taken.events.empty());
@@ -154,7 +154,7 @@ TEST(Datagrams, OfAnEventOfWhichAFragmentIsMissingNothingComes) {
 
 TEST(Datagrams, WhatWasCutOffTooEarlyHasNoContentToCompare) {
   Taken taken;
-  Sent sent = event(0, 0, kDistance, station(7), Bytes(200, 1));
+  Sent sent = event(0, 0, kDistance, station(7), Payload(200, 1));
   sent.data.resize(40);
   taken.take(sent);
   ASSERT_EQ(taken.events.size(), 1U);
@@ -164,8 +164,8 @@ TEST(Datagrams, WhatWasCutOffTooEarlyHasNoContentToCompare) {
 
 TEST(Datagrams, SubscriptionsAndManagementAreControlTraffic) {
   Taken taken;
-  taken.take(event(0, 0, 0x5355425343524942, station(7), Bytes(8)));
-  taken.take(event(0, 0, 0x4d616e4368616e21, station(7), Bytes(8)));
+  taken.take(event(0, 0, 0x5355425343524942, station(7), Payload(8)));
+  taken.take(event(0, 0, 0x4d616e4368616e21, station(7), Payload(8)));
   EXPECT_TRUE(taken.events.empty());
   EXPECT_EQ(taken.datagrams.control(), 2U);
   EXPECT_EQ(taken.datagrams.management(), 1U);
@@ -182,7 +182,7 @@ TEST(Datagrams, WhatIsNoEventIsCounted) {
   for (const std::uint32_t nobody : {0U, 0x7f000001U, 0xe0000001U, 0xffffffffU})
     taken.take(event(0, 0, kDistance, nobody, {1}));
   taken.take(event(0, 0, 0, station(7), {1}));
-  taken.take(event(0, 0, kDistance, station(7), Bytes(8184)));
+  taken.take(event(0, 0, kDistance, station(7), Payload(8184)));
   EXPECT_TRUE(taken.events.empty());
   EXPECT_EQ(taken.datagrams.malformed(), 8U);
   EXPECT_EQ(taken.datagrams.recognised().profile, Profile::none);
