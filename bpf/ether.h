@@ -56,6 +56,7 @@
 
 /* Slots 0 and 1 count frames without a slot, one for each direction. */
 #define ETHER_FIRST_SLOT 2
+#define ETHER_CHAIN	 8 /* publishers of one subject, see GATE_CHAIN */
 #define ETHER_MIN_SLOTS	 4096
 #define ETHER_MAX_SLOTS	 (1U << 22)
 #define ETHER_CONTRACTS	 65536 /* at most; 0 is not used */

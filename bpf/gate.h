@@ -26,8 +26,8 @@
 #define GATE_SLOTS	4096
 #define GATE_FIRST_SLOT 2
 
-/* Slots that may share one key (publishers of one subject on one interface). */
-#define GATE_CHAIN 8
+/* Slots of one key (publishers of one subject on a CAN interface): half of GATE_WALK. */
+#define GATE_CHAIN 16
 /* Decisions on one frame that changes of generation may invalidate; then the frame is denied. */
 #define GATE_TRIES 32
 /*

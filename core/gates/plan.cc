@@ -409,10 +409,11 @@ std::optional<std::string> exceeds_capacity(const System& system, const Members&
   if (members.publishers_of(channel).size() <= kMostEntries) return std::nullopt;
   std::map<std::pair<std::size_t, Direction>, std::size_t> entries;
   for (const GateRule& rule : gate_state(system, members, channel, verdicts, gateway)) {
-    if (++entries[{rule.entry.port, rule.entry.direction}] <= kMostEntries) continue;
     const Gateway& here = system.gateways[gateway];
     const Network& network = system.networks[here.ports[rule.entry.port].network];
-    return "more than " + std::to_string(kMostEntries) + " publishers of it " +
+    const std::size_t most = network.carries_subjects() ? kMostEntries : kMostBusEntries;
+    if (++entries[{rule.entry.port, rule.entry.direction}] <= most) continue;
+    return "more than " + std::to_string(most) + " publishers of it " +
            (rule.entry.direction == Direction::ingress ? "enter" : "leave") + " gateway " +
            here.name + " by network " + network.name +
            ": a gate distinguishes no more of one subject";

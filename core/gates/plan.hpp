@@ -153,8 +153,10 @@ struct Transit {
 [[nodiscard]] GateState gate_state(const System& system, const Members& members,
                                    const Verdict& verdict, std::size_t gateway);
 
-/// The most entries of one subject in one direction of a gate (GATE_CHAIN in bpf/).
+/// The most entries of one subject in one direction of a gate, of an Ethernet (ETHER_CHAIN in bpf/)
+/// and of a CAN bus (GATE_CHAIN).
 inline constexpr std::size_t kMostEntries = 8;
+inline constexpr std::size_t kMostBusEntries = 16;
 /// Why the gates of the gateway cannot hold the entries of a channel; nullopt if they can.
 [[nodiscard]] std::optional<std::string> exceeds_capacity(const System& system,
                                                           const Members& members,

@@ -57,7 +57,7 @@ class EtherTable final : public Table {
 
   // In a SlotSpec for this table the identifier and its mask are 0, and formats are
   // ETHER_UNFRAGMENTED and ETHER_FRAGMENT. Errors of apply(): a slot that is present twice or not
-  // at all; more slots than room, GATE_CHAIN of one subject, or GATE_WALK of one bucket; more
+  // at all; more slots than room, ETHER_CHAIN of one subject, or GATE_WALK of one bucket; more
   // different contracts than room.
 
   [[nodiscard]] std::vector<SlotSpec> present() const override;

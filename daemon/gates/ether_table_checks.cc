@@ -170,9 +170,9 @@ Result<void> EtherTable::check_publishers(const SlotChanges& changes) const {
     for (auto at = static_cast<std::uint32_t>(bucket); at != 0; at = memory_.slots[at].next)
       publishers +=
           memory_.slots[at].subject == (*run)->subject && key(spec_of(at)) == key(**run) ? 1 : 0;
-    if (publishers > GATE_CHAIN)
+    if (publishers > ETHER_CHAIN)
       return fail(
-          fmt::format("{}: more than {} publishers of this subject", name(**run), GATE_CHAIN));
+          fmt::format("{}: more than {} publishers of this subject", name(**run), ETHER_CHAIN));
     run = end;
   }
   return {};

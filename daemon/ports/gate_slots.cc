@@ -6,13 +6,15 @@
 #include <string>
 #include <utility>
 
+#include "bpf/ether.h"
 #include "bpf/gate.h"
 #include "core/model/progress.hpp"
 #include "daemon/gates/entry_slot.hpp"
 
 namespace mlcca {
 
-static_assert(core::kMostEntries == GATE_CHAIN);
+static_assert(core::kMostEntries == ETHER_CHAIN);
+static_assert(core::kMostBusEntries == GATE_CHAIN);
 
 namespace {
 

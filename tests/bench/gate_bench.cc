@@ -133,7 +133,8 @@ void fill(LoadedGate& gate, std::uint32_t profile) {
   }
   gate.admit(
       {slot(Direction::egress, kEff | 0x64, true), slot(Direction::ingress, kEff | 0x65, false)});
-  for (std::uint32_t node = 0; node < GATE_CHAIN; ++node)
+  constexpr std::uint32_t publishers = 8;  // half of GATE_CHAIN
+  for (std::uint32_t node = 0; node < publishers; ++node)
     gate.admit({slot(Direction::egress, kEff | node << 14 | 0x66, true)});
 }
 

@@ -120,12 +120,12 @@ class Senders {
     std::vector<const Source*> senders;
     for (const Source& source : channel.sources)
       if (!is_ethernet(source.key.interface)) senders.push_back(&source);
-    if (senders.size() <= core::kMostEntries) return;
+    if (senders.size() <= core::kMostBusEntries) return;
     std::ranges::stable_sort(senders, std::ranges::greater{},
                              [](const Source* one) { return one->seen->flow.events(); });
     std::set<FlowKey> others;
     std::vector<std::string> words;
-    for (std::size_t i = core::kMostEntries; i < senders.size(); ++i) {
+    for (std::size_t i = core::kMostBusEntries; i < senders.size(); ++i) {
       others.insert(senders[i]->key);
       words.push_back(word_for(senders[i]->key));
     }
@@ -135,7 +135,7 @@ class Senders {
         "{0} {1}: {2} senders, of which a gate distinguishes {3}: the draft has those with most "
         "events, and a gate drops what comes from {4}; with --profile {0}=raw each has a channel "
         "of its own",
-        name, number_of(first), senders.size(), core::kMostEntries, listed(words)));
+        name, number_of(first), senders.size(), core::kMostBusEntries, listed(words)));
     std::erase_if(channel.sources,
                   [&](const Source& source) { return others.contains(source.key); });
   }

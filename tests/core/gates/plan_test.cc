@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
 #include "tests/core/robot.hpp"
@@ -68,6 +69,21 @@ TEST(PlanTest, ALocalProgramMaySendOnlyAsItsUser) {
   EXPECT_EQ(gates[0].entry.port, kRobotCan);
   EXPECT_FALSE(gates[0].entry.source_port);
   EXPECT_EQ(gates[0].entry.uid, 1000U);
+}
+
+TEST(PlanTest, AGateOfABusDistinguishesSixteenPublishersOfASubject) {
+  System system = robot(0);
+  const auto add = [&system] {
+    Publisher p = system.publishers.back();
+    p.name = "switch-" + std::to_string(system.publishers.size());
+    p.node = static_cast<std::uint8_t>(*p.node + 1);
+    system.publishers.push_back(p);
+  };
+  while (system.publishers.size() < kMostBusEntries) add();
+  EXPECT_EQ(State(system).exceeds_capacity(kBridge), std::nullopt);
+  add();
+  EXPECT_TRUE(State(system).exceeds_capacity(kBridge).value_or("").starts_with(
+      "channel emergency-switch: more than 16 publishers of it "));
 }
 
 TEST(PlanTest, PublishersThatCannotBeDistinguishedPassOnlyIfAllMay) {

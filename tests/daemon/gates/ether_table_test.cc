@@ -159,7 +159,7 @@ TEST_F(EtherTableTest, WhatIsWrongChangesNothing) {
 
 TEST_F(EtherTableTest, ASubjectHasSoManyPublishers) {
   std::vector<SlotSpec> publishers;
-  for (std::uint32_t uid = 0; uid < GATE_CHAIN; ++uid) {
+  for (std::uint32_t uid = 0; uid < ETHER_CHAIN; ++uid) {
     publishers.push_back(slot(1));
     publishers.back().uid = uid;
   }

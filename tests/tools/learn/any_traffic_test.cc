@@ -50,7 +50,7 @@ const DraftChannel& diagnostics(const Draft& draft) {
 }
 
 TEST(AnyTraffic, OfManySendersTheOnesWithMostEventsAreDescribed) {
-  constexpr auto most = static_cast<std::uint32_t>(core::kMostEntries);
+  constexpr auto most = static_cast<std::uint32_t>(core::kMostBusEntries);
   const Draft full = drafted(trucks(most), {}, {"can0"});
   EXPECT_EQ(diagnostics(full).publishers.size(), most);
   EXPECT_TRUE(full.left_out.empty()) << full.left_out.front();
