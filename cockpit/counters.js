@@ -22,7 +22,11 @@ export class Counters {
   take(line) {
     const passed = (performance.now() - this.#at) * 1e6;
     this.#at = performance.now();
-    for (const { watch } of this.#channels.values()) if (watch) watch.since_last_ns += passed;
+    for (const { watch } of this.#channels.values())
+      if (watch) {
+        watch.since_last_ns += passed;
+        if (watch.silent_ns) watch.silent_ns += passed;
+      }
     if (line.deliveries) {
       this.#keys = line.deliveries.map(key);
       this.#latest.clear();

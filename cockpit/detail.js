@@ -15,7 +15,7 @@ export const verdict = (state) => h("span", { class: `verdict ${state}` },
 export function silence(c) {
   if (!c.watch) return "";
   const { watch } = c;
-  if (watch.missing_now || c.state === "silent") return `nothing for ${elapsed(watch.since_last_ns)}`;
+  if (watch.silent_ns) return `nothing for ${elapsed(watch.silent_ns)}`;
   return watch.events ? `latest ${elapsed(watch.since_last_ns)} ago, every ${duration(watch.period_ns)}` : "none yet";
 }
 

@@ -32,8 +32,6 @@ const kUnits = { s: 1, min: 60, h: 3600, d: 86400 };
 const kSilence = /(nothing has come for|nothing has come since the gate lets it in,|the latest) (\d+(?:\.\d+)?) (s|min|h|d)(?![a-z/])/g;
 /** A line of mlccad's health, with times as a person reads them. */
 export const forPeople = (line) => line.replace(kSilence, (_, words, number, unit) => `${words} ${elapsed(number * kUnits[unit] * kSecond)}`);
-/** Whether it says that nothing comes. */
-export const saysSilent = (line) => /nothing has come (?:for|since)/.test(line);
 
 export const rate = (bytes) => scaled(bytes, [[1e9, "GB/s"], [1e6, "MB/s"], [1e3, "kB/s"], [1, "B/s"]]);
 export const bits = (bit) => scaled(bit, [[1e9, "Gbit/s"], [1e6, "Mbit/s"], [1e3, "kbit/s"], [1, "bit/s"]]);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What follows from the answers of mlccactl. Nothing here draws.
-import { saysSilent } from "./format.js";
 import { inWords } from "./place.js";
 
 export const key = (c) => [c.subject, c.publisher, c.admission, c.from, c.to].join("\n");
@@ -9,7 +8,7 @@ export const key = (c) => [c.subject, c.publisher, c.admission, c.from, c.to].jo
 export function stateOf(c) {
   if (c.withdrawn) return "withdrawn";
   if (!c.granted) return "refused";
-  if (c.watch?.missing_now || c.troubles.some(saysSilent)) return "silent";
+  if (c.watch?.silent_ns) return "silent";
   if (c.troubles.length) return "trouble";
   return c.set > 0 ? "degraded" : "granted";
 }
@@ -23,11 +22,7 @@ export const kStates = {
 };
 
 /** How near the requirement that its reason is about is to what is provided. */
-export function marginOf(c) {
-  const unfit = c.rows.find((row) => row.outcome !== "fit");
-  const said = unfit ?? c.rows.find((row) => c.reason.startsWith(`${row.attribute} `) && c.reason.endsWith(`(${row.margin})`));
-  return said?.margin ?? "";
-}
+export const marginOf = (c) => c.margin?.words ?? "";
 
 export function sorted(channels) {
   return channels.map((c) => ({ ...c, state: stateOf(c) })).sort((a, b) =>

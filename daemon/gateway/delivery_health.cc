@@ -60,7 +60,9 @@ DeliveryHealth::Supervision DeliveryHealth::supervision_of(const core::Verdict& 
                                                            const core::GateState& rules,
                                                            const Shared& shared) const {
   Supervision found = seen_at_gate(rules, shared);
-  if (found.watch && silences_.contains(verdict)) found.watch->missing_now = true;
+  if (!found.watch) return found;
+  if (silences_.contains(verdict)) found.watch->missing_now = true;
+  found.watch->silent_ns = silent_for(*found.watch);
   return found;
 }
 

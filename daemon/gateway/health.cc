@@ -50,21 +50,19 @@ bool is_late(const control::Watch& watch) {
 
 void add_silence(const control::Watch& watch, std::vector<std::string>& lines) {
   const std::uint64_t period = std::max<std::uint64_t>(watch.period_ns, 1);
-  const bool never = watch.events == 0;
+  const std::uint64_t silent = silent_for(watch);
   if (is_coming_again(watch)) {
     lines.push_back(fmt::format("events come again, the latest {} ago: not restored yet",
                                 time(watch.since_last_ns)));
-  } else if (watch.missing_now && !never) {
-    const std::uint64_t missing = watch.since_last_ns / period;
-    lines.push_back(fmt::format("nothing has come for {}: {} missing", time(watch.since_last_ns),
-                                many(missing, "event is", "events are")));
-  } else if (never && (watch.missing_now || is_late(watch))) {
-    lines.push_back(
-        fmt::format("no publisher sends: nothing has come since the gate lets it in, {} ago",
-                    time(watch.since_last_ns)));
-  } else if (watch.timeout_ns == 0 && is_late(watch)) {
+  } else if (silent != 0 && watch.events == 0) {
+    lines.push_back(fmt::format(
+        "no publisher sends: nothing has come since the gate lets it in, {} ago", time(silent)));
+  } else if (silent != 0 && watch.missing_now) {
+    lines.push_back(fmt::format("nothing has come for {}: {} missing", time(silent),
+                                many(silent / period, "event is", "events are")));
+  } else if (silent != 0) {
     lines.push_back(fmt::format("nothing has come for {}, and the publisher sends every {}",
-                                time(watch.since_last_ns), time(watch.period_ns)));
+                                time(silent), time(watch.period_ns)));
   }
 }
 
@@ -114,6 +112,12 @@ void add_lost(const Observed& seen, std::vector<std::string>& lines) {
 }
 
 }  // namespace
+
+std::uint64_t silent_for(const control::Watch& watch) {
+  const bool nobody_waits = watch.events == 0 || watch.timeout_ns == 0;
+  if (is_coming_again(watch) || !(watch.missing_now || (nobody_waits && is_late(watch)))) return 0;
+  return std::max<std::uint64_t>(watch.since_last_ns, 1);
+}
 
 std::vector<std::string> troubles(const Observed& seen) {
   std::vector<std::string> lines;

@@ -47,6 +47,9 @@ struct Observed {
   std::string latest_unknown = {};  ///< the latest of them: "123", "0x… from 10.0.0.7"
 };
 
+/// For so long nothing has come that should have, ns; 0: events come, come again, or may come yet.
+[[nodiscard]] std::uint64_t silent_for(const control::Watch& watch);
+
 /// What is wrong with it, one line each; nothing where all is as granted:
 ///   nothing has come for 4.2 s: 84 events are missing
 ///   12 frames on second-can in the last 40 s were more than was admitted

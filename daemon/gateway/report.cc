@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -45,6 +46,23 @@ std::vector<std::size_t> listed_rows(const core::Verdict& v) {
   add(true);
   std::ranges::sort(listed);
   return listed;
+}
+
+/// Nothing where the reason is about no comparison.
+std::optional<control::Margin> margin_report(const core::State& state, const core::Verdict& v) {
+  if (v.obstacle != core::Obstacle::none) return std::nullopt;
+  const core::Row* const row = core::deciding_row(v);
+  if (row == nullptr) return std::nullopt;
+  const core::System& system = state.system();
+  const Comparison& c = row->comparison;
+  const bool is_bounded = c.required != kUnbounded && c.provided != kUnbounded;
+  return control::Margin{.where = core::where(system, state.members(), v, *row),
+                         .attribute = core::attribute_name(system, *row),
+                         .unit = core::unit_name(system, *row),
+                         .outcome = outcome_of(c.outcome),
+                         .amount_known = c.known,
+                         .amount = is_bounded ? c.margin() : kUnbounded,
+                         .words = core::format_margin(system, *row)};
 }
 
 /// Rates of the paths through a mesh, as its links and reservations are now.
@@ -143,6 +161,7 @@ control::Channel channel_report(const core::State& state, const core::Verdict& v
   for (const core::MediumUse& use : v.media)
     out.media.push_back(medium_report(state, v, use, Own::is_available));
   out.reason = why(state, v);
+  out.margin = margin_report(state, v);
   for (const core::Place place : v.route) out.route.push_back(core::name_of(system, place));
   const auto rows = listed_rows(v);
   out.rows_left_out = static_cast<std::uint32_t>(v.rows.size() - rows.size());

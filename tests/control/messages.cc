@@ -61,7 +61,14 @@ Channel refused_channel() {
           .importance = 3,
           .media = {},
           .excess = 6,
-          .watch = {}};
+          .watch = {},
+          .margin = Margin{.where = "bridge",
+                           .attribute = "Omission",
+                           .unit = "events",
+                           .outcome = Outcome::unfit,
+                           .amount_known = true,
+                           .amount = 3,
+                           .words = "3 too many"}};
 }
 
 Watch full_watch() {
@@ -76,13 +83,15 @@ Watch full_watch() {
           .longest_gap_ns = 101'000'000,
           .jitter_ns = 6'000'000,
           .rate_mhz = 19'975,
-          .gaps = {0, 0, 0, 0, 0, 0, 0, 499, 500, 0, 0, 0, 0, 0, 0, 1}};
+          .gaps = {0, 0, 0, 0, 0, 0, 0, 499, 500, 0, 0, 0, 0, 0, 0, 1},
+          .silent_ns = 200'000'000};
 }
 
 Channel granted_channel() {
   auto channel = refused_channel();
   channel.from = "robot-can";
   channel.granted = true;
+  channel.margin.reset();
   channel.reason = "Period 50 ms required, the route provides 12.5 ms (37.5 ms to spare)";
   channel.route = {"robot-can"};
   channel.rows.resize(1);
@@ -417,25 +426,6 @@ WhatIf full_what_if() {
                        outlook("video", true, true, 0, 1, "100 kB/s fit"),
                        outlook("speech", true, false, 1, 0, "300 kB/s too much")},
           .unchanged = 12};
-}
-
-History full_history() {
-  return {{{.unix_ns = 1'700'000'100'000'000'000,
-            .kind = "switched",
-            .subject = 0x10,
-            .channel = "video",
-            .from = "awds",
-            .to = "robot-can",
-            .network = "awds",
-            .message = "set 2 of 2: laptop > relay is slower"},
-           {.unix_ns = 1'700'000'000'123'456'789,
-            .kind = "reload",
-            .subject = 0,
-            .channel = "",
-            .from = "",
-            .to = "",
-            .network = "",
-            .message = "read again"}}};
 }
 
 namespace {

@@ -143,4 +143,23 @@ Presence full_presence() {
           .networks = {"lan", "second-can"}};
 }
 
+History full_history() {
+  return {{{.unix_ns = 1'700'000'100'000'000'000,
+            .kind = "switched",
+            .subject = 0x10,
+            .channel = "video",
+            .from = "awds",
+            .to = "robot-can",
+            .network = "awds",
+            .message = "set 2 of 2: laptop > relay is slower"},
+           {.unix_ns = 1'700'000'000'123'456'789,
+            .kind = "reload",
+            .subject = 0,
+            .channel = "",
+            .from = "",
+            .to = "",
+            .network = "",
+            .message = "read again"}}};
+}
+
 }  // namespace mlcca::test

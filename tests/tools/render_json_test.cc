@@ -34,6 +34,8 @@ TEST(JsonFieldsTest, CarryTheNamesAndUnitsOfTheProtocol) {
   EXPECT_EQ(channel.at("rows").at(1), Json::parse(R"({"where": "bridge", "attribute": "Omission",
       "unit": "events", "required": 2, "provided": 5, "dynamic": false, "outcome": "unfit",
       "margin": "3 too many"})"));
+  EXPECT_EQ(channel.at("margin"), Json::parse(R"({"where": "bridge", "attribute": "Omission",
+      "unit": "events", "outcome": "unfit", "amount": 3, "words": "3 too many"})"));
   EXPECT_TRUE(channel.at("rows").at(3).at("provided").is_null());
   EXPECT_EQ(channel.at("rows").at(2).at("outcome"), "run-time");
 }
@@ -45,6 +47,7 @@ TEST(JsonFieldsTest, ReportHowWatchedEventsComeAndNullOfOthers) {
       "timeout_ns": 162075000, "missing_now": true, "events": 1001, "missing": 4,
       "since_last_ns": 200000000, "last_gap_ns": 49000000, "shortest_gap_ns": 44000000,
       "longest_gap_ns": 101000000, "jitter_ns": 6000000, "rate_mhz": 19975, "shared": false,
+      "silent_ns": 200000000,
       "gaps": [0, 0, 0, 0, 0, 0, 0, 499, 500, 0, 0, 0, 0, 0, 0, 1]})"));
   EXPECT_TRUE(json.at("channels").at(1).at("watch").is_null());
   EXPECT_EQ(json.at("channels").at(0).at("troubles"),

@@ -71,6 +71,19 @@ TEST(TopChanges, LaterLinesHaveWhatChanged) {
   EXPECT_EQ(line["interfaces"][0]["ingress"]["passed"], 6);
 }
 
+TEST(TopChanges, ASilenceThatBeginsIsAChangeAndItsAgeIsNone) {
+  Changes changes;
+  auto c = delivery("a", 1);
+  auto line = Json::parse(changes.line(sample({c}), 1));
+  EXPECT_EQ(line["counters"][0]["watch"]["silent_ns"], nullptr);
+  c.watch->silent_ns = 2'000'000'000;
+  line = Json::parse(changes.line(sample({c}), 2));
+  ASSERT_EQ(line["counters"].size(), 1U);
+  EXPECT_EQ(line["counters"][0]["watch"]["silent_ns"], 2'000'000'000U);
+  c.watch->silent_ns = 3'000'000'000;
+  EXPECT_TRUE(Json::parse(changes.line(sample({c}), 3))["counters"].empty());
+}
+
 TEST(TopChanges, OtherDeliveriesAreNamedWithAllCounters) {
   Changes changes;
   static_cast<void>(changes.line(sample({delivery("a", 1), delivery("b", 2)}), 1));

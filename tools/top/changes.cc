@@ -30,10 +30,11 @@ auto frames_of(const control::Channel& c) {
   return std::tie(c.passed, c.dropped, c.excess, c.would_drop);
 }
 
-/// The age of the latest event changes by itself.
+/// The age of the latest event changes by itself, and that of a silence.
 bool is_same(const control::Watch& a, const control::Watch& b) {
   return std::tie(a.events, a.missing, a.missing_now, a.jitter_ns) ==
-         std::tie(b.events, b.missing, b.missing_now, b.jitter_ns);
+             std::tie(b.events, b.missing, b.missing_now, b.jitter_ns) &&
+         (a.silent_ns == 0) == (b.silent_ns == 0);
 }
 
 bool is_same(const control::Channel& a, const control::Channel& b) {
@@ -54,6 +55,7 @@ Json counted(const control::Channel& c, std::size_t place) {
                     {"events", w->events},
                     {"missing", w->missing},
                     {"since_last_ns", w->since_last_ns},
+                    {"silent_ns", or_null(w->silent_ns)},
                     {"last_gap_ns", or_null(w->last_gap_ns)},
                     {"jitter_ns", w->jitter_ns},
                     {"rate_mhz", or_null(w->rate_mhz)}};

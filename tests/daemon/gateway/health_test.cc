@@ -45,6 +45,24 @@ TEST(Health, ReportsSilenceWithTheMissingEvents) {
   seen.watch->missing_now = true;
   seen.watch->since_last_ns = 4'200 * kMillisecond + 1;
   EXPECT_EQ(troubles(seen), Lines{"nothing has come for 4.2 s: 84 events are missing"});
+  EXPECT_EQ(silent_for(*seen.watch), 4'200 * kMillisecond + 1);
+}
+
+/// What a program reads is what the lines say.
+TEST(Health, IsSilentForAsLongAsItsLineSays) {
+  control::Watch watch = heart_beat();
+  EXPECT_EQ(silent_for(watch), 0U);
+  watch.since_last_ns = 15 * kSecond;
+  EXPECT_EQ(silent_for(watch), 0U) << "the kernel has not reported it yet";
+  watch.timeout_ns = 0;
+  EXPECT_EQ(silent_for(watch), 15 * kSecond);
+  watch.events = 0;
+  EXPECT_EQ(silent_for(watch), 15 * kSecond);
+  watch.since_last_ns = kSecond;
+  EXPECT_EQ(silent_for(watch), 0U) << "it may be starting";
+  watch = heart_beat();
+  watch.missing_now = true;
+  EXPECT_EQ(silent_for(watch), 0U) << "events come again";
 }
 
 TEST(Health, APublisherThatNeverSentIsReportedAfterThreePeriodsAndASecond) {

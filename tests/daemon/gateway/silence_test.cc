@@ -73,13 +73,17 @@ class Silence : public ::testing::Test {
     return std::exchange(said_, {});
   }
 
-  /// Whether `channels` shows the delivery to that network as missing.
-  [[nodiscard]] bool is_shown(std::size_t network) {
+  /// What `channels` has of how the events of the delivery to that network come.
+  [[nodiscard]] control::Watch shown(std::size_t network) {
     const auto answer = bench_.ask(control::ExplainRequest{"c0"});
     for (const control::Channel& one : std::get<control::Channels>(answer.reply.body).channels)
       if (one.to == bench_.system.networks[network].name)
-        return one.watch && one.watch->missing_now;
-    return false;
+        return one.watch.value_or(control::Watch{});
+    return {};
+  }
+  [[nodiscard]] bool is_shown(std::size_t network) { return shown(network).missing_now; }
+  [[nodiscard]] std::uint64_t shown_silence(std::size_t network) {
+    return shown(network).silent_ns;
   }
 
   Bench bench_{with_two_subscribers()};
@@ -136,6 +140,7 @@ TEST_F(Silence, IsShownForWhoWaitsLongerUntilItsEndIsReported) {
   is_silent_for(patience(kPatient));
   after(patience(kPatient) - patience(kStrict));
   EXPECT_TRUE(is_shown(kPatient));
+  EXPECT_EQ(shown_silence(kPatient), patience(kPatient));
   is_silent_for(10 * kMs);
   EXPECT_TRUE(is_shown(kPatient)) << "the first event has come";
   gate_says(GATE_E_RESTORED, patience(kPatient) + kMs);
