@@ -64,7 +64,9 @@ export function placeFacts(p, resources) {
     r.background ? `, ${percent(r.background / r.capacity)} by others` : ""}, by ${many(r.reservations.length, "publisher")}` : "no capacity is stated"));
   if (p.gateway) return h("dl", { class: "facts" }, fact("Kind", p.own ? "this gateway" : "gateway"), held);
   const { network } = p;
+  const { described_bitrate: stated, described_data_bitrate: data } = network;
   return h("dl", { class: "facts" }, fact("Kind", network.kind), fact("Profile", network.profile),
+    fact("Described", stated ? `${bits(stated)}${data ? `, data phase ${bits(data)}` : ""}` : ""),
     network.provision.map((a) => fact(a.name, `${value(a.value, a.unit)}${a.dynamic ? ", at best" : ""}`)), held,
     p.interfaces.map((i) => [
       fact(i.name, [i.ifindex ? (i.up ? "up" : "down") : "absent", i.can_state, i.bitrate ? bits(i.bitrate) : "",

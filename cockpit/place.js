@@ -2,11 +2,15 @@
 // What the drawing says in a place: its kind, and how it is now.
 import { bits, many, rate } from "./format.js";
 
-/** "can, 500 kbit/s": the `slowest` of a mesh's `links` in bit/s, `capacity` in bytes/s. */
-export function carries(kind, { bitrate, links, slowest, capacity, unknown = "no rate stated" }) {
+/**
+ * "can, 500 kbit/s", or where no interface has one, what is `described` in bit/s; the `slowest` of a mesh's `links` in
+ * bit/s, `capacity` in bytes/s.
+ */
+export function carries(kind, { bitrate, described, links, slowest, capacity, unknown = "no rate stated" }) {
   return `${kind}, ${bitrate ? bits(bitrate)
-    : links ? `${many(links, "link")}, ${bits(slowest)} or more`
-      : capacity ? rate(capacity) : unknown}`;
+    : described ? `${bits(described)}, described`
+      : links ? `${many(links, "link")}, ${bits(slowest)} or more`
+        : capacity ? rate(capacity) : unknown}`;
 }
 
 function condition(p) {
@@ -25,9 +29,8 @@ export function inWords(p) {
   const rates = p.links.map((l) => l.believed_rate).filter((r) => r > 0);
   return {
     subtitle: carries(p.network.kind, {
-      bitrate: p.interfaces.find((i) => i.bitrate)?.bitrate, capacity: p.network.capacity,
-      links: rates.length, slowest: Math.min(...rates),
-      // The rate that is described is not in what mlccad says: an interface that is absent, or is a vcan, has none.
+      bitrate: p.interfaces.find((i) => i.bitrate)?.bitrate, described: p.network.described_bitrate,
+      capacity: p.network.capacity, links: rates.length, slowest: Math.min(...rates),
       unknown: p.network.kind === "can" ? "rate not known" : undefined,
     }),
     note: condition(p),

@@ -209,6 +209,8 @@ control::Network network_report(const core::State& state, std::size_t index) {
   out.capacity_known = network.provision.has(Attribute::bandwidth);
   out.capacity = network.provision[Attribute::bandwidth];
   out.reserved = state.ledger().reserved(index);
+  out.described_bitrate = network.bus.bitrate;
+  out.described_data_bitrate = network.bus.data_bitrate;
   out.available = state.world().conditions[index].available;
   out.problem = state.world().conditions[index].problem;
   for (const core::Gateway& gateway : system.gateways)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a program reads of a delivery is a field, and need not be found in a line.
+// What a program reads of a delivery and of a network is a field, and need not be found in a line.
 #include "daemon/gateway/report.hpp"
 
 #include <gtest/gtest.h>
@@ -68,6 +68,17 @@ TEST(ChannelReport, WhatNoComparisonHasDecidedHasNoMargin) {
   v.granted = false;
   v.obstacle = core::Obstacle::withdrawn;
   EXPECT_FALSE(channel_report(state, v, {}).margin);
+}
+
+TEST(NetworkReport, HasTheBitRatesThatAreDescribed) {
+  const core::State state =
+      heart_beat_state("2", R"(<Network name="fast"><Kind>can</Kind><Profile>raw</Profile>
+        <Bus bitrate="500000" data-bitrate="2000000"/></Network>
+        <Network name="bare"><Kind>can</Kind><Profile>raw</Profile></Network>)");
+  EXPECT_EQ(network_report(state, 2).described_bitrate, 500'000U);
+  EXPECT_EQ(network_report(state, 2).described_data_bitrate, 2'000'000U);
+  EXPECT_EQ(network_report(state, 3).described_bitrate, 0U);
+  EXPECT_EQ(network_report(state, 0).described_bitrate, 0U);
 }
 
 }  // namespace
