@@ -3,26 +3,47 @@
 // that a browser searches, all are.
 import { h } from "./dom.js";
 
+const kRowHeight = 48; // px
 const kBeyond = 6; // rows above and below what is in sight
 
 export class List {
   /** `cells(row)`: the cells of a row; `columns`: the class of each and its name; `every`: all rows are elements. */
-  constructor({ label, columns, cells, open, height = 48, every = false }) {
-    Object.assign(this, { columns, cells, open, height, every, rows: [], at: 0, shown: new Map() });
+  constructor({ label, columns, cells, open, every = false }) {
+    Object.assign(this, { columns, cells, open, height: kRowHeight, every, rows: [], at: 0, shown: new Map() });
     this.body = h("div", { class: "rows", role: "presentation" });
     this.scroller = h("div", { class: "scroller", role: "rowgroup", onscroll: () => this.later() }, this.body);
     this.element = h("div", { class: "list", role: "grid", "aria-label": label, onkeydown: (e) => this.key(e) },
       h("div", { class: "row head", role: "row", "aria-rowindex": 1 },
         columns.map(([kind, name]) => h("div", { role: "columnheader", class: kind }, name))),
       this.scroller);
-    new ResizeObserver(() => this.later()).observe(this.scroller);
+    new ResizeObserver(() => this.resized()).observe(this.scroller);
   }
+  /** Of a row, px: the width that there is decides how many lines it has (style.css). */
+  measured() {
+    const said = parseFloat(getComputedStyle(this.element).getPropertyValue("--row"));
+    return said * parseFloat(getComputedStyle(document.documentElement).fontSize) || kRowHeight;
+  }
+  /** The same rows stay in sight, and the same elements are they: one may have the focus, or get it back. */
+  resized() {
+    const first = this.scroller.scrollTop / this.height;
+    const height = this.measured();
+    if (height !== this.height) {
+      this.height = height;
+      this.stretch();
+      for (const [i, element] of this.shown) this.put(i, element);
+      this.scroller.scrollTop = first * height;
+    }
+    this.later();
+  }
+  stretch() { this.body.style.height = this.every ? "" : `${this.rows.length * this.height}px`; }
+  put(i, element) { if (!this.every) element.style.transform = `translateY(${Math.round(i * this.height)}px)`; }
   show(rows) {
     this.rows = rows;
+    this.height = this.measured();
     this.at = Math.min(this.at, Math.max(0, rows.length - 1));
     this.element.setAttribute("aria-rowcount", rows.length + 1);
     this.element.classList.toggle("every", this.every);
-    this.body.style.height = this.every ? "" : `${rows.length * this.height}px`;
+    this.stretch();
     const focused = this.body.contains(document.activeElement);
     this.clear();
     this.paint();
@@ -69,7 +90,7 @@ export class List {
     const row = h("div", { class: `row ${this.rows[i].state ?? ""}`, role: "row", "aria-rowindex": i + 2,
       tabindex: i === this.at ? 0 : -1, onclick: () => this.choose(i, true) },
     this.cells(this.rows[i]).map((cell, n) => h("div", { role: "gridcell", class: this.columns[n][0], title: cell.textContent ?? cell }, cell)));
-    if (!this.every) row.style.transform = `translateY(${i * this.height}px)`;
+    this.put(i, row);
     this.shown.set(i, row);
     this.body.append(row);
   }

@@ -121,11 +121,12 @@ function openChannel(c, keep = false) {
 // --- tabs -----------------------------------------------------------------------------------------
 
 const filter = { text: "", state: "all" };
+const whyOf = (c) => h("span", {}, forPeople(c.troubles[0] ?? c.reason));
 const list = new List({
   label: "Deliveries", open: (c) => openChannel(c), every: !kLive,
   columns: [["state", "Verdict"], ["name", "Channel"], ["ends", "Way"], ["why", "Why"], ["margin", "Margin"], ["number passed", "Passed"], ["number dropped", "Dropped"],
     ["number would", "Would drop"], ["events", "Events"]],
-  cells: (c) => [verdict(c.state), cut(c.name), h("span", {}, cut(c.from, 8), " › ", cut(c.to, 8)), forPeople(c.troubles[0] ?? c.reason), marginOf(c), passed(c), count(c.dropped),
+  cells: (c) => [verdict(c.state), cut(c.name), h("span", {}, cut(c.from, 8), " › ", cut(c.to, 8)), whyOf(c), marginOf(c), passed(c), count(c.dropped),
     c.would_drop ? count(c.would_drop) : "", silence(c)],
 });
 
