@@ -10,7 +10,7 @@ import { by, cut, h, svg } from "./dom.js";
 import { draw } from "./drawing.js";
 import { count, forPeople, many, moment, passed, percent } from "./format.js";
 import { List } from "./list.js";
-import { Counted, graphOf, key, kStates, marginOf, sorted, used } from "./model.js";
+import { Counted, findingName, graphOf, key, kStates, marginOf, sorted, used } from "./model.js";
 
 const kFindings = 200; // that are shown
 const kEntries = 200; // of the history that are shown, and that are asked for where nothing is searched
@@ -214,8 +214,6 @@ function historyPanel() {
     h("label", { class: "tick" }, h("input", { type: "checkbox", id: "past-people", onchange: (e) => { past.people = e.target.checked; search(); } }), "changes by people only"),
     h("span", { id: "past-shown", class: "quiet", role: "status" })), h("div", { id: "past" })];
 }
-/** "stop of lever", a subject, or an identifier. */
-const nameOf = (f) => f.channel ? `${f.channel} of ${f.publisher}` : f.subject ?? (f.identifier || "frames");
 function auditPanel() {
   const { audit } = now;
   if (!audit?.findings.length) return [h("p", { class: "quiet" }, "Nothing was refused.")];
@@ -224,10 +222,10 @@ function auditPanel() {
       .filter(Boolean).join(", ") + ` ${f.egress ? "to" : "from"} ${f.interface}${f.address || f.sender ? `, sent by ${f.address || f.sender}` : ""}: ${f.reason}`),
     h("p", { class: "quiet" }, `since ${moment(f.first_unix_s * 1e9)}, latest ${moment(f.last_unix_s * 1e9)}`),
     f.advice ? h("p", {}, f.advice) : null,
-    f.add ? h("details", {}, h("summary", {}, `Add ${nameOf(f)}`), h("pre", { tabindex: 0, "aria-label": `XML for ${nameOf(f)}` }, f.add),
+    f.add ? h("details", {}, h("summary", {}, `Add ${findingName(f)}`), h("pre", { tabindex: 0, "aria-label": `XML for ${findingName(f)}` }, f.add),
       h("button", { type: "button", onclick: async (e) => { await navigator.clipboard.writeText(f.add); e.target.textContent = "Copied"; say("Copied"); } }, "Copy")) : null];
   return [h("p", {}, "What the gates have refused, or would have refused in audit mode. To admit some of it, add what is shown to the description."),
-    h("ul", { class: "found" }, audit.findings.slice(0, kFindings).map((f) => h("li", {}, h("h3", {}, `${nameOf(f)} on ${f.network}`), lines(f)))),
+    h("ul", { class: "found" }, audit.findings.slice(0, kFindings).map((f) => h("li", {}, h("h3", {}, `${findingName(f)} on ${f.network}`), lines(f)))),
     audit.findings.length > kFindings ? h("p", { class: "quiet" }, `and ${count(audit.findings.length - kFindings)} older ones`) : ""];
 }
 

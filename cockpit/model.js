@@ -24,6 +24,13 @@ export const kStates = {
 /** How near the requirement that its reason is about is to what is provided. */
 export const marginOf = (c) => c.margin?.words ?? "";
 
+/** "stop of lever"; of frames of no delivery the channel that the description has for them, a subject, or an identifier. */
+export function findingName(f) {
+  if (f.channel) return `${f.channel} of ${f.publisher}`;
+  const own = f.subject ?? (f.identifier || "frames");
+  return f.described ? `${f.described} (${own})` : own;
+}
+
 export function sorted(channels) {
   return channels.map((c) => ({ ...c, state: stateOf(c) })).sort((a, b) =>
     kStates[a.state].rank - kStates[b.state].rank || a.name.localeCompare(b.name) || a.to.localeCompare(b.to));
