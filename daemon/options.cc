@@ -45,6 +45,7 @@ Parsed parse_options(int argc, char** argv) {
   std::string start_limit = "30s";
   std::string read_limit = "60s";
   std::string lease = "10s";
+  std::string initial_mode = "enforce";
   const auto is_time = [](const std::string& text) {
     return parse_time(text) ? std::string()
                             : "a time such as 10s or 500ms, 0 or forever (not " + text + ")";
@@ -95,6 +96,11 @@ Parsed parse_options(int argc, char** argv) {
                    : "a time from 2s to 3600s (not " + text + ")";
       })
       ->capture_default_str();
+  app.add_option("--initial-mode", initial_mode,
+                 "audit: drop nothing, and count what would be dropped, over restarts until the "
+                 "first 'mlccactl mode enforce'; enforce")
+      ->check(CLI::IsMember({"enforce", "audit"}))
+      ->capture_default_str();
   app.add_option("--read-limit", read_limit,
                  "how long a description may take to be read, with look-ups of its users: 60s, "
                  "500ms")
@@ -125,6 +131,7 @@ Parsed parse_options(int argc, char** argv) {
   if (const auto ns = parse_time(start_limit)) o.start_limit_ns = *ns;
   if (const auto ns = parse_time(read_limit)) o.read_limit_ns = *ns;
   if (const auto ns = parse_time(lease)) o.lease_ns = *ns;
+  o.initial_audit = initial_mode == "audit";
   o.in_cluster = !is_absent(o.cluster_settings);
   o.close_mode = close->count() > 0;
   std::erase(o.close, "");  // what CLI11 makes of none

@@ -28,7 +28,9 @@ struct Options {
   std::string cluster_socket = "/run/mlcca/cluster";
   bool in_cluster = false;
   std::uint64_t lease_ns = 10'000'000'000;  ///< for which a gateway of a cluster may be silent
-  std::vector<std::string> close;           ///< close these interfaces and exit
+  /// The gates drop nothing until an operator has had them enforce for the first time.
+  bool initial_audit = false;
+  std::vector<std::string> close;  ///< close these interfaces and exit
   bool close_mode = false;
   /// Where gate.conf and conf.d name the interfaces that are meant.
   std::optional<std::string> named_in;

@@ -181,9 +181,12 @@ std::string left_out(const control::Health& health) {
 }
 
 std::string mode_of(const control::Status& status) {
-  if (status.when_clean_ns == 0) return status.mode;
+  std::string mode =
+      status.mode +
+      (status.audit_until_enforced ? ", over restarts until 'mlccactl mode enforce'" : "");
+  if (status.when_clean_ns == 0) return mode;
   return fmt::format("{}; enforces when nothing would have been dropped for {}: it has been {}",
-                     status.mode, core::format_span(status.when_clean_ns),
+                     mode, core::format_span(status.when_clean_ns),
                      core::format_span(status.clean_ns));
 }
 

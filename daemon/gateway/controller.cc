@@ -55,7 +55,7 @@ Controller::Controller(Options options, Outside outside)
                 pulse_}),
       health_({scene_, outside_.gates, outside_.control, outside_.links, meshes_, recorder_,
                forwarding_, safeguards_, reloads_, tags_, admissions_, delivery_health_, presence_,
-               outside_.clock, membership_.get()}),
+               outside_.clock, modes_, membership_.get()}),
       aside_(outside_.loop) {
   outside_.gates.on_step(pulse_);
   turn_.add(buses_);
@@ -161,6 +161,7 @@ std::optional<StartError> Controller::read_what_was() {
 std::optional<StartError> Controller::open_gates() {
   const auto before = recorder_.granted();
   GateControl& control = outside_.control;
+  modes_.begin(options_.initial_audit);
   if (const auto done = control.undo_interrupted_step(); !done)
     return StartError{{done.error().text}};
   meshes_.describe(scene_.state->system(), scene_.self);
@@ -191,8 +192,7 @@ std::optional<StartError> Controller::open_gates() {
   drops_.forget();  // what a former daemon has counted is not reported again
   turn_.open_unless_lost();
   outside_.log.notice(Kind::started, "started: " + summary());
-  if (control.mode() == enforce::Mode::audit)
-    outside_.log.warning(Kind::mode, "AUDIT MODE: nothing is dropped, everything is only counted");
+  modes_.report();
   if (history_) audit_keeper_.restore(*history_);
   admissions_.report_left_out();
   deliveries_.outcome(before, {});

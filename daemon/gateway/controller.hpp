@@ -196,7 +196,7 @@ class Controller {
   AuditLog audit_{scene_, outside_.gates, outside_.clock};
   DropReports drops_{scene_, outside_.gates, outside_.log, deliveries_,
                      audit_, outside_.clock, pulse_};
-  Modes modes_{outside_.control, outside_.log, drops_, audit_};
+  Modes modes_{outside_.control, outside_.log, drops_, audit_, recorder_};
   AuditKeeper audit_keeper_{audit_, modes_, outside_.log, patience_, outside_.clock};
   Carriers carriers_;
   GatewayPresence presence_{{scene_, outside_.control, carriers_, outside_.log, outside_.clock}};

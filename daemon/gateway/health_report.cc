@@ -59,8 +59,10 @@ std::vector<std::string> HealthReport::problems() const {
 
 /// Of the daemon itself and of the description.
 void HealthReport::add_own(std::vector<std::string>& to) const {
-  if (parts_.control.mode() == enforce::Mode::audit)
-    to.emplace_back("audit mode: nothing is dropped, data that was not admitted passes");
+  if (parts_.modes.is_audit())
+    to.push_back(
+        fmt::format("audit mode{}: nothing is dropped, data that was not admitted passes",
+                    parts_.modes.is_introduction() ? " until 'mlccactl mode enforce'" : ""));
   if (parts_.control.lapsed())
     to.emplace_back("the heart-beat came too late: everything is denied");
   if (const std::int64_t now = parts_.clock.monotonic_s(); lapsed_ && now - *lapsed_ < kRecent)

@@ -14,6 +14,7 @@
 #include "daemon/gateway/gateway_presence.hpp"
 #include "daemon/gateway/membership.hpp"
 #include "daemon/gateway/meshes.hpp"
+#include "daemon/gateway/modes.hpp"
 #include "daemon/gateway/recorder.hpp"
 #include "daemon/gateway/reloads.hpp"
 #include "daemon/gateway/safeguards.hpp"
@@ -43,6 +44,7 @@ class HealthReport {
     const DeliveryHealth& deliveries;
     const GatewayPresence& presence;
     const Clock& clock;
+    const Modes& modes;
     const Membership* membership = nullptr;  ///< null: it shares nothing by a store
   };
   explicit HealthReport(const Parts& parts) : parts_(parts) {}

@@ -10,6 +10,27 @@
 
 namespace mlcca {
 
+void Modes::begin(bool in_audit_mode) {
+  begins_in_audit_ = in_audit_mode;
+  if (is_to_be_introduced()) control_.set_mode(enforce::Mode::audit);
+}
+
+void Modes::report() {
+  if (is_audit()) log_.warning(Kind::mode, audit_line());
+}
+
+/// It is on the disk with the end of the turn, before there is an answer.
+void Modes::note_introduced() {
+  if (is_to_be_introduced()) recorder_.note_introduced();
+}
+
+std::string Modes::audit_line() const {
+  return fmt::format("AUDIT MODE: nothing is dropped, everything is only counted{}",
+                     is_to_be_introduced()
+                         ? ", over restarts until 'mlccactl mode enforce' (--initial-mode audit)"
+                         : "");
+}
+
 /// What was dropped so far is reported as what became of it, and no client has asked for it.
 void Modes::report_drops() {
   const EventLog::Acting no_actor(log_, std::nullopt);
@@ -22,10 +43,11 @@ control::Done Modes::set(enforce::Mode mode) {
   control_.set_mode(mode);
   if (mode == enforce::Mode::audit) {
     audit_.restart_clean();
-    std::string line = "AUDIT MODE: nothing is dropped, everything is only counted";
+    std::string line = audit_line();
     log_.warning(Kind::mode, line);
     return {std::move(line)};
   }
+  note_introduced();
   std::string line = "enforcing: what is not admitted is dropped";
   log_.notice(Kind::mode, line);
   return {std::move(line)};
@@ -57,6 +79,7 @@ void Modes::restore(std::uint64_t when_clean) {
 
 /// What the counters say in the end decides, not what was polled until now.
 void Modes::poll() {
+  if (!is_audit()) note_introduced();  // again, where the disk refused it
   if (when_clean() == 0 || clean() < when_clean_) return;
   report_drops();
   if (clean() < when_clean_) return;

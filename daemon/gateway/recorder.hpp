@@ -68,6 +68,8 @@ class Recorder {
   void note_granted(std::size_t channel);
   /// As what the gateway is a member of a cluster.
   void note_membership(const store::Membership& membership) { append(membership); }
+  /// No later start begins in audit mode.
+  void note_introduced() { append(store::Introduced{true}); }
   /// Nothing is granted of a subject that the description does not have any more.
   void note_gone(const std::string& subject);
   /// Which interfaces are gated, for whoever compares them without this daemon.

@@ -60,6 +60,7 @@ struct Apply {
       to.contradicted.insert_or_assign(key_of(entry), entry);
   }
   void operator()(const Membership& entry) const { to.membership = entry; }
+  void operator()(const Introduced& entry) const { to.introduced = entry.done; }
 };
 
 struct Inverse {
@@ -121,6 +122,10 @@ struct Inverse {
   Answer operator()(const Membership& entry) const {
     if (of.membership == entry) return std::nullopt;
     return of.membership;
+  }
+  Answer operator()(const Introduced& entry) const {
+    if (of.introduced == entry.done) return std::nullopt;
+    return Introduced{of.introduced};
   }
 };
 

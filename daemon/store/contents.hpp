@@ -82,6 +82,8 @@ struct Contents {
   std::map<std::pair<std::string, std::uint64_t>, Contradicted> contradicted;
   /// As what the gateway is a member of a cluster; nothing is in it where it is in none.
   Membership membership;
+  /// A start that is to begin in audit mode does not: an operator has ended that.
+  bool introduced = false;
   /// The next admission gets this id; ids are never used twice.
   std::uint64_t next_id = 1;
   bool operator==(const Contents&) const = default;

@@ -55,6 +55,7 @@ struct IsAlive {
   bool operator()(const Enforced& entry) const { return !entry.slots.empty(); }
   bool operator()(const Contradicted& entry) const { return !entry.how.empty(); }
   bool operator()(const Membership& entry) const { return entry != Membership{}; }
+  bool operator()(const Introduced& entry) const { return entry.done; }
 };
 
 /// What is admitted is an Admit request and nothing else.
@@ -128,6 +129,7 @@ std::string snapshot(std::uint64_t salt, const Contents& contents) {
   for (const auto& [subject, slots] : contents.enforced) add(Enforced{subject, slots});
   for (const auto& [key, contradicted] : contents.contradicted) add(contradicted);
   if (is_alive(contents.membership)) add(contents.membership);
+  if (contents.introduced) add(Introduced{true});
   return batch(salt, 0, count, std::move(entries));
 }
 

@@ -91,7 +91,7 @@ std::string some_text(FuzzedDataProvider& in) {
 }
 
 Entry some_entry(FuzzedDataProvider& in) {
-  switch (in.ConsumeIntegralInRange(0, 8)) {
+  switch (in.ConsumeIntegralInRange(0, 9)) {
     case 0: {
       control::Admit admit;
       admit.channel = some_text(in);
@@ -125,6 +125,8 @@ Entry some_entry(FuzzedDataProvider& in) {
       out.drained = in.ConsumeBool();
       return out;
     }
+    case 8:
+      return Introduced{in.ConsumeBool()};
     default:
       return Enforced{in.ConsumeIntegralInRange<std::uint64_t>(0, 3), some_octets(in)};
   }

@@ -246,6 +246,15 @@ TEST_F(AuditReport, IsJsonWithTheAddition) {
   EXPECT_EQ(json["when_clean_ns"], 86'400'000'000'000);
 }
 
+TEST_F(AuditReport, TheStatusSaysThatAuditModeOutlastsRestarts) {
+  control::Status status = test::full_status();
+  status.mode = "audit";
+  status.audit_until_enforced = true;
+  EXPECT_TRUE(render(status, Color::no)
+                  .contains("mode         audit, over restarts until 'mlccactl mode enforce'\n"))
+      << render(status, Color::no);
+}
+
 TEST_F(AuditReport, TheStatusSaysWhenTheGatesEnforce) {
   control::Status status = test::full_status();
   status.mode = "audit";

@@ -24,6 +24,7 @@ control::Status status_of(const Context& c) {
   s.mode = c.modes.name();
   s.when_clean_ns = c.modes.when_clean();
   s.clean_ns = c.modes.clean();
+  s.audit_until_enforced = c.modes.is_introduction();
   s.open = c.control.is_open() && !c.control.lapsed();
   s.grace_ns = c.control.grace();
   s.lapses = c.control.lapses();

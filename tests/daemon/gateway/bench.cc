@@ -211,6 +211,7 @@ std::optional<StartError> Bench::start() {
   options.state_directory = state_directory;
   options.bpf_root = "/nowhere/at/all";
   options.lease_ns = lease_ns;
+  options.initial_audit = initial_audit;
   controller_ = std::make_unique<Controller>(
       options, Outside{.gates = *gates_,
                        .control = *control_,

@@ -91,7 +91,8 @@ class Bench {
   /// Descriptions that another gateway can hand on: "2" is a text of the digest 2.
   std::map<std::uint8_t, core::System> handed_on;
   FakeTexts texts;
-  bool threads = false;  ///< what may hang on a disk is done on a thread
+  bool initial_audit = false;  ///< it is to be introduced in audit mode
+  bool threads = false;        ///< what may hang on a disk is done on a thread
   std::uint64_t lease_ns = 10'000'000'000;
   std::string state_directory = "/nowhere/at/all";  ///< of the history, on the real disk
   std::vector<Result<void>> commits;                ///< what on_commit() was called with

@@ -220,7 +220,9 @@ void FakeGates::attach(PortState& port) {
   if (commanded_.contains(port.ifindex)) return;
   const auto held = hold(port);
   if (held) {
-    kernel_.gates[port.ifindex].closed = false;
+    FakeGate& gate = kernel_.gates[port.ifindex];
+    gate.closed = false;
+    if (!gate.first_mode) gate.first_mode = kernel_.mode;
     commanded_.insert(port.ifindex);
     port.lost = false;
     return;

@@ -61,7 +61,8 @@ struct FakeInterface {
 /// What a gate holds; in place of ports its rules have the indices of interfaces.
 struct FakeGate {
   std::map<core::GateEntry, core::GateRule> rules;
-  bool closed = false;  ///< a program without slots, which passes nothing
+  bool closed = false;                           ///< a program without slots, which passes nothing
+  std::optional<enforce::Mode> first_mode = {};  ///< in which it was attached
   void deny_all() {
     for (auto& [entry, rule] : rules) rule.pass = false;
   }

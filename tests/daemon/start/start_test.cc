@@ -90,6 +90,19 @@ TEST_F(StartTest, BeatsNotBeforeItHasReadEverythingWhereThatIsNotWanted) {
   EXPECT_LE(beats_of(after).size(), 3U);
 }
 
+TEST_F(StartTest, BeginsInAuditModeWhereTheGatewayIsIntroduced) {
+  Process daemon(gateway_.command({"--initial-mode", "audit"}), gateway_.path("log"));
+  ASSERT_TRUE(daemon.ready()) << gateway_.log();
+  EXPECT_EQ(gateway_.word()[0].mode, std::uint32_t{GATE_AUDIT});
+  EXPECT_TRUE(gateway_.comes_to_log("AUDIT MODE")) << gateway_.log();
+}
+
+TEST_F(StartTest, InAModeThatThereIsNotIsRefused) {
+  Process daemon(gateway_.command({"--initial-mode", "open"}), gateway_.path("log"));
+  EXPECT_FALSE(daemon.ready());
+  EXPECT_EQ(daemon.end(), 2);
+}
+
 TEST_F(StartTest, ThatFailsClosesWhatWasOpen) {
   let_one_die();
   gateway_.describe("<System");

@@ -107,6 +107,15 @@ TEST(Contents, KeepWhatTheBrokerHasDealtOtherwiseUntilItIsOver) {
   EXPECT_EQ(contents.contradicted.at({"second-can", 7}), elsewhere);
 }
 
+TEST(Contents, KeepThatTheGatewayIsIntroduced) {
+  Contents contents;
+  EXPECT_FALSE(contents.inverse(Introduced{false}));
+  EXPECT_EQ(contents.inverse(Introduced{true}), Entry(Introduced{false}));
+  contents.apply(Introduced{true});
+  EXPECT_TRUE(contents.introduced);
+  EXPECT_FALSE(contents.inverse(Introduced{true}));
+}
+
 TEST(Contents, KeepTheLatestGrantOfASubject) {
   Contents contents;
   contents.apply(Granted{"0x1", "set=1"});

@@ -256,7 +256,7 @@ TEST(AFileOfALaterVersion, IsLeftAlone) {
   const std::string good = head() + batch(0, 1, entry(field(6, field(1, 1))));
   const std::string inside = request_of(1);
   for (const std::string& unknown :
-       {entry(field(11, "")), entry(""), entry(field(3, field(2, "news"))),
+       {entry(field(12, "")), entry(""), entry(field(3, field(2, "news"))),
         entry(field(3, field(1, "0x1")) + field(15, 1)), entry(field(2, field(1, "text"))),
         entry(field(3, field(1, "\xff"))), entry(field(1, field(1, inside + field(15, 1)))),
         entry(field(1, field(1, inside.substr(1)))), entry(field(1, "")),

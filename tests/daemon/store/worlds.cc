@@ -45,7 +45,7 @@ class Model {
 
   Entry step() {
     for (;;) {
-      const std::uint32_t choice = pick(14);
+      const std::uint32_t choice = pick(15);
       if (choice < 4) return admit();
       if (choice < 6 && !living_.empty()) return remove();
       if (choice == 6) return release();
@@ -54,6 +54,7 @@ class Model {
       if (choice == 11) return enforce();
       if (choice == 12) return contradict();
       if (choice == 13) return join();
+      if (choice == 14) return introduce();
       if (choice > 7) return grant();
     }
   }
@@ -68,6 +69,7 @@ class Model {
     for (const Enforced& e : enforced_) out.enforced[e.subject] = e.slots;
     for (const Contradicted& c : contradicted_) out.contradicted[{c.network, c.subject}] = c;
     out.membership = membership_;
+    out.introduced = introduced_;
     out.next_id = next_;
     return out;
   }
@@ -161,6 +163,11 @@ class Model {
     return membership_;
   }
 
+  Entry introduce() {
+    introduced_ = !introduced_;
+    return Introduced{introduced_};
+  }
+
   std::mt19937 random_;
   std::size_t largest_;
   std::vector<Admitted> living_;
@@ -170,6 +177,7 @@ class Model {
   std::vector<Enforced> enforced_;
   std::vector<Contradicted> contradicted_;
   Membership membership_;
+  bool introduced_ = false;
   std::uint64_t next_ = 1;
   std::uint64_t subjects_ = 0;
 };
