@@ -15,7 +15,8 @@
 namespace mlcca::cluster {
 namespace {
 
-constexpr int kTurn = 64;  // messages that are taken or sent before others
+constexpr int kTurn = 64;                          // messages that are taken or sent before others
+constexpr std::uint64_t kAcceptAgain = 1'000'000;  // µs
 
 /// Of the file that is the socket.
 std::set<uid_t> owners_of(int socket) {
@@ -47,7 +48,9 @@ Result<void> Server::start() {
       e < 0)
     return system_error("watching the socket", -e);
   connections_.reset(raw);
-  return {};
+  // Its descriptor is there before there are none.
+  return accept_again_.start(
+      loop_, [this] { sd_event_source_set_enabled(connections_.get(), SD_EVENT_ON); });
 }
 
 int Server::on_connection(sd_event_source*, int, std::uint32_t, void* self) noexcept {
@@ -57,7 +60,11 @@ int Server::on_connection(sd_event_source*, int, std::uint32_t, void* self) noex
 
 void Server::accept() {
   Fd socket(::accept4(listening_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
-  if (!socket) return;
+  if (!socket) {
+    if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED) rest(errno);
+    return;
+  }
+  rests_ = false;
   ucred peer{};
   socklen_t size = sizeof peer;
   if (::getsockopt(socket.get(), SOL_SOCKET, SO_PEERCRED, &peer, &size) < 0 ||
@@ -72,6 +79,14 @@ void Server::accept() {
   socket_ = std::move(socket);
   reader_ = {};
   full_ = false;
+}
+
+/// The socket would stay readable, and the loop would turn without end.
+void Server::rest(int error) {
+  if (!std::exchange(rests_, true))
+    log_("no connection can be taken: " + system_error("accept", error).error().text);
+  sd_event_source_set_enabled(connections_.get(), SD_EVENT_OFF);
+  accept_again_.set(kAcceptAgain);
 }
 
 int Server::on_io(sd_event_source*, int, std::uint32_t events, void* self) noexcept {
@@ -141,6 +156,7 @@ void Server::end(const std::string& why) {
   io_.reset();
   socket_.reset();
   bridge_.end_session();
+  sd_event_source_set_enabled(connections_.get(), SD_EVENT_ON);
 }
 
 }  // namespace mlcca::cluster

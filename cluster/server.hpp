@@ -18,7 +18,8 @@
 namespace mlcca::cluster {
 
 /// One connection at a time: a new one ends the former. It must be of root, of the owner of the
-/// socket, or of the user who runs this. What is not understood ends it.
+/// socket, or of the user who runs this. What is not understood ends it. Where descriptors or
+/// memory are lacking for one, it is tried again a second later, and when the former one ends.
 class Server {
  public:
   using Log = std::function<void(const std::string&)>;
@@ -30,6 +31,7 @@ class Server {
   static int on_connection(sd_event_source*, int, std::uint32_t, void* self) noexcept;
   static int on_io(sd_event_source*, int, std::uint32_t events, void* self) noexcept;
   void accept();
+  void rest(int error);
   void receive();
   bool take(std::size_t size);
   void send();
@@ -42,6 +44,8 @@ class Server {
   Log log_;
   std::set<uid_t> trusted_;
   net::EventSource connections_;
+  net::Timer accept_again_;
+  bool rests_ = false;  ///< no connection can be taken: it was said
   Fd socket_;
   net::EventSource io_;
   wire::ReaderOfGateway reader_;

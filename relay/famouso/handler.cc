@@ -93,6 +93,7 @@ std::uint16_t EventChannelHandler::port() const {
 }
 
 void EventChannelHandler::turn(std::uint64_t now) {
+  if (rests_since_ && now - *rests_since_ >= kRest) accept_again();
   std::array<epoll_event, 64> ready{};
   const int count = ::epoll_wait(epoll_.get(), ready.data(), ready.size(), 0);
   for (const epoll_event& one : std::span(ready).first(count < 0 ? 0 : count)) {
@@ -157,7 +158,10 @@ void EventChannelHandler::accept(std::uint64_t now) {
     // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
     Fd socket(::accept4(listener_.get(), reinterpret_cast<sockaddr*>(&from), &size,
                         SOCK_CLOEXEC | SOCK_NONBLOCK));
-    if (!socket) return;
+    if (!socket) {
+      if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED) rest(errno, now);
+      return;
+    }
     const auto user = outside_.user_of(socket.get());
     if (!user) {
       refuse(text_of(from) + ": whose it is is not known: " + user.error().text, now);
@@ -179,6 +183,19 @@ void EventChannelHandler::accept(std::uint64_t now) {
     ::setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     if (watch(fd, EPOLLIN, EPOLL_CTL_ADD)) connections_.emplace(fd, std::move(connection));
   }
+}
+
+/// The socket would stay readable, and the loop would turn without end.
+void EventChannelHandler::rest(int error, std::uint64_t now) {
+  refuse("whoever connects: " + system_error("accept", error).error().text, now);
+  rests_since_ = now;
+  static_cast<void>(watch(listener_.get(), 0, EPOLL_CTL_MOD));
+}
+
+void EventChannelHandler::accept_again() {
+  if (!rests_since_) return;
+  rests_since_.reset();
+  static_cast<void>(watch(listener_.get(), EPOLLIN, EPOLL_CTL_MOD));
 }
 
 void EventChannelHandler::read(int fd, std::uint64_t now) {
@@ -243,6 +260,7 @@ void EventChannelHandler::close(int fd, const std::string& why) {
   leave(publishers_);
   leave(subscribers_);
   connections_.erase(known);
+  accept_again();
 }
 
 // --- channels ------------------------------------------------------------------------------------

@@ -36,6 +36,9 @@ class EventChannelHandler {
   /// What a publisher sends is not read before mlccad has answered, or for so long, ns: a program
   /// may announce, publish once and end.
   static constexpr std::uint64_t kHeld = 1'000'000'000;
+  /// Where descriptors or memory are lacking for a connection, it is tried again after this time,
+  /// or when another one ends, ns.
+  static constexpr std::uint64_t kRest = 1'000'000'000;
 
   struct Outside {
     std::function<void(const std::string&)> log;
@@ -88,6 +91,8 @@ class EventChannelHandler {
                       const std::string& socket, Outside outside);
   [[nodiscard]] bool watch(int fd, std::uint32_t events, int how) const;
   void accept(std::uint64_t now);
+  void rest(int error, std::uint64_t now);
+  void accept_again();
   [[nodiscard]] std::optional<std::string> refusal(const Connection& connection, uid_t user) const;
   void refuse(const std::string& whom_and_why, std::uint64_t now);
   /// So that a program of the user has a place.
@@ -118,8 +123,9 @@ class EventChannelHandler {
   std::map<int, Connection> connections_;
   std::map<std::uint64_t, Shared<client::PublisherChannel>> publishers_;
   std::map<std::uint64_t, Shared<client::SubscriberChannel>> subscribers_;
-  bool is_away_ = false;  ///< mlccad, as it was said
-  bool is_back_ = false;  ///< a channel has its answer again
+  bool is_away_ = false;                      ///< mlccad, as it was said
+  bool is_back_ = false;                      ///< a channel has its answer again
+  std::optional<std::uint64_t> rests_since_;  ///< no connection can be taken
   std::uint64_t refused_ = 0;
   std::uint64_t refused_at_ = 0;      ///< when that was said
   std::map<int, std::string> ended_;  ///< to be closed at the end of a turn, and why

@@ -3,6 +3,7 @@
 #include "cluster/server.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 
 #include <array>
@@ -102,6 +103,39 @@ TEST_F(ClusterServer, ANewConnectionEndsTheFormer) {
   ASSERT_TRUE(loop_.until([&] { return log_.find("first") != std::string::npos; }));
   const Fd second = connected();
   EXPECT_TRUE(ends(first));
+  ASSERT_TRUE(say(second, wire::message_of(wire::Hello{"t", "second"})));
+  EXPECT_TRUE(loop_.until([&] { return log_.find("second") != std::string::npos; }));
+}
+
+/// Turns that the loop makes without waiting while no descriptor is left, at most `most`.
+int turns_without_descriptors(sd_event* loop, int most) {
+  rlimit before{};
+  test::require(::getrlimit(RLIMIT_NOFILE, &before) == 0, "getrlimit");
+  const rlimit none{0, before.rlim_max};
+  test::require(::setrlimit(RLIMIT_NOFILE, &none) == 0, "setrlimit");
+  int turns = 0;
+  while (turns < most && sd_event_run(loop, 0) > 0) ++turns;
+  test::require(::setrlimit(RLIMIT_NOFILE, &before) == 0, "setrlimit");
+  return turns;
+}
+
+TEST_F(ClusterServer, WithoutDescriptorsTheLoopRestsAndTriesAgain) {
+  constexpr int most = 1000;
+  const Fd first = connected();
+  EXPECT_LT(turns_without_descriptors(loop_.get(), most), most) << "the loop turns without end";
+  EXPECT_NE(log_.find("no connection can be taken: accept: "), std::string::npos) << log_;
+  ASSERT_TRUE(say(first, wire::message_of(wire::Hello{"t", "first"})));
+  EXPECT_TRUE(loop_.until([&] { return log_.find("first") != std::string::npos; }));
+}
+
+TEST_F(ClusterServer, WithoutDescriptorsItTriesAgainWhenTheFormerConnectionEnds) {
+  constexpr int most = 1000;
+  Fd first = connected();
+  ASSERT_TRUE(say(first, wire::message_of(wire::Hello{"t", "first"})));
+  ASSERT_TRUE(loop_.until([&] { return log_.find("first") != std::string::npos; }));
+  const Fd second = connected();
+  EXPECT_LT(turns_without_descriptors(loop_.get(), most), most) << "the loop turns without end";
+  first.reset();
   ASSERT_TRUE(say(second, wire::message_of(wire::Hello{"t", "second"})));
   EXPECT_TRUE(loop_.until([&] { return log_.find("second") != std::string::npos; }));
 }

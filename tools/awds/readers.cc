@@ -10,7 +10,6 @@
 #include "base/system_error.hpp"
 
 namespace mlcca::awds {
-namespace {}  // namespace
 
 Result<void> Readers::start() {
   sd_event_source* raw = nullptr;

@@ -2,6 +2,7 @@
 #include "tools/exporter/http.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/socket.h>
 
 #include <algorithm>
@@ -69,11 +70,13 @@ void Http::on_connection(void* self, MHD_Connection* connection, void** /*state*
                          MHD_ConnectionNotificationCode what) noexcept {
   const auto* info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
   if (info == nullptr) return;
-  auto& since = static_cast<Http*>(self)->since_;
-  if (what == MHD_CONNECTION_NOTIFY_STARTED)
-    since[info->connect_fd] = monotonic_ns();
-  else
-    since.erase(info->connect_fd);
+  auto& http = *static_cast<Http*>(self);
+  if (what == MHD_CONNECTION_NOTIFY_STARTED) {
+    ++http.accepted_;
+    http.since_[info->connect_fd] = monotonic_ns();
+  } else {
+    http.since_.erase(info->connect_fd);
+  }
 }
 
 Result<std::unique_ptr<Http>> Http::serve(const Fd& listening, Page page) {
@@ -91,6 +94,7 @@ Result<std::unique_ptr<Http>> Http::serve(const Fd& listening, Page page) {
   const auto* info = MHD_get_daemon_info(http->daemon_.get(), MHD_DAEMON_INFO_EPOLL_FD);
   if (info == nullptr) return fail("cannot serve HTTP: no descriptor to wait for");
   http->fd_ = info->epoll_fd;
+  http->listening_ = given;
   return http;
 }
 
@@ -101,12 +105,25 @@ int Http::patience() const {
   return static_cast<int>(ms);
 }
 
+/// Somebody waits to be accepted.
+bool Http::is_awaited() const {
+  pollfd waiting{.fd = listening_, .events = POLLIN, .revents = 0};
+  return ::poll(&waiting, 1, 0) > 0;
+}
+
 void Http::turn() {
   const std::uint64_t now = monotonic_ns();
+  if (rests_since_ && now - *rests_since_ < kSecond) return;
+  rests_since_.reset();
   // libmicrohttpd sees the end of it, and closes. Its own limit begins again with each byte.
   for (const auto& [connection, since] : since_)
     if (now - since > kLongest * kSecond) ::shutdown(connection, SHUT_RDWR);
+  const std::uint64_t accepted = accepted_;
+  const bool awaited = is_awaited();
   MHD_run(daemon_.get());
+  // For lack of descriptors or memory. While there are connections, libmicrohttpd waits for the end
+  // of one; without any the socket would stay readable, and the loop would turn without end.
+  if (awaited && accepted_ == accepted && is_idle() && is_awaited()) rests_since_ = now;
 }
 
 }  // namespace mlcca::exporter

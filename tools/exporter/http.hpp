@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "base/handle.hpp"
@@ -24,8 +25,8 @@ class Http {
   /// Answers at `listening`, which does not block.
   static Result<std::unique_ptr<Http>> serve(const Fd& listening, Page page);
 
-  /// Can be read when turn() has something to do.
-  [[nodiscard]] int fd() const { return fd_; }
+  /// Can be read when turn() has something to do. -1: nothing is to be waited for but patience().
+  [[nodiscard]] int fd() const { return rests_since_ ? -1 : fd_; }
   /// ms until turn() has something to do in any case.
   [[nodiscard]] int patience() const;
   void turn();
@@ -34,6 +35,7 @@ class Http {
 
  private:
   explicit Http(Page page) : page_(std::move(page)) {}
+  [[nodiscard]] bool is_awaited() const;
   static MHD_Result on_request(void* self, MHD_Connection* connection, const char* url,
                                const char* method, const char* version, const char* upload,
                                std::size_t* upload_size, void** state) noexcept;
@@ -42,7 +44,10 @@ class Http {
 
   Page page_;
   int fd_ = -1;
-  std::map<int, std::uint64_t> since_;  ///< when each connection was made, monotonic ns
+  int listening_ = -1;
+  std::uint64_t accepted_ = 0;                ///< connections
+  std::optional<std::uint64_t> rests_since_;  ///< none can be accepted, monotonic ns
+  std::map<int, std::uint64_t> since_;        ///< when each connection was made, monotonic ns
   std::unique_ptr<MHD_Daemon, FreeWith<MHD_stop_daemon>> daemon_;
 };
 
