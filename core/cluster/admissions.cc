@@ -33,11 +33,21 @@ bool is_there(const View& view, std::size_t gateway, Value now) {
 /// "gateway id" of the entry of a network that says who took something last.
 std::string taker_of(const Entry& entry) { return printable(entry.value, 256); }
 
+/// SplitMix64: all bits depend on all bits of `n`.
+std::uint64_t mixed(std::uint64_t n) {
+  n += 0x9e3779b97f4a7c15;
+  n = (n ^ (n >> 30U)) * 0xbf58476d1ce4e5b9;
+  n = (n ^ (n >> 27U)) * 0x94d049bb133111eb;
+  return n ^ (n >> 31U);
+}
+
 }  // namespace
 
-bool Admissions::deciding() const {
-  return std::ranges::any_of(own_,
-                             [](const auto& entry) { return entry.second.state == State::asked; });
+bool Admissions::deciding(std::uint64_t id) const {
+  return std::ranges::any_of(own_, [id](const auto& entry) {
+    const State state = entry.second.state;
+    return entry.first != id && (state == State::asked || state == State::decide);
+  });
 }
 
 bool Admissions::granted(std::uint64_t id) const {
@@ -181,9 +191,22 @@ void Admissions::on_reserved(Own& own, const Done& done, Value now, std::vector<
   if (own.given_up) give_up(own, now);
 }
 
+/// At random, so that it does not go on with those of other gateways that it has met.
+Value Admissions::wait_of(const Own& own) const {
+  Value most = first_wait_;
+  for (unsigned n = 1; n < own.tries && most < kLongestWait; ++n) most *= 2;
+  return mixed(mixed(mixed(seed_) ^ own.wanted.id) ^ own.tries) % (most + 1);
+}
+
+/// The latest of those who were quicker each time.
+Vote Admissions::taken_meanwhile(const Own& own) {
+  return no("taken by " + own.taken_by + " meanwhile: others were quicker " +
+            std::to_string(own.tries) + (own.tries == 1 ? " time" : " times"));
+}
+
 /// A network of it has another version than the one from which it was decided.
-void Admissions::on_quicker(Own& own, const Done& done, const View& view,
-                            std::vector<Event>& events) {
+void Admissions::on_quicker(Own& own, const Done& done, const View& view, Value now,
+                            std::vector<Event>& events) const {
   Conflict conflict{.id = own.wanted.id, .network = 0, .by = {}, .tries = ++own.tries};
   own.seen = 0;
   for (const auto& [network, version] : own.versions)
@@ -193,18 +216,20 @@ void Admissions::on_quicker(Own& own, const Done& done, const View& view,
       conflict.by = taker_of(entry);
       own.seen = std::max(own.seen, entry.mod);
     }
-  if (own.tries >= kMostTries) {
-    refuse(own, no("taken by " + conflict.by + " meanwhile"), kNobody, events);
+  own.taken_by = conflict.by;
+  own.again_at = add_saturating(now, wait_of(own));
+  if (own.tries >= kMostTries || own.again_at >= add_saturating(own.since, kPatience)) {
+    refuse(own, taken_meanwhile(own), kNobody, events);
     return;
   }
   own.state = State::decide;
   own.quicker = std::move(conflict);
-  step_quicker(own, view, events);
+  step_quicker(own, view, now, events);
 }
 
 /// The caller decides again when it can see why.
-void Admissions::step_quicker(Own& own, const View& view, std::vector<Event>& events) {
-  if (!own.quicker || view.revision() < own.seen) return;
+void Admissions::step_quicker(Own& own, const View& view, Value now, std::vector<Event>& events) {
+  if (!own.quicker || view.revision() < own.seen || now < own.again_at) return;
   events.emplace_back(*std::exchange(own.quicker, std::nullopt));
 }
 
@@ -217,7 +242,7 @@ bool Admissions::on_asked(Own& own, const Done& done, const View& view, Value no
     on_reserved(own, done, now, events);
     return false;
   }
-  if (!own.given_up && done.fate == Done::Fate::conflict) on_quicker(own, done, view, events);
+  if (!own.given_up && done.fate == Done::Fate::conflict) on_quicker(own, done, view, now, events);
   if (!own.given_up && !own.answered) return false;
   own_.erase(done.work.id);
   return true;
@@ -283,14 +308,18 @@ void Admissions::step(const View& view, Value now, std::vector<Event>& events) {
     Own& own = it->second;
     const bool waits = !own.answered && own.state <= State::opening;
     if (waits && now >= add_saturating(own.since, kPatience)) {
-      refuse(own, no("the store or a gateway on the way does not answer"), kNobody, events);
+      refuse(own,
+             own.state <= State::decide && own.tries != 0
+                 ? taken_meanwhile(own)
+                 : no("the store or a gateway on the way does not answer"),
+             kNobody, events);
       if (nowhere_but_here(own)) {
         it = own_.erase(it);
         continue;
       }
       give_up(own, now);
     }
-    if (own.state == State::decide) step_quicker(own, view, events);
+    if (own.state == State::decide) step_quicker(own, view, now, events);
     if (own.state >= State::prepared && own.state <= State::granted)
       step_votes(own, view, now, events);
     if (own.state == State::ending && own.ended != 0 &&
@@ -406,6 +435,7 @@ std::optional<Value> Admissions::next_time(Value now) const {
   };
   for (const Own& own : std::views::values(own_)) {
     if (!own.answered && own.state <= State::opening) at(add_saturating(own.since, kPatience));
+    if (own.state == State::decide) at(own.again_at);
     if (own.state == State::erasing) at(own.erase_from);
   }
   return next;

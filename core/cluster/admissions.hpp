@@ -25,13 +25,21 @@ struct Wanted {
 class Admissions {
  public:
   /// Times that somebody else may be quicker, and how long an answer may take, ns.
-  static constexpr unsigned kMostTries = 8;
+  static constexpr unsigned kMostTries = 64;
   static constexpr Value kPatience = 3'000'000'000;
+  /// After the first conflict an admission waits for a random time of at most this, after each
+  /// further one for at most twice as long as before, ns: those who were in each other's way come
+  /// one after the other then.
+  static constexpr Value kFirstWait = 4'000'000;
+  static constexpr Value kLongestWait = 64'000'000;
 
-  explicit Admissions(std::size_t self) : self_(self) {}
+  /// `seed`: of these times, another one in each process. A checker has `first_wait` 0.
+  Admissions(std::size_t self, std::uint64_t seed, Value first_wait)
+      : self_(self), seed_(seed), first_wait_(first_wait) {}
 
-  /// One that waits for its answer and has not been sent, or whose answer is not known.
-  [[nodiscard]] bool deciding() const;
+  /// Another one than `id` waits for its answer and is to be decided again, has not been sent, or
+  /// its answer is not known.
+  [[nodiscard]] bool deciding(std::uint64_t id) const;
   [[nodiscard]] bool knows(std::uint64_t id) const { return own_.contains(id); }
   [[nodiscard]] bool empty() const { return own_.empty(); }
   [[nodiscard]] bool granted(std::uint64_t id) const;
@@ -82,13 +90,15 @@ class Admissions {
     unsigned tries = 0;
     std::optional<Conflict> quicker = std::nullopt;  ///< to be reported
     std::int64_t seen = 0;                           ///< when the view has this revision
+    Value again_at = 0;                              ///< and not before
+    std::string taken_by = {};                       ///< the latest one that was quicker
     std::int64_t opened = 0;                         ///< revision at which it was granted
     Value erase_from = 0;                            ///< nothing of it waits in a queue any more
     std::int64_t ended = 0;  ///< revision at which it was said to end; 0: not yet
     template <class Visit>
     void visit_state(Visit&& visit) const {
       visit(wanted.id, wanted.footprint, state, versions, sent, answered, given_up, withdrawn,
-            since, tries, quicker, seen, opened, ended, erase_from);
+            since, tries, quicker, seen, again_at, opened, ended, erase_from);
     }
   };
 
@@ -101,9 +111,12 @@ class Admissions {
   void on_reserved(Own& own, const Done& done, Value now, std::vector<Event>& events);
   bool on_asked(Own& own, const Done& done, const View& view, Value now,
                 std::vector<Event>& events);
-  static void on_quicker(Own& own, const Done& done, const View& view, std::vector<Event>& events);
+  void on_quicker(Own& own, const Done& done, const View& view, Value now,
+                  std::vector<Event>& events) const;
   void step_votes(Own& own, const View& view, Value now, std::vector<Event>& events) const;
-  static void step_quicker(Own& own, const View& view, std::vector<Event>& events);
+  static void step_quicker(Own& own, const View& view, Value now, std::vector<Event>& events);
+  static Vote taken_meanwhile(const Own& own);
+  [[nodiscard]] Value wait_of(const Own& own) const;
   [[nodiscard]] Work reservation(const Own& own, const View& view, const Codec& codec) const;
   [[nodiscard]] std::optional<Work> opening(const Own& own, const View& view,
                                             const Codec& codec) const;
@@ -113,6 +126,8 @@ class Admissions {
                                             bool may_take, Value now) const;
 
   std::size_t self_;
+  std::uint64_t seed_;
+  Value first_wait_;
   std::map<std::uint64_t, Own> own_;
   std::map<std::size_t, std::int64_t> versions_;  ///< that own transactions have made
 };

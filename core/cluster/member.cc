@@ -41,7 +41,7 @@ Member::Member(std::shared_ptr<const Keys> keys, const Codec& codec, const Ident
       journal_(identity_.was),
       view_(keys_, codec, identity_.gateway),
       chain_(keys_, codec, identity_.gateway, identity_.session, identity_.lease),
-      admissions_(identity_.gateway),
+      admissions_(identity_.gateway, identity_.session, identity_.first_wait),
       adoptions_(identity_.gateway),
       election_(identity_.gateway, keys_->gateways()),
       rollouts_(identity_.gateway, identity_.digest) {}
@@ -276,7 +276,9 @@ std::string Member::why_no_description() const {
          "force for all, or takes up the other one (--accept)";
 }
 
-std::string Member::why_not(Value now) const {
+std::string Member::why_not(Value now) const { return why_not(0, now); }
+
+std::string Member::why_not(std::uint64_t id, Value now) const {
   switch (standing(now)) {
     case Standing::off:
     case Standing::silent:
@@ -295,13 +297,13 @@ std::string Member::why_not(Value now) const {
       break;
   }
   if (!reachable_) return "the store does not answer" + (problem_.empty() ? "" : ": " + problem_);
-  if (!found_ || admissions_.deciding()) return "another admission is being decided";
+  if (!found_ || admissions_.deciding(id)) return "another admission is being decided";
   return {};
 }
 
 void Member::reserve(Wanted wanted, Value now) {
-  if (std::string why = why_not(now); !why.empty()) {
-    const std::uint64_t id = wanted.id;
+  const std::uint64_t id = wanted.id;
+  if (std::string why = why_not(id, now); !why.empty()) {
     admissions_.release(id, now);
     events_.emplace_back(Refused{
         .id = id, .why = {.ok = false, .hop = {}, .reason = std::move(why)}, .by = std::nullopt});

@@ -31,6 +31,7 @@ class Member {
     std::uint64_t session = 0;  ///< random, another one in each process
     Value lease = 0;
     Journalled was = {};  ///< of the process before
+    Value first_wait = Admissions::kFirstWait;
   };
   enum class Standing : std::uint8_t {
     off,  ///< it has left, or has not heard from the store yet
@@ -113,6 +114,8 @@ class Member {
   };
   static constexpr std::size_t kUnused = 4;
 
+  /// Whether `id` can be reserved.
+  [[nodiscard]] std::string why_not(std::uint64_t id, Value now) const;
   void step(Value now);
   void begin(Value now);
   void lose(const std::string& why, Value now);

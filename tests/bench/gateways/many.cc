@@ -348,7 +348,7 @@ class Many {
     const auto made = static_cast<double>(granted() - before);
     fmt::print(
         "all {} gateways of each network at once  {:8.0f} admissions/s   {:.1f} conflicts each, {} "
-        "of {} refused after 8\n",
+        "of {} refused\n",
         kOnANetwork, made / cost.seconds,
         static_cast<double>(total(&Simulated::conflicts) - conflicts) / made, refused, count());
   }

@@ -10,6 +10,7 @@
 #include <memory>
 #include <string>
 
+#include "base/handle.hpp"
 #include "cluster/channel.hpp"
 #include "cluster/settings.hpp"
 #include "core/cluster/member.hpp"
@@ -78,6 +79,7 @@ class Simulated {
 
   Place place_;
   core::cluster::Member member_;
+  std::unique_ptr<sd_event_source, FreeWith<sd_event_source_disable_unref>> timer_;
   std::unique_ptr<cluster::Channel> channel_;
   std::unique_ptr<cluster::Call> call_;
   core::cluster::Txn txn_;  ///< that is under way

@@ -81,6 +81,13 @@ std::vector<Scenario> scenarios() {
   const std::vector<int> worst = {kSlow, kFast};
   return {
       {.name = "plain", .steps = 2, .wants = {2, 1}, .releases = 1},
+      {.name = "waits", .steps = 4, .wants = {2, 1}, .releases = 1, .waits = true},
+      {.name = "waits, dead",
+       .clock_ppm = {kFast, kSlow},
+       .steps = 8,
+       .crashes = 1,
+       .waits = true,
+       .faulty = {1}},
       {.name = "late", .steps = 2, .late = 1, .faulty = {0, 1}},
       {.name = "lost", .steps = 2, .lost = 1, .faulty = {0, 1}},
       {.name = "twice", .steps = 1, .twice = 1, .faulty = {0, 1}},
@@ -207,10 +214,8 @@ std::vector<Wrong> wrong_protocols() {
   paused.pauses = 1;
   crashed.crashes = 1;
   blind.stalls = blind.fences = 1;
-  Scenario slow_way = way, ended = way;
-  slow_way.crashes = 1;
-  slow_way.steps = 4;
-  slow_way.faulty = {1};
+  Scenario ended = way;
+  const Scenario slow_way{.steps = 4, .way = true, .wants = {1, 0}, .crashes = 1, .faulty = {1}};
   ended.releases = ended.steps = 1;
   return {
       {.name = "RenewedWithoutQuorum", .scenario = with(late, Mutant::renewed_without_quorum)},

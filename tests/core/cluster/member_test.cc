@@ -42,6 +42,7 @@ TEST_F(ClusterMember, WhoIsSecondDecidesAgain) {
   at(0).reserve(unit(1), now);
   at(1).reserve(unit(2), now);
   run();
+  pass(kSecond / 4);
   EXPECT_EQ(nodes[0].take<Reserved>().size(), 1U);
   const auto conflicts = nodes[1].take<Conflict>();
   ASSERT_EQ(conflicts.size(), 1U);

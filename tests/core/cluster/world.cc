@@ -87,12 +87,14 @@ Value World::real_of(std::size_t g, Value local) const {
 void World::start(std::size_t g) {
   Host& host = hosts_[g];
   ++host.process;
-  host.member.emplace(keys_, kCodec,
-                      Member::Identity{.gateway = g,
-                                       .digest = TextCodec::digest(1),
-                                       .session = (g * 100) + host.process,
-                                       .lease = kLease,
-                                       .was = host.journal});
+  host.member.emplace(
+      keys_, kCodec,
+      Member::Identity{.gateway = g,
+                       .digest = TextCodec::digest(1),
+                       .session = (g * 100) + host.process,
+                       .lease = kLease,
+                       .was = host.journal,
+                       .first_wait = scenario_->waits ? Admissions::kFirstWait : 0});
   host.paused = host.stalled = host.synced = host.drained = false;
   host.flight.reset();
   host.former.reset();

@@ -61,6 +61,7 @@ struct Scenario {
   int restores = 0;     ///< of a backup, after an outage of a lease, with a new epoch
   int refusals = 0;     ///< by gateways on the way
   int drains = 0;
+  bool waits = false;                     ///< after a conflict, which takes a step of time
   std::vector<std::size_t> faulty = {0};  ///< gateways that something happens to
   Mutant mutant = Mutant::none;
 };
