@@ -5,6 +5,8 @@
 #include <utility>
 #include <variant>
 
+#include "daemon/gateway/requests/asked.hpp"
+
 namespace mlcca {
 namespace {
 
@@ -21,10 +23,8 @@ std::optional<control::Request> with_publisher_of(const control::Request& one,
   const auto& first = std::get<control::Admit>(one.body);
   control::Request both = other;
   auto& second = std::get<control::Admit>(both.body);
-  const bool own = second.node || second.priority || !second.user.empty() ||
-                   !second.offered.empty() || !second.publisher.empty() ||
-                   !second.from_node.empty() || !second.address.empty();
-  if (own || first.from.empty() || (!second.from.empty() && second.from != first.from))
+  if (describes_publisher(second) || first.from.empty() ||
+      (!second.from.empty() && second.from != first.from))
     return std::nullopt;
   second.from = first.from;
   second.from_node = first.from_node;

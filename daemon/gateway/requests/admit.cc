@@ -17,6 +17,7 @@
 #include "daemon/gateway/recorder.hpp"
 #include "daemon/gateway/report.hpp"
 #include "daemon/gateway/requests/admitting.hpp"
+#include "daemon/gateway/requests/elsewhere.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
 #include "daemon/gateway/tag_bindings.hpp"
 #include "daemon/gateway/turn.hpp"
@@ -103,6 +104,7 @@ std::optional<Response> bars(const Context& context, const Asker& asker,
     return failed("nothing was changed: " + *why);
   if (const auto lack = lacks_pairs(context, asked)) return invalid(*lack);
   if (const auto why = exceeds_policy(context, request)) return invalid(*why);
+  if (const auto why = admitted_elsewhere(context, request, asked)) return invalid(*why);
   return std::nullopt;
 }
 

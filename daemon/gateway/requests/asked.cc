@@ -175,10 +175,6 @@ Result<core::Subscriber> new_subscriber(const core::State& state,
   return s;
 }
 
-bool describes_publisher(const control::ChannelRequest& r) {
-  return r.node || r.priority || !r.user.empty() || !r.offered.empty() || !r.publisher.empty() ||
-         !r.from_node.empty() || !r.address.empty();
-}
 bool describes_subscriber(const control::ChannelRequest& r) {
   return !r.required.empty() || !r.subscriber.empty() || !r.to_node.empty();
 }
@@ -207,6 +203,11 @@ Result<void> add_identifier(const core::State& state, const control::Identifier&
 }
 
 }  // namespace
+
+bool describes_publisher(const control::ChannelRequest& request) {
+  return request.node || request.priority || !request.user.empty() || !request.offered.empty() ||
+         !request.publisher.empty() || !request.from_node.empty() || !request.address.empty();
+}
 
 Result<void> list(core::State& state, const control::ChannelRequest& request) {
   if (!request.unlisted) {

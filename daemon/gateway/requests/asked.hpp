@@ -25,6 +25,9 @@ struct Asked {
                                        const control::ChannelRequest& request,
                                        core::AdmissionId id);
 
+/// It says something of a new publisher.
+[[nodiscard]] bool describes_publisher(const control::ChannelRequest& request);
+
 /// Gives a channel that is not described a place in the state, where the request is about one and
 /// networks allow it: then it can be understood. Nothing of other requests. The error says what is
 /// missing, or taken.

@@ -4,13 +4,15 @@
 
 #include "daemon/gateway/channel_reports.hpp"
 #include "daemon/gateway/recorder.hpp"
+#include "daemon/gateway/requests/elsewhere.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
 #include "daemon/gateway/turn.hpp"
 
 namespace mlcca::requests {
 namespace {
 
-Body would_be(Context& context, const Asked& asked) {
+Body would_be(Context& context, const control::Query& request, const Asked& asked) {
+  if (const auto why = admitted_elsewhere(context, request, asked)) return invalid(*why);
   if (const auto lack = lacks_pairs(context, asked)) return invalid(*lack);
   const core::Proposal proposal = as_it_could_be(context, *asked.admission);
   if (const auto lack = proposal.exceeds_capacity(context.scene.self)) return invalid(*lack);
@@ -31,9 +33,10 @@ Response query(Context& context, const Asker& asker, const control::Query& reque
   if (!asked) return invalid(asked.error().text);
   if (context.membership != nullptr) static_cast<void>(context.turn.settle());
   if (!asked->admission) return known(context, asker, *asked);
-  if (!context.channels.has_many_ends(asked->channel)) return would_be(context, *asked);
-  return made_aside(context, asker,
-                    [&context, asked = *asked] { return would_be(context, asked); });
+  if (!context.channels.has_many_ends(asked->channel)) return would_be(context, request, *asked);
+  return made_aside(context, asker, [&context, request, asked = *asked] {
+    return would_be(context, request, asked);
+  });
 }
 
 }  // namespace mlcca::requests

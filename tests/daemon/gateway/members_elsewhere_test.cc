@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Who asks at one gateway for what another one has admitted.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "tests/daemon/gateway/membership_bench.hpp"
+
+namespace mlcca::test {
+namespace {
+
+/// Somebody on own0 publishes c2 as described, and nobody subscribes to it.
+core::System with_a_described_publisher() {
+  core::System system = two_gateways();
+  core::Publisher p;
+  p.name = "p2";
+  p.channel = 2;
+  p.place = {core::Place::Kind::network, 1};
+  p.attributes = each(50 * kMs);
+  system.publishers.push_back(p);
+  return system;
+}
+
+class MembersElsewhere : public MembershipBench {
+ protected:
+  MembersElsewhere() : MembershipBench(with_a_described_publisher()) {}
+
+  static control::Admit subscriber(const std::string& channel, const std::string& to,
+                                   const std::string& from = {}) {
+    control::Admit request;
+    request.channel = channel;
+    request.from = from;
+    request.to = to;
+    request.subscriber = "also";
+    request.key = "also-" + to;
+    return request;
+  }
+  std::string queried(std::size_t g, const control::Admit& request) {
+    control::Query query;
+    static_cast<control::ChannelRequest&>(query) = request;
+    const auto body = at(g).ask(std::move(query)).reply.body;
+    const auto* error = std::get_if<control::Error>(&body);
+    return error == nullptr ? "something else" : error->message;
+  }
+};
+
+constexpr const char* kWhere =
+    "the publisher of c3 at own0 (new) was admitted by gateway g0, and nobody behind this gateway "
+    "receives it yet: ask at g0 for those who are to, with the options as here: 'mlccactl admit "
+    "c3 --to own1'";
+
+/// Of the description all gateways know.
+TEST_F(MembersElsewhere, ASubscriberOfADescribedPublisherBehindAnotherGatewayIsGranted) {
+  start_both();
+  ASSERT_EQ(asked(1, subscriber("c2", "own1")), "granted");
+  pass(kSecondNs);
+  EXPECT_TRUE(passes(0, 2)) << "the other one carries it";
+}
+
+TEST_F(MembersElsewhere, ASubscriberOfAnAdmittedPublisherIsReferredToItsGateway) {
+  start_both();
+  ASSERT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");
+  EXPECT_EQ(asked(1, subscriber("c3", "own1")), kWhere);
+  EXPECT_EQ(queried(1, subscriber("c3", "own1")), kWhere);
+  EXPECT_TRUE(at(1).state().admissions().empty());
+  // What it says does it.
+  ASSERT_EQ(asked(0, subscriber("c3", "own1")), "granted");
+  pass(kSecondNs);
+  // And from then on the other gateway knows it, too.
+  auto one_more = subscriber("c3", "own1");
+  one_more.key = one_more.subscriber = "third";
+  EXPECT_EQ(asked(1, one_more), "granted");
+}
+
+/// It is not another publisher at the same place.
+TEST_F(MembersElsewhere, TheSameWhereItIsSaidFromWhere) {
+  start_both();
+  ASSERT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");
+  const std::string why = asked(1, subscriber("c3", "own1", "own0"));
+  EXPECT_NE(why.find("'mlccactl admit c3 --from own0 --to own1'"), std::string::npos) << why;
+  EXPECT_EQ(entries("x/g1/"), 0U);
+}
+
+TEST_F(MembersElsewhere, WithoutAPublisherAnywhereThereIsNothingToAdmit) {
+  start_both();
+  const std::string why = asked(1, subscriber("c3", "own1"));
+  EXPECT_NE(why.find("no endpoint publishes c3"), std::string::npos) << why;
+  ASSERT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");
+  at(0).ask(control::ReleaseRequest{.channel = {}, .admission = 0, .key = "c3own0"});
+  pass(3 * kSecondNs);
+  const std::string then = asked(1, subscriber("c3", "own1"));
+  EXPECT_NE(then.find("no endpoint publishes c3"), std::string::npos) << then;
+}
+
+/// What the store has of others is no more than a text.
+TEST_F(MembersElsewhere, WhatTheOtherOneHasWrittenIsNotBelieved) {
+  start_both();
+  ASSERT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");
+  for (auto& [key, entry] : store.entries)
+    if (key.starts_with("/mlcca/pair/x/g0/")) {
+      store.write({{.key = key, .value = "nonsense"}});
+      break;
+    }
+  run();
+  const std::string why = asked(1, subscriber("c3", "own1"));
+  EXPECT_NE(why.find("no endpoint publishes c3"), std::string::npos) << why;
+}
+
+}  // namespace
+}  // namespace mlcca::test
