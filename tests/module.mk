@@ -3,7 +3,8 @@ TEST_FOLDERS := $(sort $(dir $(wildcard tests/*/module.mk tests/*/*/module.mk te
 TEST_BUNDLES := $(if $(BUNDLE),$(if $(filter run-demo install uninstall clean help,$(MAKECMDGOALS)),,$O/bundle/tests.mk))
 -include $(TEST_BUNDLES)
 include $(addsuffix module.mk,$(TEST_FOLDERS))
-$O/bundle/tests.mk: tests/support/bundle-tests $(foreach name,$(BUNDLED_TESTS),$($(name)_bundled))
+bundled_files := $(foreach name,$(BUNDLED_TESTS),$($(name)_bundled))
+$O/bundle/tests.mk: tests/support/bundle-tests $(bundled_files) $(call parts,$O/bundle/tests.mk,$(bundled_files))
 	$(Q)mkdir -p $(@D) && $< $@ $(foreach name,$(BUNDLED_TESTS),$(name)= $($(name)_bundled))
 TEST_OBJECTS := $(patsubst %.cc,$O/%.o,$(wildcard tests/*/*.cc tests/*/*/*.cc tests/*/*/*/*.cc))
 # What is tested is optimised; the tests themselves would cost most of the time of a build.
