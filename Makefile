@@ -83,8 +83,9 @@ bundle = $(shell mkdir -p $(dir $1) && printf '$(hash)include "%s"\n' $2 >$1.new
 
 # $(call parts,FILE,OBJECTS) is a file that has the names of the objects, and is written when they are others. What is
 # linked depends on it, so that it is linked again when an object is left out, too.
-parts = $(if $(filter uninstall clean help,$(MAKECMDGOALS)),,$(if $(subst +$(strip $2),,+$(file <$1.parts))$(subst \
-	+$(file <$1.parts),,+$(strip $2)),$(shell mkdir -p $(dir $1))$(file >$1.parts,$(strip $2))))$1.parts
+parts = $(if $(filter uninstall clean help,$(MAKECMDGOALS)),,$(call write_parts,$1.parts,$(patsubst $O/%,%,$2)))$1.parts
+write_parts = $(if $(subst +$(strip $2),,+$(file <$1))$(subst +$(file <$1),,+$(strip $2)),$(shell mkdir \
+	-p $(dir $1))$(file >$1,$(strip $2)))
 
 # $(call library,NAME,SOURCES) gives build/libNAME.a
 define library
