@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The socket that mlccad connects to.
+// The server of the control socket of mlcca-cluster, to which mlccad connects.
 #pragma once
 #include <sys/types.h>
 #include <systemd/sd-event.h>
@@ -17,9 +17,11 @@
 
 namespace mlcca::cluster {
 
-/// One connection at a time: a new one ends the former. It must be of root, of the owner of the
-/// socket, or of the user who runs this. What is not understood ends it. Where descriptors or
-/// memory are lacking for one, it is tried again a second later, and when the former one ends.
+/// Accepts the connection of mlccad and passes its messages to the Bridge. There is one connection
+/// at a time, and a new one ends the former. The peer must be root, the owner of the socket, or the
+/// user who runs this program. A message that cannot be understood ends the connection. If
+/// descriptors or memory are lacking for a connection, it is accepted one second later, or when the
+/// former one ends.
 class Server {
  public:
   using Log = std::function<void(const std::string&)>;
@@ -45,12 +47,12 @@ class Server {
   std::set<uid_t> trusted_;
   net::EventSource connections_;
   net::Timer accept_again_;
-  bool rests_ = false;  ///< no connection can be taken: it was said
+  bool rests_ = false;  ///< no connection can be accepted, and that was logged
   Fd socket_;
   net::EventSource io_;
   wire::ReaderOfGateway reader_;
   std::array<char, wire::kMaxMessage> buffer_{};
-  bool full_ = false;  ///< mlccad does not read as fast as we send
+  bool full_ = false;  ///< the socket is full, because mlccad does not read fast enough
 };
 
 }  // namespace mlcca::cluster

@@ -11,21 +11,23 @@
 namespace mlcca::core::cluster {
 namespace {
 
-/// Gateways do not fence at the same time: each has a place in this part of a lease.
+/// Gateways do not fence at the same time. Each has its own time within 1 / kFenceSpread of a
+/// lease.
 constexpr Value kFenceSpread = 8;
 
-/// Of networks that the description does not have, in one transaction; and when it is tried again.
+/// The most keys that one transaction deletes, and the time after which a refused one is tried
+/// again.
 constexpr std::size_t kMostCleaned = 64;
 constexpr Value kCleanAgain = 60'000'000'000;
 
-/// But its fence.
+/// Whether only the fence and votes of the gateway are left.
 bool has_nothing_itself(const LeftRecord& left) {
   return std::ranges::all_of(std::views::values(left.keys), [](const LeftRecord::Key& key) {
     return key.voter || key.kind == Key::Kind::fence || key.kind == Key::Kind::rollout_vote;
   });
 }
 
-/// When the view shows what a conflict has brought to light.
+/// The store revision that the view must reach before it shows the entries that caused a conflict.
 std::int64_t newest_of(const std::vector<Entry>& entries) {
   std::int64_t newest = 0;
   for (const Entry& entry : entries) newest = std::max(newest, entry.gone ? 0 : entry.mod);
@@ -114,7 +116,7 @@ void Member::settle(const std::vector<Done>& all, Value now) {
   }
 }
 
-/// The role in the store may have lost what it would need.
+/// If the store refuses to delete entries, the role of this user in etcd may lack the right.
 void Member::on_cleaned(const Done& done, Value now) {
   if (done.work.kind == Work::Kind::clean && done.fate != Done::Fate::done)
     clean_from_.at(done.work.number) = add_saturating(now, kCleanAgain);
@@ -138,7 +140,7 @@ void Member::lose(const std::string& why, Value now) {
   adoptions_.lose(view_);
   election_.lose();
   rollouts_.lose();
-  // Revisions of before mean nothing in a store that was restored.
+  // Revisions from before are meaningless in a store that was restored.
   applied_ = said_applied_ = ask_applied_ = 0;
   found_ = false;
   phase_ = Phase::off;
@@ -156,7 +158,7 @@ bool Member::same_epoch() const {
   return epoch.mod == journal_.epoch_revision && epoch.value.value_or(Epoch{}) == journal_.epoch;
 }
 
-/// The store does not have what this gateway knows that it had.
+/// Whether the store lacks something that this gateway knows it had.
 bool Member::has_gone_back() const {
   const auto& own = view_.records().members[identity_.gateway];
   return journal_.incarnation != 0 && same_epoch() &&
@@ -174,10 +176,10 @@ void Member::begin(Value now) {
   const std::int64_t incarnation = beat && beat->incarnation != 0 ? beat->incarnation : own.mod;
   goes_on_ = journal_.incarnation != 0 && same_epoch() && beat &&
              incarnation == journal_.incarnation && own.fence < incarnation;
-  // V counts for all gates, so what an earlier incarnation has opened is closed before there is
-  // one.
+  // The time V applies to all gates, so what an earlier incarnation opened is closed before
+  // there is a V.
   if (!goes_on_) events_.emplace_back(Lost{.why = "this gateway joins anew"});
-  // Whoever was there before the store was restored may send until its lease has ended.
+  // Members from before the store was restored may send until their leases have ended.
   if (!same_epoch()) take_from_ = view_.all_leases_end(now, identity_.lease);
   view_.forget_going_back();
   chain_.begin(own.mod, goes_on_ ? incarnation : 0, view_.records().epoch.mod,
@@ -186,7 +188,7 @@ void Member::begin(Value now) {
   phase_ = Phase::joining;
 }
 
-/// What the view says of this gateway itself.
+/// Acts on what the view says about this gateway.
 void Member::check_standing(Value now) {
   if (!view_.complete() || phase_ == Phase::left) return;
   if (phase_ == Phase::gone_back) {
@@ -223,8 +225,8 @@ void Member::step(Value now) {
   adoptions_.step(view_, joined && found_, events_);
   for (const std::size_t network : view_.take_changed())
     events_.emplace_back(ForeignChanged{.network = network});
-  // Others use what is in force, and what this gateway has left of the former description is
-  // closed.
+  // The other gateways use another description now, and this one has closed what it had of the
+  // former description.
   if (joined && found_ && other_is_open())
     admissions_.withdraw_all("another description is in force", now, events_);
   admissions_.step(view_, now, events_);
@@ -323,7 +325,7 @@ void Member::vote(const Origin& origin, Vote vote, Value now) {
 }
 
 void Member::applied(std::int64_t revision) {
-  // Before it has joined, gates of the process before may still be open.
+  // Until it has joined, gates that the previous process opened may still be open.
   if (found_) applied_ = std::max(applied_, std::min(revision, view_.revision()));
 }
 
@@ -375,7 +377,7 @@ std::optional<Work> Member::fence(Value now) const {
   return std::nullopt;
 }
 
-/// All have left the former description, so nobody uses what was taken by it.
+/// Entries are deleted only after all gateways have left the former description.
 std::optional<Work> Member::clean_up(Value now) const {
   if (!digest_in_force()) return std::nullopt;
   for (std::size_t kind = 0; kind < kUnused; ++kind) {
@@ -395,7 +397,7 @@ void Member::add_unused(Unused kind, Value now, Work& clean) const {
     for (const auto& key : std::views::keys(view_.records().strange))
       if (keys_->is_of_removed_network(key, identity_.gateway)) clean.deletes.push_back(key);
   for (const auto& [gateway, left] : view_.records().left) {
-    // One at a time: what is demanded of it holds for it alone.
+    // One gateway at a time, because the compares of the transaction are about that gateway.
     if (kind == Unused::left && clean.deletes.empty()) add_left(gateway, left, now, clean);
     const bool gone = left.member.mod == 0 || view_.is_over(gateway, now);
     for (const auto& [name, key] : left.keys) {
@@ -409,8 +411,8 @@ void Member::add_unused(Unused kind, Value now, Work& clean) const {
   }
 }
 
-/// Its beat goes when nothing else of it is there any more, and its fence after that: they say that
-/// it is dead.
+/// Deletes the beat after all other entries, because beat and fence say that the gateway is dead.
+/// The fence is deleted after the beat.
 void Member::add_left(const std::string& gateway, const LeftRecord& left, Value now,
                       Work& clean) const {
   if (!view_.is_over(gateway, now)) return;
@@ -456,7 +458,7 @@ std::vector<Txn> Member::take_txns(Value now) {
     work = next_work(now);
   if (!work && beat_wanted(now)) work = Work{};
   if (!work) return txns;
-  // Whoever starts again finds nothing of this gateway, and nothing is wrong with that.
+  // A process that starts again finds no entry of this gateway, which is not an error then.
   if (work->kind == Work::Kind::leave) journal_.incarnation = 0;
   const Beat says = beat(now);
   work->role = says.role;

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// One gateway in a cluster: what it asks of the store, and what it concludes from the answers. No
-// I/O and no clock: `now` is CLOCK_MONOTONIC of the caller, in ns, never going back.
-//
-// The caller hands in what comes, takes the events and acts on them, takes the transactions, writes
-// journalled() if that has changed, and only then sends them: before a transaction says that
-// something is closed, it is. docs/explanation/cluster.md says why this is safe.
+// One gateway as a member of a cluster (docs/explanation/cluster.md says why this is safe).
+// | The caller passes in what comes from the store, takes the events and acts on them, takes the
+// transactions, writes journalled() to disk if it has changed, and only then sends the
+// transactions. So whatever a transaction says to be closed is closed before it is sent.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -23,30 +21,36 @@
 
 namespace mlcca::core::cluster {
 
+/// The decisions of one gateway as a member of a cluster: whether it belongs to it, what it may
+/// reserve, and which transactions it sends. It does no I/O and has no clock. `now` is always the
+/// caller's CLOCK_MONOTONIC in ns and never goes back. Its parts decide about admissions,
+/// adoptions, the choice of the active gateway and rollouts.
 class Member {
  public:
   struct Identity {
-    std::size_t gateway = 0;    ///< of the description
-    Digest digest = {};         ///< of that description
-    std::uint64_t session = 0;  ///< random, another one in each process
-    Value lease = 0;
-    Journalled was = {};  ///< of the process before
-    Value first_wait = Admissions::kFirstWait;
+    std::size_t gateway = 0;    ///< index of this gateway in the description
+    Digest digest = {};         ///< digest of that description
+    std::uint64_t session = 0;  ///< a random number, different in each process
+    Value lease = 0;            ///< duration of the lease in ns
+    Journalled was = {};        ///< what the previous process had written to the journal
+    Value first_wait =
+        Admissions::kFirstWait;  ///< longest wait after a first conflict, ns; see Admissions
   };
   enum class Standing : std::uint8_t {
-    off,  ///< it has left, or has not heard from the store yet
+    off,  ///< it has left, or has no state of the store yet
     joining,
-    joined,        ///< all is well
-    silent,        ///< the store does not answer: what is leased is closed
-    gone_back,     ///< an operator must say that the store is right
-    waiting,       ///< nothing new yet: leases from before the store was restored may last
+    joined,     ///< it may reserve
+    silent,     ///< the store does not answer, so the leased traffic is closed
+    gone_back,  ///< the store lost entries; an operator must write another epoch
+    waiting,    ///< it may not reserve yet, because leases from before the store was restored may
+                ///< last
     other_digest,  ///< the description in force is another one, or is not open yet
     draining,
   };
 
   Member(std::shared_ptr<const Keys> keys, const Codec& codec, const Identity& identity);
 
-  // What comes in.
+  // Input.
   void on_state(const StoreState& state, Value now);
   void on_snapshot_begin(std::int64_t revision, Value now);
   void on_batch(const Batch& batch, Value now);
@@ -54,35 +58,40 @@ class Member {
   void on_result(const TxnResult& result, Value now);
   void on_time(Value now);
 
-  // What the gateway wants.
-  /// Empty: reserve() will be tried. One at a time.
+  // Requests of this gateway.
+  /// Why nothing can be reserved now; empty if reserve() would be tried. Only one reservation is
+  /// decided at a time.
   [[nodiscard]] std::string why_not(Value now) const;
-  /// Decided from the view of now. It has one answer: Reserved, Refused, or Conflict, after which
-  /// it is decided and reserved again, or released.
+  /// Starts a reservation that was decided from the present view. It gets one answer: the event
+  /// Reserved, Refused or Conflict. After Conflict the caller decides again, and calls reserve() or
+  /// release().
   void reserve(Wanted wanted, Value now);
-  /// It is closed here, and has no answer any more.
+  /// Gives back a reservation. The caller has closed its gates before; no answer follows.
   void release(std::uint64_t id, Value now);
   void vote(const Origin& origin, Vote vote, Value now);
-  /// Everything is in force that events up to this revision ask for.
+  /// The caller has put in force everything that the events up to this store revision asked for.
   void applied(std::int64_t revision);
-  /// It can carry what others could carry as well. Closed before it is said that it cannot.
+  /// Whether this gateway can carry traffic that other gateways could carry as well. The caller
+  /// closes this traffic before it sets false.
   void set_able(bool able) { election_.set_able(able); }
-  /// What is leased, and what others could carry, is closed.
+  /// Leaves the cluster. The caller has closed everything leased and everything that other gateways
+  /// could carry.
   void drain(Value now);
   void stage(Rollout rollout) { rollouts_.stage(std::move(rollout)); }
-  /// A member before this one has staged it.
+  /// Continues a rollout that the previous process had staged.
   void resume_rollout(const Digest& digest) { rollouts_.resume(digest); }
   void vote_rollout(const Digest& digest, bool ok, std::string reason);
-  /// The description that comes into force cannot be put in force here, and is to be undone.
+  /// The description that is coming into force cannot be put in force here, so the rollout is to be
+  /// undone.
   void cannot_switch(std::string reason) { rollouts_.cannot_switch(view_, std::move(reason)); }
   [[nodiscard]] const Rollouts& rollouts() const { return rollouts_; }
 
-  // What is to be done. Events first.
+  // Output. The caller takes and handles the events before it takes transactions.
   [[nodiscard]] std::vector<Event> take_events();
   [[nodiscard]] std::vector<Txn> take_txns(Value now);
-  /// Until then what is leased may be sent.
+  /// The time until which leased traffic may be sent.
   [[nodiscard]] Value valid_until() const { return chain_.valid_until(); }
-  /// on_time() is due; take_txns() after it.
+  /// The time at which on_time() must be called, followed by take_txns().
   [[nodiscard]] Value next_time(Value now) const;
   [[nodiscard]] const View& view() const { return view_; }
   [[nodiscard]] std::size_t self() const { return identity_.gateway; }
@@ -90,12 +99,12 @@ class Member {
   [[nodiscard]] const std::string& problem() const { return problem_; }
   [[nodiscard]] const Journalled& journalled() const { return journal_; }
   [[nodiscard]] Role role() const { return election_.role(); }
-  /// It is granted and open on the whole way.
+  /// Whether the reservation is granted and open on the complete route.
   [[nodiscard]] bool holds(std::uint64_t id) const { return admissions_.granted(id); }
-  /// The store has something of it, may have, or is to have.
+  /// Whether the store has an entry of the reservation, may have one, or is to get one.
   [[nodiscard]] bool knows(std::uint64_t id) const { return admissions_.knows(id); }
 
-  /// All that it acts on, for a checker.
+  /// Passes all state on which decisions depend to `visit`, for a model checker.
   template <class Visit>
   void visit_state(Visit&& visit) const {
     visit(journal_, view_, chain_, admissions_, adoptions_, election_, rollouts_, phase_,
@@ -105,16 +114,18 @@ class Member {
 
  private:
   enum class Phase : std::uint8_t { off, joining, joined, gone_back, left };
-  /// What nobody uses any more, by who may delete it.
+  /// Entries that no gateway uses any more, by the gateway that may delete them.
   enum class Unused : std::uint8_t {
-    own,      ///< of removed networks, and votes for removed gateways: their own
-    ballots,  ///< of removed gateways: whoever may roll out
-    fences,   ///< the last key of such a gateway: any
-    left,     ///< all else of it: nobody else, where the roles are as they should be
+    own,  ///< entries for removed networks and votes for removed gateways: the gateway that wrote
+          ///< them
+    ballots,  ///< rollout votes of removed gateways: any gateway that may roll out
+    fences,   ///< fences of removed gateways, their last key: any gateway
+    left,  ///< all other entries of removed gateways; nobody else, if the roles of the store are as
+           ///< they should be
   };
   static constexpr std::size_t kUnused = 4;
 
-  /// Whether `id` can be reserved.
+  /// As the public function, but `id` itself may be the reservation that is being decided.
   [[nodiscard]] std::string why_not(std::uint64_t id, Value now) const;
   void step(Value now);
   void begin(Value now);
@@ -152,12 +163,14 @@ class Member {
   Phase phase_ = Phase::off;
   bool reachable_ = false, draining_ = false, goes_on_ = false, found_ = false;
   std::string problem_;
-  std::int64_t wait_for_ = 0;  ///< the view must have this revision before anything but a beat
-  Value take_from_ = 0;        ///< nothing is taken before
-  /// The store has refused to delete that: not before.
+  std::int64_t wait_for_ =
+      0;                 ///< the view must have this revision before anything except a beat is sent
+  Value take_from_ = 0;  ///< nothing is reserved before this time
+  /// The store refused to delete entries of this kind; not tried again before this time.
   std::array<Value, kUnused> clean_from_{};
   std::int64_t applied_ = 0, said_applied_ = 0;
-  std::int64_t ask_applied_ = 0;  ///< others wait to hear that this revision is applied
+  std::int64_t ask_applied_ =
+      0;  ///< other gateways wait until this revision is reported as applied
   Role said_role_ = Role::standby;
   bool said_draining_ = false;
   std::vector<Event> events_;

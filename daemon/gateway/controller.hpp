@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The gateway as a whole: what happens in it, and in which order. Each step is the work of one of
-// its parts.
+// The gateway as a whole: connects the parts of the daemon, and defines the order of their steps.
 #pragma once
 #include <systemd/sd-event.h>
 
@@ -62,7 +61,8 @@
 
 namespace mlcca {
 
-/// Everything that a gateway sees of the world. It outlives the gateway.
+/// The interfaces of the daemon to everything outside it. All references must outlive the
+/// Controller.
 struct Outside {
   GateDriver& gates;
   GateControl& control;
@@ -70,18 +70,20 @@ struct Outside {
   CanSender& can;
   const Clock& clock;
   store::Disk& disk;
-  Background& reading;  ///< where descriptions are read
+  Background& reading;  ///< thread that reads descriptions
   EventLog& log;
   ReadDescription read;
-  ReadText read_text;                 ///< in a cluster
-  DescriptionTexts* texts = nullptr;  ///< the same
+  ReadText read_text;                 ///< null unless the gateway is in a cluster
+  DescriptionTexts* texts = nullptr;  ///< null unless the gateway is in a cluster
   std::unique_ptr<net::CanRules> can_rules;
-  sd_event* loop;  ///< of link sources and of reports that are made aside
-  /// What may hang (disk, description) is done on a thread, with heart-beats meanwhile.
+  sd_event* loop;  ///< loop of the link sources, and of reports that are made aside
+  /// Operations that may hang (disk, description) run on a thread while heart-beats continue.
   bool threads = true;
-  ClusterLink* cluster = nullptr;  ///< where the gateway shares networks with others by a store
+  ClusterLink* cluster = nullptr;  ///< null unless the gateway reserves shared networks in a store
 };
 
+/// Owns all parts of the gateway and calls them in the right order: at the start and stop, when the
+/// world changes, for requests of clients, and once in each turn of the loop.
 class Controller {
  public:
   Controller(Options options, Outside outside);
@@ -91,34 +93,36 @@ class Controller {
   Controller& operator=(Controller&&) = delete;
   ~Controller() = default;
 
-  /// Reads the description and what was admitted before, closes or keeps the gates accordingly and
-  /// opens them. On failure every gate is closed. Nothing else may be on the loop yet.
+  /// Reads the description and the journal, keeps or closes the existing gates accordingly, and
+  /// opens the gates. On failure every gate is closed. No other event source may be on the loop
+  /// yet.
   std::optional<StartError> start();
-  /// Gives back what is reserved of shared networks. True: nothing is to be waited for before
-  /// stop(); else until may_stop() holds, which is bounded.
+  /// Gives back what is reserved on shared networks. If the result is true, stop() may follow at
+  /// once; otherwise the caller waits until may_stop() is true, which happens in bounded time.
   bool begin_stop();
   [[nodiscard]] bool may_stop() const { return !membership_ || membership_->may_end(); }
-  /// Everything is denied; the gates stay in the kernel.
+  /// Lets the gates deny everything. They stay in the kernel.
   void stop();
-  /// As the request does; what is wrong goes to the log.
+  /// Reloads the description, as the request does. Errors are logged.
   void reload() { reloads_.begin(); }
-  /// A thread reads a description: the process must not wait for it to end.
+  /// Whether a thread reads a description. The process must then end without waiting for the
+  /// thread.
   [[nodiscard]] bool is_reading() const { return outside_.reading.busy() || reads_for_ever_; }
 
-  // The world has changed.
+  // Changes of the world:
 
   void links_changed();
-  /// Udev has learned something about an interface.
+  /// To be called when udev reports a change of an interface.
   void identities_changed() {
     if (outside_.gates.needs_reconcile()) reconcile();
   }
-  /// There is something to read at GateControl::reports_fd().
+  /// To be called when GateControl::reports_fd() is readable.
   void gates_reported();
 
-  // A client.
+  // Clients:
 
   serve::Answer answer(const control::Request& request, const serve::Peer& peer);
-  /// A connection has ended: the leases of what it held begin to run.
+  /// A connection has ended, so the leases of the admissions that it held begin to run.
   void session_closed(std::uint64_t session) {
     admissions_.session_closed(session);
     local_ends_.session_closed(session);
@@ -126,36 +130,36 @@ class Controller {
     if (membership_) membership_->session_closed(session);
   }
 
-  // Time passes.
+  // Time:
 
-  /// Once a turn of the loop, after the handlers: decides what changed links touch, and writes down
-  /// what was granted.
+  /// To be called once in each turn of the loop, after the handlers: decides again where links have
+  /// changed, and commits what was granted to the disk.
   void act();
-  /// Sign of life for the kernel, at least every beat_interval().
+  /// Writes a heart-beat for the kernel. To be called at least every beat_interval().
   void beat();
   [[nodiscard]] std::uint64_t beat_interval() const { return outside_.control.beat_interval(); }
-  /// Once a second: what the gateway polls by itself is to be polled again, a part with each
-  /// work().
+  /// To be called once a second: begins a round of everything that the gateway polls. Each work()
+  /// does a part of it.
   void begin_round() { rounds_.begin(); }
   [[nodiscard]] bool has_work() const { return rounds_.under_way(); }
   void work() { rounds_.turn(); }
 
-  // Who wants to know.
+  // Callbacks and reports:
 
-  /// Called when everything that was answered with `held` is on disk, or why it is not: then none
-  /// of it is granted any more.
+  /// Sets the function that is called when everything that was answered with `held` is on disk, or
+  /// with the error after which none of it is granted any more.
   void on_commit(Turn::Committed committed);
-  /// Called when a reply to a session that had to wait goes on.
+  /// Sets the function that is called when the next slice of a delayed reply is ready.
   void on_slice(const Aside::Ready& ready);
-  /// Says whether a client has hung up: nothing is begun for it any more.
+  /// Sets the function that says whether a client has disconnected. No report is begun for it then.
   void on_begin(Aside::Gone gone) { aside_.on_begin(std::move(gone)); }
-  /// Otherwise ForkBudget::kUsual.
+  /// Replaces ForkBudget::kUsual.
   void set_report_rates(ForkBudget::Rates rates) { aside_.set_rates(rates); }
-  /// The lock of lock_gates(): it is kept from now on.
+  /// Keeps the lock of lock_gates() as long as this object lives.
   void hold(Fd lock) { safeguards_.keep(std::move(lock)); }
   /// One line for the service manager.
   [[nodiscard]] std::string summary() const;
-  /// What is decided now.
+  /// The description in force and the decisions about it.
   [[nodiscard]] const Scene& scene() const { return scene_; }
 
  private:
@@ -208,10 +212,10 @@ class Controller {
   GateEvents gate_events_{
       {scene_, outside_.gates, outside_.links, outside_.log, silences_, delivery_health_, tags_}};
   Admissions admissions_{scene_, recorder_, outside_.log, turn_, tags_, outside_.clock};
-  std::set<std::size_t> changed_meshes_;  ///< networks
+  std::set<std::size_t> changed_meshes_;  ///< indices of the networks whose links have changed
   Meshes meshes_;
-  std::unique_ptr<Rollout> rollout_;        ///< null: the same
-  std::unique_ptr<Membership> membership_;  ///< null: it shares nothing by a store
+  std::unique_ptr<Rollout> rollout_;        ///< null unless the gateway is in a cluster
+  std::unique_ptr<Membership> membership_;  ///< null unless the gateway is in a cluster
   ChannelReports channels_{scene_,      outside_.gates, delivery_health_,
                            deliveries_, forwarding_,    meshes_};
   LocalEnds local_ends_{outside_.log};
@@ -223,12 +227,13 @@ class Controller {
   Quotas quotas_;
   UserNames users_;
   Rounds rounds_{[this] { return outside_.clock.monotonic_ns(); }};
-  int at_gate_ = 0;  ///< the last gate of a job of rounds, by ifindex
+  int at_gate_ = 0;  ///< ifindex of the gate that a job of the rounds has handled last
   std::optional<store::History> history_;
-  bool writes_much_history_ = false;  ///< more than one slice of it at the latest round
-  std::optional<Context> context_;    ///< from start() on
+  bool writes_much_history_ =
+      false;  ///< the latest round had more than one slice of history to write
+  std::optional<Context> context_;  ///< set by start()
   bool reads_for_ever_ = false;
-  std::uint64_t started_ = 0;  ///< seconds since 1970
+  std::uint64_t started_ = 0;  ///< Unix time in seconds
 };
 
 }  // namespace mlcca

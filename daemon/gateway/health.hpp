@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is wrong with a gateway and with what it has granted, in lines that an operator reads.
+// Says what is wrong with a gateway and with granted deliveries, in lines for an operator.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -13,44 +13,48 @@
 
 namespace mlcca {
 
-/// What the gates of a delivery had passed when a frame was last seen to leave.
+/// The counters of a delivery's gates at the time when a frame was last seen to leave.
 struct LatestLeft {
   std::uint64_t in = 0;
   std::uint64_t out = 0;
 };
 
-/// What one gate has seen of a granted delivery, at the network where its events come in or leave.
+/// What one gate has counted for a granted delivery, at the network where its events enter or
+/// leave.
 struct Passage {
   std::string network;
   bool leaves = false;
-  bool is_shared = false;                 ///< with other publishers of the channel that cannot be
-                                          ///< distinguished
-  Frames frames;                          ///< since the slot was made
-  std::uint64_t passed_before = 0;        ///< of them, when the channel was last decided otherwise
-  std::uint64_t event_frames = 1;         ///< that an event may have there, before it is whole
-  std::optional<LatestLeft> latest = {};  ///< leaves: at the latest poll; nothing: not polled yet
-  RecentDrops excess = {};                ///< more than was admitted
-  RecentDrops misfits = {};               ///< named the subject and differed from the grant
-  RecentDrops would_be_misfits = {};      ///< the same, let through by audit mode
-  RecentDrops would_exceed = {};          ///< more than was admitted, let through by audit mode
+  bool is_shared = false;  ///< the gate cannot distinguish the publisher from others of the channel
+  Frames frames;           ///< since the slot was created
+  std::uint64_t passed_before =
+      0;  ///< part of `frames`: those from before the latest change of the decision
+  std::uint64_t event_frames =
+      1;  ///< frames of one event there that may come before the event is complete
+  std::optional<LatestLeft> latest =
+      {};                             ///< leaves: as of the latest poll; nullopt: not polled yet
+  RecentDrops excess = {};            ///< frames in excess of the admitted traffic
+  RecentDrops misfits = {};           ///< frames that name the subject but differ from the grant
+  RecentDrops would_be_misfits = {};  ///< the same, but passed because of audit mode
+  RecentDrops would_exceed = {};      ///< frames in excess, but passed because of audit mode
 };
 
-/// Everything that this gateway knows of a granted delivery.
+/// Everything that this gateway knows about a granted delivery.
 struct Observed {
   std::optional<control::Watch> watch = {};
-  std::string not_supervised = {};  ///< why nothing reports its silence; empty: it is reported, or
-                                    ///< no subscriber minds
+  std::string not_supervised =
+      {};  ///< why nothing reports its silence; empty: it is reported, or no subscriber requires it
   std::vector<Passage> passages = {};
-  std::string not_forwarded = {};   ///< why no rule of can-gw carries it; empty: none has to
-  std::string late = {};            ///< that the program that carries it took too long; empty: no
-  RecentDrops unknown = {};         ///< frames without a slot where its events come in
-  std::string latest_unknown = {};  ///< the latest of them: "123", "0x… from 10.0.0.7"
+  std::string not_forwarded = {};  ///< why no rule of can-gw forwards it; empty: none has to
+  std::string late = {};     ///< says that the forwarding program took too long; empty: it did not
+  RecentDrops unknown = {};  ///< frames without a slot where its events enter
+  std::string latest_unknown = {};  ///< the latest such frame: "123", "0x… from 10.0.0.7"
 };
 
-/// For so long nothing has come that should have, ns; 0: events come, come again, or may come yet.
+/// How long expected events have been missing, in ns; 0 if events come, come again, or are not
+/// overdue.
 [[nodiscard]] std::uint64_t silent_for(const control::Watch& watch);
 
-/// What is wrong with it, one line each; nothing where all is as granted:
+/// What is wrong with a granted delivery, one line each; empty if nothing is wrong. Examples:
 ///   nothing has come for 4.2 s: 84 events are missing
 ///   12 frames on second-can in the last 40 s were more than was admitted
 ///   events come again, the latest 20 ms ago: not restored yet
@@ -61,11 +65,12 @@ struct Observed {
 ///   the program that carries it to lan took up to 9.8 ms, longer than the gateway states, for ...
 [[nodiscard]] std::vector<std::string> troubles(const Observed& seen);
 
-/// That gates without pins may be left, because of `why`, an error that the system log has whole.
+/// The line which says that gates without pins may exist, because of the error `why`. The system
+/// log has the complete error.
 [[nodiscard]] std::string unlisted_gates(std::string_view why);
 
-/// `lines` are the reasons of a gateway whose gates are `open`; of them the first
-/// control::Health::kMostReasons are reported, and how many were left out.
+/// The health of a gateway whose gates are `open`. `lines` are the reasons. The first
+/// control::Health::kMostReasons of them are reported, and the number of the others.
 [[nodiscard]] control::Health health_of(bool open, std::vector<std::string> lines);
 
 }  // namespace mlcca

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The health of the whole gateway, with reasons, for people and for monitoring systems.
+// The health of the complete gateway, with reasons, for people and for monitoring systems.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -26,9 +26,10 @@
 
 namespace mlcca {
 
+/// Collects the problems of all parts of the gateway.
 class HealthReport {
  public:
-  /// All of them must outlive this.
+  /// All references must outlive this object.
   struct Parts {
     const Scene& scene;
     const GateDriver& gates;
@@ -45,22 +46,23 @@ class HealthReport {
     const GatewayPresence& presence;
     const Clock& clock;
     const Modes& modes;
-    const Membership* membership = nullptr;  ///< null: it shares nothing by a store
+    const Membership* membership = nullptr;  ///< null: the gateway is not in a cluster
   };
   explicit HealthReport(const Parts& parts) : parts_(parts) {}
 
-  /// The gates had closed for want of a heart-beat, and follow the verdicts again since now.
+  /// The gates had closed because no heart-beat came, and have opened again now. This counts as a
+  /// problem for some time.
   void note_lapse() { lapsed_ = parts_.clock.monotonic_s(); }
-  /// `interfaces`: as GateDriver::report() gives them.
+  /// The health of the gateway. `interfaces` is the result of GateDriver::report().
   [[nodiscard]] control::Health health(const std::vector<control::Interface>& interfaces) const;
-  /// What keeps the gateway from doing its work, the most serious first.
+  /// The problems that keep the gateway from doing its work, most serious first.
   [[nodiscard]] std::vector<std::string> problems() const;
 
  private:
   void add_own(std::vector<std::string>& to) const;
 
   Parts parts_;
-  std::optional<std::int64_t> lapsed_;  ///< until when, the latest time, CLOCK_MONOTONIC, s
+  std::optional<std::int64_t> lapsed_;  ///< CLOCK_MONOTONIC in s of the latest note_lapse()
 };
 
 }  // namespace mlcca

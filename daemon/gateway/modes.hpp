@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Enforce, or audit: count what would be dropped and drop nothing. From audit to enforce at once,
-// or when for long enough nothing would have been dropped. A gateway can be introduced in audit
-// mode, which then lasts over restarts until an operator has it enforce for the first time.
+// The mode of the gates: enforce, or audit, which counts what would be dropped and drops nothing.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -16,38 +14,42 @@
 
 namespace mlcca {
 
+/// Changes the mode of the gates at an operator's request. The change from audit to enforce is made
+/// at once, or as soon as nothing would have been dropped for a given time. A gateway can be
+/// introduced in audit mode, which then lasts over restarts until an operator first changes it to
+/// enforce.
 class Modes {
  public:
-  /// All of them must outlive this.
+  /// All references must outlive this object.
   Modes(GateControl& control, EventLog& log, DropReports& drops, AuditLog& audit,
         Recorder& recorder)
       : control_(control), log_(log), drops_(drops), audit_(audit), recorder_(recorder) {}
 
-  /// At the start, with the journal open and before a gate is attached.
+  /// Sets the mode at the start. The journal must be open, and no gate attached yet.
   void begin(bool in_audit_mode);
-  /// Where the gates do not enforce: that they do not. Once, at the end of a start.
+  /// Logs a warning if the gates do not enforce. To be called once, at the end of a start.
   void report();
 
-  // Each gives the line that was logged.
+  // Each of these returns the line that was logged.
 
   control::Done enforce();
   control::Done audit();
-  /// ns. Error: the gates enforce already.
+  /// `when_clean` is in ns. Error: the gates enforce already.
   Result<control::Done> enforce_when_clean(std::uint64_t when_clean);
 
-  /// At the start: what was asked of a former daemon. In audit mode alone.
+  /// At the start in audit mode: continues an enforce_when_clean() of the previous daemon.
   void restore(std::uint64_t when_clean);
-  /// Once a second: enforces if it is time.
+  /// To be called once a second: changes to enforce when the time has come.
   void poll();
 
   [[nodiscard]] bool is_audit() const { return control_.mode() == enforce::Mode::audit; }
-  /// Audit mode lasts over restarts and reboots, until an operator ends it.
+  /// Whether the audit mode lasts over restarts and reboots until an operator ends it.
   [[nodiscard]] bool is_introduction() const { return is_audit() && is_to_be_introduced(); }
   /// "enforce" or "audit".
   [[nodiscard]] const char* name() const;
-  /// Asked for, and not yet: ns; 0: it is not.
+  /// The time of a pending enforce_when_clean() in ns; 0 if there is none.
   [[nodiscard]] std::uint64_t when_clean() const { return is_audit() ? when_clean_ : 0; }
-  /// In audit mode: for so long nothing would have been dropped, ns.
+  /// In audit mode: for how long nothing would have been dropped, in ns. Otherwise 0.
   [[nodiscard]] std::uint64_t clean() const { return is_audit() ? audit_.clean_ns() : 0; }
 
  private:

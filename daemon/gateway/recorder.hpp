@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is written down so that it outlives this daemon: who was admitted, what was granted, and
-// what the gates are to hold.
+// Writes to the journal what must outlive this daemon: admissions, grants, and what the gates hold.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -23,74 +22,78 @@
 
 namespace mlcca {
 
+/// The daemon's access to its journal. Changes are noted first, and are on disk after commit().
+/// Admissions are not granted before that.
 class Recorder {
  public:
   using Granted = DeliveryEvents::Granted;
 
-  /// `pulse` is called after each step of what takes long. All of them must outlive this.
+  /// `pulse` is called after each step of long operations, to give a heart-beat. All references
+  /// must outlive this object.
   Recorder(const Scene& scene, const GateDriver& gates, EventLog& log, Patience& patience,
            std::function<void()> pulse)
       : scene_(scene), gates_(gates), log_(log), patience_(patience), pulse_(std::move(pulse)) {}
 
-  /// The journal in a directory. To be called once, before anything else.
+  /// Opens the journal in a directory. To be called once, before anything else.
   Result<void> open(const std::string& directory, store::Disk& disk);
   [[nodiscard]] const store::Contents& contents() const { return journal_->contents(); }
-  /// What was cut off when the journal was opened, in words; nothing if it was whole.
+  /// What was cut off when the journal was opened, in words; nullopt if it was complete.
   [[nodiscard]] const std::optional<std::string>& recovered() const {
     return journal_->recovered();
   }
   [[nodiscard]] Granted granted() const;
 
-  // Of changes that clients ask for:
+  // Changes that clients ask for:
 
-  /// What the next admission gets.
+  /// The id that the next admission gets.
   [[nodiscard]] core::AdmissionId next_id() const {
     return std::max(contents().next_id, beyond_aside_);
   }
-  /// The same, for one that others are asked about first: no other one gets it, and none of a later
-  /// process. It can be admitted for as long as what is given is kept.
+  /// Reserves an id for an admission about which other gateways are asked first. No other admission
+  /// gets this id, also not in a later process. The id may be used as long as the pointer is kept.
   [[nodiscard]] std::shared_ptr<const core::AdmissionId> set_id_aside();
-  /// The same for one that is in the journal of another gateway.
+  /// An id for an admission that is in the journal of another gateway.
   [[nodiscard]] core::AdmissionId new_id();
-  /// Writes down an admission with the next commit(); until then it is one of uncommitted().
+  /// Notes an admission for the next commit(). Until then it is in uncommitted().
   Result<void> admit(const control::Request& request, std::uint32_t user);
-  /// It was not granted after all.
+  /// Removes a noted admission that was not granted after all.
   void take_back(core::AdmissionId id);
   [[nodiscard]] const std::vector<core::AdmissionId>& uncommitted() const { return uncommitted_; }
   [[nodiscard]] bool is_uncommitted(core::AdmissionId id) const;
-  /// Writes the entries down at once, all of them or none. There must be nothing uncommitted.
+  /// Writes the entries to disk at once, all of them or none. uncommitted() must be empty.
   Result<void> write_at_once(const std::vector<store::Entry>& entries);
 
-  // Of what is in force now; it is on disk after the next commit():
+  // The state in force, which is on disk after the next commit():
 
-  /// What a channel was granted, and what the gates hold of it.
+  /// Notes what a channel is granted, and what the gates hold of it.
   void note(std::size_t channel);
   void note_granted(std::size_t channel);
-  /// As what the gateway is a member of a cluster.
+  /// Notes the membership of a cluster.
   void note_membership(const store::Membership& membership) { append(membership); }
-  /// No later start begins in audit mode.
+  /// Notes that no later start begins in audit mode.
   void note_introduced() { append(store::Introduced{true}); }
-  /// Nothing is granted of a subject that the description does not have any more.
+  /// Notes that nothing is granted of a subject that the description does not have any more.
   void note_gone(const std::string& subject);
-  /// Which interfaces are gated, for whoever compares them without this daemon.
+  /// Notes which interfaces have gates, for tools that compare them without this daemon.
   void note_ports();
-  /// Stated tags that nothing passes by, since FAMOUSO's broker has dealt them otherwise: all of
-  /// them now. For a start at which the gates that have received the broker's replies are gone.
+  /// Notes all stated tags by which nothing passes now, because FAMOUSO's broker has assigned other
+  /// ones. A start needs them if the gates that received the broker's replies are gone.
   void note_contradicted(std::vector<store::Contradicted> all);
-  /// The same as the last time.
+  /// Notes the same tags as the last time.
   void note_contradicted() { note_contradicted(contradicted_); }
-  /// The slots of all subjects, for the same reader: `of_all` is what all gates hold.
+  /// Notes the slots of all subjects, for tools as above. `of_all` is what all gates hold together.
   void note_slots(core::GateState of_all);
 
-  /// Something waits for commit().
+  /// Whether something waits for commit().
   [[nodiscard]] bool dirty() const { return journal_ && journal_->dirty(); }
-  /// Puts on disk what was noted and admitted. After an error none of it is, and whoever is
-  /// uncommitted() was never granted; `lost` is called with them.
+  /// Writes to disk what was noted and admitted. After an error nothing of it is on disk, and the
+  /// admissions in uncommitted() were never granted; `lost` is called with them.
   Result<void> commit(const std::function<void(const std::vector<core::AdmissionId>&)>& lost);
-  /// Writes the journal again if another program has removed or replaced the file: what was granted
-  /// must outlive this daemon. Undoes on disk what could not be undone when it was refused.
+  /// Writes the journal again if another program has removed or replaced the file, because what was
+  /// granted must outlive this daemon. Also undoes on disk a refused batch that could not be undone
+  /// before.
   void keep();
-  /// Why the journal cannot be written again; empty: it can.
+  /// Why the journal cannot be written again; empty if it can.
   [[nodiscard]] const std::string& problem() const { return gone_.text(); }
 
  private:
@@ -102,8 +105,9 @@ class Recorder {
   Patience& patience_;
   std::function<void()> pulse_;
   std::optional<store::Journal> journal_;
-  core::AdmissionId beyond_aside_ = 0;          ///< behind all that were set aside
-  std::vector<core::AdmissionId> uncommitted_;  ///< granted, and not on disk yet
+  core::AdmissionId beyond_aside_ =
+      0;  ///< larger than every id that was reserved by set_id_aside()
+  std::vector<core::AdmissionId> uncommitted_;  ///< granted, but not on disk yet
   std::vector<store::Contradicted> contradicted_;
   Problem trouble_;
   Problem gone_;

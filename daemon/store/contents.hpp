@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What was granted or taken back at run time and must survive the daemon and a reboot, and the
-// entries of the journal that change it. All texts are UTF-8, as on the control socket.
+// The contents of the journal: what was granted or released at run time and must survive the daemon
+// and a reboot, and the effect of each entry. All texts are UTF-8, as on the control socket.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -18,10 +18,10 @@
 
 namespace mlcca::store {
 
-/// One of the structs that are made of journal.proto.
+/// One of the structs that are generated from journal.proto.
 using Entry = decltype(JournalEntry::body);
 
-/// Admit requests that were granted: a range of control::Request, oldest first (by id).
+/// Admit requests that were granted: a range of control::Request in the order of their ids.
 class Admissions {
  public:
   Admissions() = default;
@@ -34,19 +34,19 @@ class Admissions {
   [[nodiscard]] std::size_t size() const { return by_id_.size(); }
   [[nodiscard]] bool empty() const { return by_id_.empty(); }
 
-  /// Null when there is none of this id.
+  /// nullptr if no admission has this id.
   [[nodiscard]] const control::Request* find(std::uint64_t id) const {
     const auto found = by_id_.find(id);
     return found == by_id_.end() ? nullptr : &found->second;
   }
-  /// Who asked for one that is there.
+  /// The user who asked for an existing admission.
   [[nodiscard]] std::uint32_t user_of(std::uint64_t id) const { return users_.at(id); }
-  /// How many there are of a user.
+  /// The number of admissions of a user.
   [[nodiscard]] std::size_t held_by(std::uint32_t user) const {
     const auto found = held_.find(user);
     return found == held_.end() ? 0 : found->second;
   }
-  /// Replaces the one of the same id.
+  /// Adds an admission, or replaces the one with the same id.
   void put(control::Request request, std::uint32_t user = 0) {
     const std::uint64_t id = request.id;
     erase(id);
@@ -64,35 +64,36 @@ class Admissions {
 
  private:
   std::map<std::uint64_t, control::Request> by_id_;
-  std::unordered_map<std::uint64_t, std::uint32_t> users_;  ///< of each
-  std::map<std::uint32_t, std::size_t> held_;               ///< by user
+  std::unordered_map<std::uint64_t, std::uint32_t> users_;  ///< by id
+  std::map<std::uint32_t, std::size_t> held_;               ///< number of admissions, by user
 };
 
+/// Everything that the journal says.
 struct Contents {
   Admissions admissions;
-  /// Channels (by subject, "0x…") that the operator has released, sorted.
+  /// Subjects ("0x…") of channels that the operator has withdrawn, sorted.
   std::vector<std::string> released;
-  /// By subject: a Grants message (records.hpp); never empty.
+  /// By subject: an encoded Grants message (records.hpp), never empty.
   std::map<std::string, std::string> granted;
-  /// By identity; never of ifindex 0.
+  /// By identity of the port. No entry has ifindex 0.
   std::map<std::string, Gated> gated;
-  /// By subject: a Slots message (records.hpp); never empty.
+  /// By subject: an encoded Slots message (records.hpp), never empty.
   std::map<std::uint64_t, std::string> enforced;
-  /// By network and subject; never of empty words.
+  /// By network and subject. No entry has an empty `how`.
   std::map<std::pair<std::string, std::uint64_t>, Contradicted> contradicted;
-  /// As what the gateway is a member of a cluster; nothing is in it where it is in none.
+  /// The membership of a cluster; all fields are empty if the gateway is in none.
   Membership membership;
-  /// A start that is to begin in audit mode does not: an operator has ended that.
+  /// An operator has ended the introduction in audit mode, so later starts do not begin in it.
   bool introduced = false;
-  /// The next admission gets this id; ids are never used twice.
+  /// The next admission gets this id. Ids are never used twice.
   std::uint64_t next_id = 1;
   bool operator==(const Contents&) const = default;
 
-  /// What an entry says. One that names what is not there changes nothing.
+  /// Applies an entry. An entry about something that does not exist changes nothing.
   void apply(const Entry& entry);
 
-  /// The entry that takes `entry` back if it were applied now (except for next_id, which only
-  /// grows); nothing when it would change nothing.
+  /// The entry that undoes `entry`, if `entry` were applied now; nullopt if it would change
+  /// nothing. next_id is an exception, because it only grows.
   [[nodiscard]] std::optional<Entry> inverse(const Entry& entry) const;
 };
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a client asks for, in the terms of the core: names become indices, gaps are filled from the
-// channel, and nonsense is refused with what would be right.
+// Translates an admit or query request into the terms of the core.
 #pragma once
 #include <optional>
 
@@ -10,36 +9,37 @@
 
 namespace mlcca {
 
-/// A request that was understood. Without an admission it concerns ends that are known already.
+/// A request that was understood. Without an admission it concerns ends that exist already.
 struct Asked {
   std::size_t channel = 0;
-  std::optional<core::Place> from;  ///< only deliveries from there
-  std::optional<core::Place> to;    ///< only deliveries to there
+  std::optional<core::Place> from;  ///< only deliveries from this place; nullopt: from all
+  std::optional<core::Place> to;    ///< only deliveries to this place; nullopt: to all
   std::optional<core::Admission> admission;
 };
 
-/// `from` means the publisher that is there; a new one where there is none or where the request
-/// describes one (node, priority, user, offered, publisher). Likewise `to` with required and
-/// subscriber.
+/// Translates a request: names become indices, values that are not stated come from the channel.
+/// `from` means the publisher at that place. It means a new publisher if there is none, or if the
+/// request describes one (node, priority, user, offered, publisher). The same holds for `to`, with
+/// required and subscriber. Errors say what would be correct.
 [[nodiscard]] Result<Asked> understand(const core::State& state,
                                        const control::ChannelRequest& request,
                                        core::AdmissionId id);
 
-/// It says something of a new publisher.
+/// Whether the request states anything about a new publisher.
 [[nodiscard]] bool describes_publisher(const control::ChannelRequest& request);
 
-/// Gives a channel that is not described a place in the state, where the request is about one and
-/// networks allow it: then it can be understood. Nothing of other requests. The error says what is
-/// missing, or taken.
+/// Adds the channel of an unlisted request to the state, if the networks allow it, so that
+/// understand() finds it. Does nothing for other requests. The error says what is missing, or what
+/// is already used.
 [[nodiscard]] Result<void> list(core::State& state, const control::ChannelRequest& request);
 
-/// Channel by name or 0x subject; the error names what is known.
+/// Finds a channel by name or 0x subject. The error names channels that exist.
 [[nodiscard]] Result<std::size_t> channel_named(const core::State& state, const std::string& name);
 
-/// Whether a key can be shown and stored.
+/// Checks that a key of an admission can be shown and stored.
 [[nodiscard]] Result<void> check_key(const std::string& key);
-/// ns that an admission lives without being renewed; 0: until it is released. One that a connection
-/// holds lives 10 s longer than that if it says nothing else.
+/// The time in ns after which an admission is released unless it is renewed; 0 if it has no lease.
+/// An admission that a connection holds has 10 s if the request states nothing.
 [[nodiscard]] std::uint64_t lease_of(const control::Admit& request);
 
 }  // namespace mlcca

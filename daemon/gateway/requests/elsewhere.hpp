@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Publishers that another gateway has admitted, and that this one does not carry.
+// Publishers that another gateway has admitted and that this gateway does not carry.
 #pragma once
 #include <optional>
 #include <string>
@@ -9,8 +9,9 @@
 
 namespace mlcca::requests {
 
-/// Why nobody can be admitted here for the publisher that the request means: another gateway has
-/// admitted it, as the store says, and it is not known here. With the command that does.
+/// Why no subscriber can be admitted here for the publisher that the request means: the store says
+/// that another gateway has admitted this publisher, and this gateway does not know it. The text
+/// has the command to use at that gateway. nullopt if that is not so.
 [[nodiscard]] std::optional<std::string> admitted_elsewhere(const Context& context,
                                                             const control::ChannelRequest& request,
                                                             const Asked& asked);
