@@ -15,10 +15,10 @@
 namespace mlcca::cluster {
 namespace {
 
-constexpr int kTurn = 64;                          // messages that are taken or sent before others
+constexpr int kTurn = 64;  // most messages that are received or sent in one turn of the loop
 constexpr std::uint64_t kAcceptAgain = 1'000'000;  // µs
 
-/// Of the file that is the socket.
+/// The users that own the file of the socket, root, and the user of this process.
 std::set<uid_t> owners_of(int socket) {
   std::set<uid_t> owners{0, ::geteuid()};
   sockaddr_un address{};
@@ -48,7 +48,7 @@ Result<void> Server::start() {
       e < 0)
     return system_error("watching the socket", -e);
   connections_.reset(raw);
-  // Its descriptor is there before there are none.
+  // Arms the timer now, because its descriptor could not be created when there are none left.
   return accept_again_.start(
       loop_, [this] { sd_event_source_set_enabled(connections_.get(), SD_EVENT_ON); });
 }
@@ -81,7 +81,7 @@ void Server::accept() {
   full_ = false;
 }
 
-/// The socket would stay readable, and the loop would turn without end.
+/// Stops accepting for a while: otherwise the socket would stay readable, and the loop would spin.
 void Server::rest(int error) {
   if (!std::exchange(rests_, true))
     log_("no connection can be taken: " + system_error("accept", error).error().text);
@@ -95,7 +95,8 @@ int Server::on_io(sd_event_source*, int, std::uint32_t events, void* self) noexc
     server.full_ = false;
     server.send();
   }
-  // While nothing more is taken, its end is reported all the same.
+  // While the bridge is busy and nothing is read, the end of the connection is reported all the
+  // same.
   if ((events & (EPOLLHUP | EPOLLERR)) != 0 && server.bridge_.is_busy())
     server.end({});
   else if ((events & ~EPOLLOUT) != 0)
@@ -130,7 +131,7 @@ bool Server::take(std::size_t size) {
   return true;
 }
 
-/// An error is seen by the loop, too, which ends the connection.
+/// An error of the socket is reported to the loop as well, which ends the connection.
 void Server::send() {
   if (!io_ || full_) return;
   for (const wire::Message* next = bridge_.outbox().next(); next != nullptr;

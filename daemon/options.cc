@@ -13,7 +13,7 @@
 namespace mlcca {
 namespace {
 
-/// "10s", "500ms", "0", "forever".
+/// Reads a time such as "10s", "500ms", "0" or "forever", in ns.
 std::optional<std::uint64_t> parse_time(const std::string& text) {
   constexpr std::uint64_t longest = 86'400;  // a day in seconds
   if (text == "forever") return ~std::uint64_t{0};
@@ -26,11 +26,11 @@ std::optional<std::uint64_t> parse_time(const std::string& text) {
   return std::nullopt;
 }
 
-// As core::cluster has them.
+// The same bounds as in core::cluster.
 constexpr std::uint64_t kLeastLease = 2'000'000'000;
 constexpr std::uint64_t kMostLease = 3'600'000'000'000;
 
-/// What cannot be looked up may be there.
+/// Whether a file certainly does not exist. A file that cannot be looked up may exist.
 bool is_absent(const std::string& file) {
   struct stat found{};
   return ::lstat(file.c_str(), &found) < 0 && (errno == ENOENT || errno == ENOTDIR);
@@ -134,7 +134,7 @@ Parsed parse_options(int argc, char** argv) {
   o.initial_audit = initial_mode == "audit";
   o.in_cluster = !is_absent(o.cluster_settings);
   o.close_mode = close->count() > 0;
-  std::erase(o.close, "");  // what CLI11 makes of none
+  std::erase(o.close, "");  // CLI11 represents an option without values by an empty one
   return parsed;
 }
 

@@ -17,7 +17,8 @@ std::vector<core::AdmissionId> ids_in(const std::vector<control::Request>& reque
   return ids;
 }
 
-/// Nothing: the one brings no publisher, or the other one brings its own.
+/// `other` with the publisher of `one`, if it has none itself; nullopt if `one` brings no
+/// publisher, or `other` brings its own.
 std::optional<control::Request> with_publisher_of(const control::Request& one,
                                                   const control::Request& other) {
   const auto& first = std::get<control::Admit>(one.body);
@@ -89,7 +90,7 @@ std::optional<core::AdmissionId> Adopting::ours_of(std::size_t gateway,
   return std::nullopt;
 }
 
-/// Those that no other one has brought here already.
+/// Gives numbers of this gateway to those requests that no other adopted admission has brought yet.
 void Adopting::name_requests(Adopted& adopted,
                              const std::vector<control::Request>& requests) const {
   for (const control::Request& request : requests) {
@@ -100,7 +101,8 @@ void Adopting::name_requests(Adopted& adopted,
   }
 }
 
-/// In numbers of this gateway.
+/// The footprint with admission numbers of this gateway; nullopt if it refers to an unknown
+/// admission.
 std::optional<core::cluster::Footprint> Adopting::mapped(const Adopted& adopted) const {
   core::cluster::Footprint out = adopted.footprint;
   bool all = true;
@@ -125,7 +127,8 @@ std::string Adopting::misfit(const Adopted& adopted) const {
   return {};
 }
 
-/// Each is tried alone. Who only receives is tried with a publisher that comes with it.
+/// Why a request does not fit. Each request is tried alone; one that only adds a subscriber is also
+/// tried with a publisher that comes with it.
 std::string Adopting::misfit(const Adopted& adopted, std::size_t request) const {
   const control::Request& asked = adopted.ours[request];
   std::string why = hands_.misfit(asked);
@@ -154,7 +157,7 @@ void Adopting::vote(Adopted& adopted, core::cluster::Member& member, Value now) 
               now);
 }
 
-/// Why it cannot be carried; empty: it is.
+/// Starts to carry an adopted admission. The result is why it cannot be carried, or empty.
 std::string Adopting::open(Adopted& adopted) {
   const auto footprint = mapped(adopted);
   if (!footprint) return "it takes traffic of an admission that is not known here";

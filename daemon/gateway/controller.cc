@@ -15,8 +15,8 @@
 namespace mlcca {
 namespace {
 
-/// How long a start waits for the sources of links: well below the grace in which the gates stay
-/// as they were.
+/// The time for which a start waits for the sources of links, in ns. It is well below the grace in
+/// which the gates stay as they were.
 constexpr std::uint64_t kFirstReports = 2'500'000'000;
 
 void put_graph(core::State& state, std::size_t network, const core::mesh::LinkTable& table) {
@@ -83,7 +83,7 @@ std::optional<StartError> Controller::start() {
   return failure;
 }
 
-/// What a former daemon has left stays in force meanwhile.
+/// First step of a start. Whatever a previous daemon has left in the gates stays in force.
 std::optional<StartError> Controller::begin_start() {
   started_ = outside_.clock.unix_ns() / 1'000'000'000;
   if (const auto set = outside_.control.set_grace(options_.grace_ns); !set)
@@ -94,7 +94,7 @@ std::optional<StartError> Controller::begin_start() {
   return std::nullopt;
 }
 
-/// Journal, history and description.
+/// Second step of a start: reads the journal, the history and the description.
 std::optional<StartError> Controller::read_what_was() {
   if (const auto opened = recorder_.open(options_.state_directory, outside_.disk); !opened)
     return StartError{{opened.error().text}};
@@ -157,7 +157,8 @@ std::optional<StartError> Controller::read_what_was() {
   return std::nullopt;
 }
 
-/// They hold what is decided, and follow it.
+/// Last step of a start: writes the decided slots to the gates, and lets the gates use their
+/// verdicts.
 std::optional<StartError> Controller::open_gates() {
   const auto before = recorder_.granted();
   GateControl& control = outside_.control;
@@ -187,9 +188,9 @@ std::optional<StartError> Controller::open_gates() {
     if (const auto cleared = control.clear_lapse(outside_.clock.monotonic_ns()); !cleared)
       return StartError{{cleared.error().text}};
   heartbeat_.end_start();
-  presence_.start();  // the start took time, in which nobody could ask or be received
+  presence_.start();  // during the start nobody could announce itself
   delivery_health_.forget(pulse_);
-  drops_.forget();  // what a former daemon has counted is not reported again
+  drops_.forget();  // what a previous daemon has counted is not reported again
   turn_.open_unless_lost();
   outside_.log.notice(Kind::started, "started: " + summary());
   modes_.report();
@@ -217,8 +218,8 @@ void Controller::stop() {
   static_cast<void>(audit_keeper_.keep(*history_));
 }
 
-/// Interfaces, links and gates for a description that has just become the one in force; what was
-/// granted before is served first.
+/// Sets up interfaces, links and gates for a description that has just come into force. What was
+/// granted before is decided first.
 Result<void> Controller::put_in_force(const DeliveryEvents::Granted& granted_before,
                                       TagBindings::Known known) {
   core::State& state = *scene_.state;
@@ -232,7 +233,7 @@ Result<void> Controller::put_in_force(const DeliveryEvents::Granted& granted_bef
   note_presence();
   if (membership_) {
     membership_->take_up();
-    tags_.take_up(known);  // with what others have asked for
+    tags_.take_up(known);  // with the tags that others have asked for
   }
   std::map<std::size_t, core::Grants> before;
   for (const auto& [subject, grants] : granted_before) {
@@ -256,7 +257,7 @@ void Controller::put_graphs() {
   changed_meshes_.clear();
 }
 
-// --- the world has changed -----------------------------------------------------------------------
+// --- changes of the world ------------------------------------------------------------------------
 
 void Controller::reconcile() {
   const core::Progress alive(pulse_);
@@ -265,12 +266,12 @@ void Controller::reconcile() {
   tags_.state();
   turn_.observe();
   static_cast<void>(turn_.settle());
-  // An interface that became another one needs all of its slots written again.
+  // If a port has another interface now, all of its slots must be written again.
   static_cast<void>(turn_.enforce());
   turn_.open_unless_lost();
 }
 
-/// What cannot be read changes nothing, and is read again with the next round.
+/// If the interfaces cannot be read, nothing changes, and they are read again in the next round.
 void Controller::links_changed() {
   const core::Progress alive(pulse_);
   LinkMonitor& links = outside_.links;
@@ -300,7 +301,7 @@ void Controller::act() {
     membership_->act();
   else
     static_cast<void>(turn_.settle());
-  forwarding_.act();  // before the answers go out
+  forwarding_.act();  // before clients get their answers
   turn_.commit();
 }
 
@@ -308,8 +309,8 @@ void Controller::beat() {
   GateControl& control = outside_.control;
   auto alive = control.beat(outside_.clock.monotonic_ns());
   if (control.lapsed()) links_changed();
-  // No heart-beat was given for longer than the grace, so what we know may be old. Reconcile first,
-  // then open.
+  // No heart-beat was given for longer than the grace, so our knowledge may be outdated. Reconcile
+  // first, then open.
   if (control.lapsed() && outside_.links.problem().empty()) {
     if (membership_) membership_->expire();
     reconcile();
@@ -377,7 +378,7 @@ std::string Controller::summary() const {
 
 // --- rounds --------------------------------------------------------------------------------------
 
-/// Each of these does one thing of many, or a few that are short.
+/// Each job of a round does a bounded amount: one item of many, or a few short ones.
 void Controller::plan_rounds() {
   const auto once = [this](auto work) {
     rounds_.add([work] {
@@ -403,7 +404,8 @@ void Controller::plan_rounds() {
   rounds_.add([this] { return write_some_history(); });
 }
 
-/// What does not grow with channels or ports; the rules of can-gw are read in one answer.
+/// Polls what does not depend on the number of channels or ports. All rules of can-gw are read in
+/// one answer.
 void Controller::poll_surroundings() {
   safeguards_.poll();
   if (!outside_.links.problem().empty() || outside_.gates.needs_recheck()) links_changed();
@@ -419,8 +421,8 @@ void Controller::poll_surroundings() {
 bool Controller::repair_next() {
   if (const auto gate = outside_.gates.next_gate(at_gate_)) {
     at_gate_ = *gate;
-    // A client whose turn came in between would get reports of changes that do not take effect on
-    // an interface without a gate.
+    // The changes take effect at once: otherwise a client whose turn comes in between would get
+    // reports of changes that have no effect on an interface without a gate.
     if (!outside_.gates.repair(*gate)) reconcile();
     return true;
   }
@@ -442,7 +444,7 @@ bool Controller::write_some_history() {
   const bool more = patience_.wait_for([this, now] { return history_->flush_some(now); });
   for (std::string& line : history_->take_troubles())
     outside_.log.warning(Kind::trouble, std::move(line));
-  // What a start or a reload has to report fills some MiB until it is written.
+  // The events of a start or reload fill some MiB until they are written.
   if (!more && writes_much_history_) ::malloc_trim(0);
   writes_much_history_ = more;
   return more;

@@ -15,7 +15,8 @@
 namespace mlcca {
 namespace {
 
-/// Frames of an event where it comes in: before all of them have come, nothing need leave.
+/// The number of frames of one event where it enters: until all of them have come, none needs to
+/// leave.
 std::uint64_t event_frames(const core::State& state, const core::Verdict& v,
                            const core::GateRule& rule) {
   if (rule.entry.direction != core::Direction::ingress || v.route.empty() ||
@@ -27,13 +28,14 @@ std::uint64_t event_frames(const core::State& state, const core::Verdict& v,
   return core::frames_per_event(network, network.binding_of(v.channel), bytes);
 }
 
-/// The latest drop may be one in excess, which says nothing about those that differed.
+/// The latest drop may be one for excess, which is no reason for frames that differ from the grant.
 Frames without_excess_as_reason(Frames frames) {
   if (frames.last_reason == enforce::reason_text(GATE_R_EXCESS)) frames.last_reason.clear();
   return frames;
 }
 
-/// By which the events of a delivery first come, if they are periodic.
+/// The rule of the gate by which the events of a delivery enter, if they are periodic; otherwise
+/// nullptr.
 const core::GateRule* watched_rule(const core::GateState& rules) {
   const auto own = std::ranges::find_if(
       rules, [](const core::GateRule& rule) { return rule.watching.period != 0; });
@@ -54,8 +56,8 @@ DeliveryHealth::Shared DeliveryHealth::shared_of(std::size_t channel) const {
                             scene_.state->decisions()[channel].verdicts, scene_.self);
 }
 
-/// The gate knows the silence of the subscriber that waits least. Who waits longer misses events
-/// from its own report on, until the end of the silence is reported.
+/// The gate supervises the subscriber with the shortest timeout. A subscriber with a longer one
+/// misses events from the end of its own timeout until the end of the silence is reported.
 DeliveryHealth::Supervision DeliveryHealth::supervision_of(const core::Verdict& verdict,
                                                            const core::GateState& rules,
                                                            const Shared& shared) const {
@@ -72,7 +74,7 @@ DeliveryHealth::Supervision DeliveryHealth::seen_at_gate(const core::GateState& 
   if (own == nullptr) return {};
   if (const core::SharedRule* both = rule_of(own->entry, shared)) {
     core::GateRule rule = both->rule;
-    rule.watching.silence = own->watching.silence;  // of this delivery
+    rule.watching.silence = own->watching.silence;  // the timeout of this delivery
     Supervision found{gates_.watch({rule}), look_alikes_of(rules, shared)};
     if (found.watch) found.watch->shared = true;
     return found;
@@ -124,7 +126,7 @@ std::vector<std::string> DeliveryHealth::troubles_of(const core::Verdict& v,
          .would_be_misfits = drops_.recent(rule.entry, Drop::would_be_misfit),
          .would_exceed = drops_.recent(rule.entry, Drop::would_exceed)});
   }
-  // Unknown frames are read only where no events come: they may be the missing ones.
+  // Unknown frames are read only if no events come, because they may be the missing ones.
   if (in != nullptr && seen.watch && (seen.watch->missing_now || seen.watch->events == 0)) {
     const std::size_t port = in->entry.port;
     seen.unknown = drops_.recent_unknown(port);
@@ -133,7 +135,8 @@ std::vector<std::string> DeliveryHealth::troubles_of(const core::Verdict& v,
   return troubles(seen);
 }
 
-/// It crosses this gateway by the relay, which has not asked what to carry.
+/// Whether the delivery crosses this gateway by the relay, and the relay has not asked what to
+/// carry.
 bool DeliveryHealth::lacks_relay(const core::Verdict& v, const core::GateState& rules) const {
   const core::Gateway& here = scene_.state->system().gateways[scene_.self];
   if (!here.relay || carriers_.has(*here.relay) ||
@@ -170,12 +173,12 @@ void DeliveryHealth::note_leaving(std::size_t channel, const core::GateState& ru
   for (const core::GateRule& rule : rules) {
     if (rule.entry.direction != core::Direction::egress || !gates_.is_gated(rule.entry.port))
       continue;
-    // In this order: what leaves meanwhile is seen at the next time.
+    // In this order, so that frames which leave in between are seen at the next poll.
     const std::uint64_t left = gates_.frames({rule}).passed;
     const std::uint64_t came = gates_.frames({*in}).passed;
     if (left == 0) continue;
     LatestLeft& latest = leaving_[channel][{in->entry, rule.entry}];
-    // A slot that was made again counts from 0.
+    // The counters of a slot that was created again start from 0.
     if (left != latest.out || came < latest.in) latest = {came, left};
   }
 }
@@ -225,7 +228,7 @@ void DeliveryHealth::judge(const DropReports::Polled& polled) {
   const auto& [verdicts, rules] = polled;
   const std::size_t channel = verdicts.front()->channel;
   const Shared shared = shared_of(channel);
-  // Granted ones come first.
+  // Granted verdicts come first.
   bool troubled = false;
   for (std::size_t i = 0; i < verdicts.size() && verdicts[i]->granted; ++i)
     note_leaving(channel, rules[i]);
@@ -255,13 +258,13 @@ void DeliveryHealth::add_to(std::vector<std::string>& lines) const {
                                     core::name_of(state.system(), publisher.place), publisher.name,
                                     core::name_of(state.system(), v.to), line));
     }
-    // Further reasons are counted, and listed by `channels`.
+    // health_of() counts further reasons, and `channels` lists them.
     if (lines.size() > 2 * control::Health::kMostReasons) return;
   }
 }
 
 bool DeliveryHealth::is_large() const {
-  constexpr std::size_t many = 32;  // channels, each of which is examined
+  constexpr std::size_t many = 32;  // more channels than this are many, as each is examined
   if (troubled_.size() > many) return true;
   return std::ranges::any_of(troubled_, [this](std::size_t channel) {
     return channel < scene_.state->decisions().size() &&

@@ -14,18 +14,18 @@
 namespace mlcca {
 namespace {
 
-/// A publisher that has just started may need so long until its first event.
+/// The time that a publisher which has just started may need until its first event.
 constexpr std::uint64_t kFirstEvent = 1'000'000'000;  // ns
 constexpr std::uint64_t kFirstPeriods = 3;
-/// One event may be on its way from one gate to the other.
+/// Events that may be between the two gates.
 constexpr std::uint64_t kOnTheirWay = 1;
 
-/// To a millisecond.
+/// The time rounded down to a millisecond.
 std::string time(std::uint64_t ns) {
   return core::format_value(Attribute::latency, ns - ns % 1'000'000);
 }
 
-/// "18 frames on lan in the last 42 s". To a minute where it is minutes.
+/// "18 frames on lan in the last 42 s". Longer times are given in minutes.
 std::string recent_frames(const RecentDrops& recent, const std::string& network) {
   const auto seconds = std::max<std::int64_t>(recent.seconds, 1);
   return fmt::format(
@@ -33,7 +33,7 @@ std::string recent_frames(const RecentDrops& recent, const std::string& network)
       seconds < 120 ? fmt::format("{} s", seconds) : fmt::format("{} min", (seconds + 59) / 60));
 }
 
-/// Frames that were not granted may be those of the publisher.
+/// Adds the frames without a slot: they may be those of the publisher under another identifier.
 void add_unknown(const Observed& seen, std::vector<std::string>& lines) {
   const auto in = std::ranges::find(seen.passages, false, &Passage::leaves);
   if (in == seen.passages.end() || seen.unknown.frames == 0) return;
@@ -42,7 +42,7 @@ void add_unknown(const Observed& seen, std::vector<std::string>& lines) {
       recent_frames(seen.unknown, in->network), seen.latest_unknown));
 }
 
-/// Where no subscriber says how long it waits.
+/// Whether events are overdue where no subscriber states a timeout.
 bool is_late(const control::Watch& watch) {
   const std::uint64_t periods = std::max<std::uint64_t>(watch.period_ns, 1) * kFirstPeriods;
   return watch.since_last_ns > std::max(kFirstEvent, periods);
@@ -79,7 +79,7 @@ std::string excess_line(const Passage& at, const RecentDrops& excess) {
                      excess.frames == 1 ? "was" : "were");
 }
 
-/// The mode may be another one since.
+/// Says that frames passed in audit mode; the mode may have changed since.
 constexpr std::string_view kInAuditMode = " (passed in audit mode)";
 
 void add_drops(const Passage& at, std::vector<std::string>& lines) {
@@ -91,7 +91,7 @@ void add_drops(const Passage& at, std::vector<std::string>& lines) {
     lines.push_back(misfit_line(at, at.would_be_misfits).append(kInAuditMode));
 }
 
-/// A grant that carries nothing, although its events come.
+/// Adds that a granted delivery forwards nothing although its events come.
 void add_lost(const Observed& seen, std::vector<std::string>& lines) {
   const auto in = std::ranges::find_if(seen.passages,
                                        [](const Passage& p) { return !p.leaves && !p.is_shared; });
@@ -100,7 +100,7 @@ void add_lost(const Observed& seen, std::vector<std::string>& lines) {
     if (!out.leaves) continue;
     const bool none = out.frames.passed == 0;
     if (!none && (!out.latest || out.latest->out != out.frames.passed)) continue;
-    // What came in before may have left by slots that are gone.
+    // Frames that came before may have left by slots that do not exist any more.
     const std::uint64_t before = std::max(in->passed_before, none ? 0 : out.latest->in);
     const std::uint64_t came = in->frames.passed - std::min(before, in->frames.passed);
     if (came <= kOnTheirWay * in->event_frames) continue;

@@ -26,7 +26,8 @@ void add_interface(const control::Interface& i, std::vector<std::string>& to) {
                              many(i.bypassed, "frame was", "frames were"), i.name, i.network));
 }
 
-/// Of channels, by subject; empty: none of them is described. Names the first, counts the others.
+/// The line about the withdrawn channels with these subjects: names the first ones and counts the
+/// others. Empty if the description has none of them.
 std::string withdrawn_words(const core::State& state, const std::vector<std::string>& subjects) {
   constexpr std::size_t named = 8;
   std::vector<std::string> names;
@@ -57,7 +58,7 @@ std::vector<std::string> HealthReport::problems() const {
   return problems;
 }
 
-/// Of the daemon itself and of the description.
+/// Adds the problems of the daemon itself and of the description.
 void HealthReport::add_own(std::vector<std::string>& to) const {
   if (parts_.modes.is_audit())
     to.push_back(

@@ -19,7 +19,7 @@ void Modes::report() {
   if (is_audit()) log_.warning(Kind::mode, audit_line());
 }
 
-/// It is on the disk with the end of the turn, before there is an answer.
+/// The entry is on disk at the end of the turn, before the client gets its answer.
 void Modes::note_introduced() {
   if (is_to_be_introduced()) recorder_.note_introduced();
 }
@@ -31,7 +31,8 @@ std::string Modes::audit_line() const {
                          : "");
 }
 
-/// What was dropped so far is reported as what became of it, and no client has asked for it.
+/// Reports the drops so far under the mode in which they happened. No client is named as their
+/// cause.
 void Modes::report_drops() {
   const EventLog::Acting no_actor(log_, std::nullopt);
   drops_.report_all();
@@ -77,9 +78,9 @@ void Modes::restore(std::uint64_t when_clean) {
                           core::format_span(when_clean)));
 }
 
-/// What the counters say in the end decides, not what was polled until now.
+/// Decides by the final counters, because more may have been counted since the latest poll.
 void Modes::poll() {
-  if (!is_audit()) note_introduced();  // again, where the disk refused it
+  if (!is_audit()) note_introduced();  // again, if the disk refused it before
   if (when_clean() == 0 || clean() < when_clean_) return;
   report_drops();
   if (clean() < when_clean_) return;

@@ -29,7 +29,8 @@ control::Outcome outcome_of(Outcome outcome) {
   return control::Outcome::unfit;
 }
 
-/// Which of the comparisons are listed, in their order: before all others those that do not fit.
+/// The indices of the comparisons that are listed, in their order. If there are too many, those
+/// that do not fit have precedence.
 std::vector<std::size_t> listed_rows(const core::Verdict& v) {
   const std::vector<core::Row>& rows = v.rows;
   std::vector<std::size_t> listed;
@@ -48,7 +49,7 @@ std::vector<std::size_t> listed_rows(const core::Verdict& v) {
   return listed;
 }
 
-/// Nothing where the reason is about no comparison.
+/// The margin of the comparison that decided; nullopt if the reason is about no comparison.
 std::optional<control::Margin> margin_report(const core::State& state, const core::Verdict& v) {
   if (v.obstacle != core::Obstacle::none) return std::nullopt;
   const core::Row* const row = core::deciding_row(v);
@@ -65,7 +66,7 @@ std::optional<control::Margin> margin_report(const core::State& state, const cor
                          .words = core::format_margin(system, *row)};
 }
 
-/// Rates of the paths through a mesh, as its links and reservations are now.
+/// Adds the rates of a path through a mesh, with its present links and reservations.
 void add_rates(const core::State& state, const core::Verdict& v, const core::MediumUse& use,
                Own own, control::MediumUse& out) {
   const core::MeshView& view = *state.world().meshes[use.network];
@@ -123,7 +124,7 @@ control::MediumUse medium_report(const core::State& state, const core::Verdict& 
   out.network = state.system().networks[use.network].name;
   out.response_ns = use.response;
   out.guaranteed_ns = use.guaranteed;
-  // Others may have come or gone since it was decided.
+  // Other messages may have been admitted or released since the decision.
   const auto* bus = state.ledger().schedule(use.network);
   if (const auto* message = bus != nullptr ? bus->find(use.key) : nullptr;
       message != nullptr && use.guaranteed != 0 && bus->response(use.key) >= message->jitter)
@@ -178,7 +179,7 @@ control::Channel channel_report(const core::State& state, const core::Verdict& v
                         .margin = core::format_margin(system, row)});
   }
   if (v.granted) out.reaction = core::reaction(v);
-  // Without a way all that is counted is what comes in of its publisher.
+  // Without a route, the counters are those of all frames that come in from the publisher.
   out.passed = v.granted || !v.route.empty() ? frames.passed : 0;
   out.dropped = frames.dropped;
   out.would_drop = frames.would_drop;

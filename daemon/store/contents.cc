@@ -7,7 +7,7 @@
 namespace mlcca::store {
 namespace {
 
-/// Of a subject; an empty text is none.
+/// Sets the text of a subject; an empty text removes it.
 template <class Subject>
 void put(std::map<Subject, std::string>& to, const Subject& subject, const std::string& text) {
   if (text.empty())

@@ -11,7 +11,7 @@
 namespace mlcca::store::format {
 namespace {
 
-/// Of every layout, and of this one.
+/// The marks: the common part of all layouts of the file, this layout, and a batch.
 constexpr std::string_view kAnyMark = "MLCCAJ";
 constexpr std::string_view kFileMark = "MLCCAJ02";
 constexpr std::string_view kBatchMark = "BTCH";
@@ -22,7 +22,7 @@ void put(std::string& to, Integer value) {
     to.push_back(static_cast<char>((value >> (8 * i)) & 0xffU));
 }
 
-/// Takes an integer off the front, which must hold it.
+/// Removes an integer from the front of `from`, which must have enough bytes.
 template <class Integer>
 Integer take(std::string_view& from) {
   Integer value = 0;
@@ -43,7 +43,8 @@ std::uint64_t head_checksum(std::string_view head, std::uint64_t salt) {
   return crc64(head, crc64(octets(salt)));
 }
 
-/// Of what only takes something away, or sets the next id: nothing of that is alive.
+/// Whether an entry adds to the state. Entries that only remove something or set the next id are
+/// not written in a compaction.
 struct IsAlive {
   bool operator()(const Admitted&) const { return true; }
   bool operator()(const Removed&) const { return false; }
@@ -58,7 +59,7 @@ struct IsAlive {
   bool operator()(const Introduced& entry) const { return entry.done; }
 };
 
-/// What is admitted is an Admit request and nothing else.
+/// Whether an entry is valid: the request of an admission must be an Admit request.
 bool is_sound(const Entry& entry) {
   const auto* admitted = std::get_if<Admitted>(&entry);
   return admitted == nullptr || std::holds_alternative<control::Admit>(admitted->request.body);
@@ -89,7 +90,8 @@ Result<std::uint64_t> read_file_head(std::string_view bytes) {
 
 std::string encode(const Entry& entry) {
   std::string message;
-  const auto number = static_cast<std::uint32_t>(entry.index() + 1);  // as journal.proto numbers
+  const auto number =
+      static_cast<std::uint32_t>(entry.index() + 1);  // numbered as in journal.proto
   std::visit([&](const auto& one) { control::ProtobufWriter(message).put_always(number, one); },
              entry);
   std::string out;

@@ -20,12 +20,13 @@
 namespace mlcca::relay {
 namespace {
 
-constexpr int kBacklog = 512;      // that wait to be accepted: a full list costs them seconds
-constexpr int kMostAccepted = 16;  // before others have their turn
+constexpr int kBacklog =
+    512;  // connections that wait to be accepted; if the list is full, clients wait for seconds
+constexpr int kMostAccepted = 16;  // connections that are accepted before other work
 constexpr std::uint64_t kRefusalPause = 1'000'000'000;
 constexpr std::size_t kRead = std::size_t{64} << 10U;
-/// Events of a program, before those for programs here are taken out of the kernel: it keeps some
-/// hundred.
+/// The most events of a program that are handled before events for programs here are read from the
+/// kernel, which keeps some hundred.
 constexpr std::size_t kAtOnce = 16;
 
 std::string text_of(std::uint64_t subject) { return fmt::format("0x{:016x}", subject); }
@@ -39,7 +40,7 @@ std::string text_of(const sockaddr_in& address) {
 client::Options options_for(const std::string& socket) {
   client::Options out;
   out.socket = socket;
-  // Answers come as exceptions: nobody is kept waiting.
+  // Do not wait for answers: they come as exceptions.
   out.patience = std::chrono::milliseconds(0);
   return out;
 }
@@ -133,7 +134,7 @@ bool EventChannelHandler::has_share(uid_t user) const {
   return static_cast<std::size_t>(of_user) >= kMostOfUser;
 }
 
-/// At most one line a second, whoever connects.
+/// Logs at most one line per second, whoever connects.
 void EventChannelHandler::refuse(const std::string& whom_and_why, std::uint64_t now) {
   ++refused_;
   if (refused_at_ != 0 && now - refused_at_ < kRefusalPause) return;
@@ -185,7 +186,7 @@ void EventChannelHandler::accept(std::uint64_t now) {
   }
 }
 
-/// The socket would stay readable, and the loop would turn without end.
+/// Stops accepting for a while: otherwise the socket would stay readable, and the loop would spin.
 void EventChannelHandler::rest(int error, std::uint64_t now) {
   refuse("whoever connects: " + system_error("accept", error).error().text, now);
   rests_since_ = now;
@@ -219,7 +220,7 @@ void EventChannelHandler::read(int fd, std::uint64_t now) {
     ended_.emplace(fd, connection.session.why());
 }
 
-/// The kernel keeps what comes, and that the program has ended.
+/// Stops reading from a publisher. The kernel keeps its events, and also the end of its connection.
 void EventChannelHandler::hold(int fd, Connection& connection, std::uint64_t now) {
   if (connection.session.role() != LocalSession::Role::publisher) return;
   const auto known = publishers_.find(connection.session.subject());
@@ -265,12 +266,12 @@ void EventChannelHandler::close(int fd, const std::string& why) {
 
 // --- channels ------------------------------------------------------------------------------------
 
-/// Once, however many channels there are.
+/// Logs it once, however many channels there are.
 void EventChannelHandler::say_away(const std::string& why) {
   if (!std::exchange(is_away_, true)) outside_.log("mlccad is gone: " + why);
 }
 
-/// An answer that is not there yet comes as an exception.
+/// An answer that is not known yet comes later as an exception.
 void EventChannelHandler::say_answer(std::uint64_t subject, const client::Answer& answer,
                                      std::string& said) {
   if (answer.state == client::State::no_daemon) {
@@ -301,7 +302,7 @@ void EventChannelHandler::on_exception(std::uint64_t subject, const client::Exce
   outside_.log(text_of(subject) + ": " + client::name_of(exception.cause) + ": " + shared.said);
 }
 
-/// Once it is known which one the connection wants. The answer may be there at once or come later,
+/// To be called when the session knows its channel. The answer may be there at once, or come later
 /// as an exception.
 void EventChannelHandler::open_channel(int fd, Connection& connection) {
   const auto role = connection.session.role();
@@ -332,7 +333,7 @@ void EventChannelHandler::open_channel(int fd, Connection& connection) {
   }
 }
 
-/// It is said once that events are dropped, and once that they are not any more.
+/// Logs once when events begin to be dropped, and once when this ends.
 void EventChannelHandler::publish(Connection& connection,
                                   const std::vector<LocalSession::Event>& events) {
   const std::uint64_t subject = connection.session.subject();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A publisher or a subscriber joins a channel at run time.
+// The request `admit`: adds a publisher or a subscriber to a channel at run time.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -26,7 +26,8 @@
 namespace mlcca::requests {
 namespace {
 
-/// A key that was granted before is answered as now, and its lease starts again.
+/// Answers a request whose key was granted before with the present decision, and starts its lease
+/// again. nullopt if the key is new.
 std::optional<Response> admit_again(Context& context, const Asker& asker,
                                     const control::Admit& request) {
   const auto known = context.admissions.with_key(request.key);
@@ -48,7 +49,8 @@ std::optional<Response> admit_again(Context& context, const Asker& asker,
   return response;
 }
 
-/// Journal and gates have it, or neither does. The error says that nothing was changed.
+/// Writes the admission to the journal and the gates, or to neither. After an error nothing has
+/// changed.
 Result<void> put_in_force(Context& context, core::Proposal proposal,
                           const control::Request& request, const Asker& asker) {
   auto done = context.recorder.admit(request, asker.peer.uid);
@@ -83,7 +85,8 @@ Response admit_listed(Context& context, const Asker& asker, const control::Admit
   return known(context, asker, *asked);
 }
 
-/// Why the network accepts no further subscription; nothing: it does, or this is none.
+/// Why the network accepts no further subscription; nullopt if it does, or if this is no
+/// subscription.
 std::optional<std::string> exceeds_policy(const Context& context, const control::Admit& request) {
   const std::string keys = subscription_keys(request.to);
   if (!request.key.starts_with(keys)) return std::nullopt;

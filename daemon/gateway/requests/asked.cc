@@ -17,9 +17,9 @@ namespace mlcca {
 namespace {
 
 constexpr std::size_t kNamesShown = 8;
-constexpr std::uint32_t kHighestNode = 253;  // of any profile
+constexpr std::uint32_t kHighestNode = 253;  // the highest one of any profile
 constexpr std::uint32_t kLowestPriority = 127;
-constexpr std::uint32_t kAnyUser = 0xffffffff;  // what a slot holds that every user may use
+constexpr std::uint32_t kAnyUser = 0xffffffff;  // in a slot: every user may send
 constexpr std::size_t kLongestName = 63;
 
 template <class Range>
@@ -41,7 +41,7 @@ Result<core::Place> place_named(const core::State& state, const std::string& nam
                           known(state.system().networks), known(state.system().gateways)));
 }
 
-/// The node of a mesh that an end is at; nothing where it is not said.
+/// The node of a mesh at which an end is; nullopt if the request states none.
 Result<std::optional<std::uint32_t>> mesh_node_named(const core::State& state, core::Place place,
                                                      const std::string& name) {
   if (name.empty()) return std::nullopt;
@@ -59,7 +59,7 @@ Result<std::optional<std::uint32_t>> mesh_node_named(const core::State& state, c
   return static_cast<std::uint32_t>(it - nodes.begin());
 }
 
-/// Names go into one-line logs: no control characters.
+/// The name of an end. Names are logged in one line, so control characters are not allowed.
 Result<std::string> end_name(const std::string& given, const std::string& otherwise) {
   if (given.empty()) return otherwise;
   const bool plain = std::ranges::all_of(given, [](char c) { return c > ' ' && c < 127; });
@@ -69,7 +69,8 @@ Result<std::string> end_name(const std::string& given, const std::string& otherw
   return given;
 }
 
-/// What a newcomer states in each of the channel's attribute sets, of which it takes over `kept`.
+/// Sets the attributes of a new end in each of the channel's attribute sets: those of the request,
+/// and for all others what `kept` takes over from the channel.
 template <class End, class Kept>
 Result<void> set_attributes(End& end, const core::System& system,
                             const std::vector<control::Attribute>& stated, const Kept& kept) {
@@ -113,7 +114,8 @@ Result<core::Publisher> new_publisher(const core::State& state,
   core::Publisher p;
   p.channel = channel;
   p.place = from;
-  // The channel's Jitter is what subscribers ask; a publisher's own is stated by itself.
+  // The channel's Jitter is the requirement of subscribers. A publisher's Jitter is its own
+  // statement.
   const auto stated = set_attributes(p, state.system(), request.offered, [](AttributeSet base) {
     return base.clear(Attribute::jitter);
   });
@@ -147,7 +149,7 @@ Result<core::Publisher> new_publisher(const core::State& state,
       p.uid = number;
       return p;
     }
-    // Looking a name up may take as long as a directory service likes.
+    // The name is not looked up here, because a directory service may take any time.
     return fail(
         fmt::format("user '{}': a request says a user by number, such as 1000 (mlccactl "
                     "turns names into numbers)",
@@ -179,7 +181,7 @@ bool describes_subscriber(const control::ChannelRequest& r) {
   return !r.required.empty() || !r.subscriber.empty() || !r.to_node.empty();
 }
 
-/// The network of that name; nothing for a gateway.
+/// The index of the network with this name; nullopt for a gateway.
 Result<std::optional<std::size_t>> network_named(const core::State& state,
                                                  const std::string& name) {
   const auto place = place_named(state, name);
@@ -244,7 +246,8 @@ Result<std::size_t> channel_named(const core::State& state, const std::string& n
 
 namespace {
 
-/// The gateway that has the publisher's node on the publisher's network: as it, it asks for tags.
+/// The gateway that has the publisher's node number on the publisher's network: it uses this number
+/// to ask for tags. nullptr if there is none.
 const core::Gateway* gateway_with_node_of(const core::System& system, const core::Publisher& p) {
   const auto found = std::ranges::find_if(system.gateways, [&](const core::Gateway& g) {
     return std::ranges::any_of(g.ports, [&](const core::Port& port) {
@@ -254,8 +257,9 @@ const core::Gateway* gateway_with_node_of(const core::System& system, const core
   return found == system.gateways.end() ? nullptr : &*found;
 }
 
-/// Two publishers on a network that cannot be distinguished would use each other's grant, as in a
-/// description. Programs of one user on a gateway are admitted one by one, and share their limit.
+/// Refuses a publisher on a network that cannot be distinguished from another one, because each
+/// would use the other's grant. Several programs of one user on a gateway are allowed, and share
+/// their limit.
 Result<void> check_sender(const core::State& state, const core::Publisher& newcomer) {
   if (newcomer.place.kind == core::Place::Kind::gateway) return {};
   if (const auto* const other = gateway_with_node_of(state.system(), newcomer))
@@ -272,13 +276,15 @@ Result<void> check_sender(const core::State& state, const core::Publisher& newco
   return {};
 }
 
-/// Then it is policed; without that anyone could fill a network.
+/// Whether a new publisher states its traffic, so that it can be policed. Without that it could
+/// fill a network.
 bool states_traffic(const core::Publisher& p) {
   return p.attributes.has(Attribute::bandwidth) ||
          (p.attributes.has(Attribute::period) && p.attributes.has(Attribute::max_payload));
 }
 
-/// The publisher that the request means: one that is there, or a new one for the admission.
+/// Finds the publisher that the request means: an existing one, or a new one, which is added to
+/// `admission`.
 Result<void> understand_publisher(const core::State& state, const control::ChannelRequest& request,
                                   Asked& asked, core::Admission& admission) {
   if (request.from.empty()) {

@@ -18,11 +18,11 @@ namespace {
 
 namespace cc = core::cluster;
 
-constexpr std::size_t kMostRead = 64;  // entries that are read for one answer
+constexpr std::size_t kMostRead = 64;  // most entries of the store that are read for one answer
 constexpr std::size_t kLongestShown = 63;
 
-/// It is known here, by the description, an admission, or what this gateway carries for another
-/// one.
+/// Whether this gateway knows the publisher: from the description, from an admission, or because it
+/// carries the traffic for another gateway.
 bool is_published_here(const core::State& state, const control::ChannelRequest& request,
                        std::size_t channel) {
   const auto& members = state.members();
@@ -31,13 +31,14 @@ bool is_published_here(const core::State& state, const control::ChannelRequest& 
   });
 }
 
-/// The traffic of somebody who was admitted.
+/// Whether a reservation is for the traffic of an admission.
 bool is_of_admission(const cc::Taken& taken) {
   return std::ranges::any_of(taken.part.rates,
                              [](const cc::RatePart& rate) { return rate.source.admission != 0; });
 }
 
-/// The request that has brought the publisher that `request` means.
+/// The request among `asked` that brought the publisher which `request` means; nullopt if there is
+/// none.
 std::optional<control::Admit> bringing(const cluster::Asked& asked,
                                        const control::ChannelRequest& request) {
   for (const auto* all : std::array{&asked.requests, &asked.also})

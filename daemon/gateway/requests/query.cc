@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Would it be admitted? Nothing changes.
+// The request `query`: what would be decided. Changes nothing.
 #include <variant>
 
 #include "daemon/gateway/channel_reports.hpp"
@@ -17,7 +17,7 @@ Body would_be(Context& context, const control::Query& request, const Asked& aske
   const core::Proposal proposal = as_it_could_be(context, *asked.admission);
   if (const auto lack = proposal.exceeds_capacity(context.scene.self)) return invalid(*lack);
   Body body = outcome_of(context, proposal, asked, "decide");
-  // Nothing is admitted: there is no number by which it could be released.
+  // Nothing is admitted, so there is no id that could be released.
   if (auto* const would_be = std::get_if<control::Channels>(&body))
     for (control::Channel& channel : would_be->channels)
       if (channel.admission == asked.admission->id) channel.admission = 0;

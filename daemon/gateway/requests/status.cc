@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the gateway is, how its interfaces are, and what is wrong.
+// The request `status`: the gateway, its interfaces, and what is wrong.
 #include "control/version.hpp"
 #include "daemon/gateway/delivery_health.hpp"
 #include "daemon/gateway/health_report.hpp"
