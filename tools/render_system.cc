@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the gateway is: its status, interfaces and networks.
+// Renders the status of the gateway, its interfaces and its networks.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -39,7 +39,7 @@ Cell number(std::uint64_t n, Style style = Style::plain) {
   return {fmt::format("{}", n), n == 0 ? Style::plain : style};
 }
 
-/// Of what only audit mode counts.
+/// A counter that only audit mode increases; an empty cell for 0.
 Cell number_if_any(std::uint64_t n) {
   return n == 0 ? Cell{} : Cell{fmt::format("{}", n), Style::warning};
 }
@@ -238,7 +238,7 @@ std::string render(const control::Status& status, Color color) {
        fmt::format("{}, lapsed {}", print_duration(status.grace_ns),
                    status.lapses == 1 ? "once" : many(status.lapses, "time")),
        status.lapses == 0 ? Style::plain : Style::warning);
-  // The health of a newer daemon has all of this among its reasons.
+  // For a newer daemon the reasons of its health include these.
   const bool older = status.health.state == control::HealthState::unknown;
   if (older && !status.problem.empty()) line("problem", status.problem, Style::bad);
   if (older && !status.last_error.empty()) line("last reload", status.last_error, Style::bad);

@@ -20,7 +20,7 @@ Result<void> Readers::start() {
 }
 
 void Readers::send(std::span<const std::uint8_t> packet) const {
-  // On again where there were no descriptors when a reader connected.
+  // Accepts again, if there were no descriptors when a reader connected.
   sd_event_source_set_enabled(source_.get(), SD_EVENT_ON);
   // NOLINTBEGIN(bugprone-unused-return-value): who has hung up is noticed by on_hangup
   for (const auto& [fd, reader] : readers_)
@@ -31,13 +31,13 @@ void Readers::send(std::span<const std::uint8_t> packet) const {
 int Readers::on_connection(sd_event_source*, int listening, std::uint32_t, void* self) noexcept {
   auto& readers = *static_cast<Readers*>(self);
   Fd socket(::accept4(listening, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
-  // The socket would stay readable, and the loop would turn without end.
+  // Otherwise the socket would stay readable, and the loop would spin.
   if (!socket && errno != EAGAIN && errno != EINTR && errno != ECONNABORTED)
     sd_event_source_set_enabled(readers.source_.get(), SD_EVENT_OFF);
   if (!socket || readers.readers_.size() >= kMost) return 0;
   const int fd = socket.get();
   sd_event_source* raw = nullptr;
-  // Nothing is to be read from a reader: the end is all that is awaited.
+  // Readers send nothing; only the end of their connections is awaited.
   if (sd_event_add_io(readers.loop_, &raw, fd, EPOLLRDHUP, on_hangup, self) < 0) return 0;
   readers.readers_.insert_or_assign(fd, Reader{std::move(socket), Source(raw)});
   return 0;

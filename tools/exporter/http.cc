@@ -18,8 +18,8 @@ namespace mlcca::exporter {
 namespace {
 
 constexpr unsigned kConnections = 16;
-constexpr unsigned kQuiet = 10;         // s without anything
-constexpr std::uint64_t kLongest = 20;  // s, whatever comes
+constexpr unsigned kQuiet = 10;         // s without any traffic of the connection
+constexpr std::uint64_t kLongest = 20;  // s for a connection, whatever is sent
 constexpr std::size_t kRequestMemory = 16UL * 1024;
 constexpr std::uint64_t kSecond = 1'000'000'000;  // ns
 constexpr int kRound = 1000;                      // ms
@@ -30,13 +30,13 @@ constexpr std::string_view kNotAllowed = "Only GET and HEAD are possible.\n";
 MHD_Result answer(MHD_Connection* connection, unsigned status, std::string_view body,
                   const char* content_type) {
   const std::unique_ptr<MHD_Response, FreeWith<MHD_destroy_response>> response(
-      // It copies; its parameter is not const.
+      // The function copies the bytes, although its parameter is not const.
       MHD_create_response_from_buffer(body.size(),
                                       const_cast<char*>(body.data()),  // NOLINT(*-const-cast)
                                       MHD_RESPMEM_MUST_COPY));
   if (!response) return MHD_NO;
   MHD_add_response_header(response.get(), MHD_HTTP_HEADER_CONTENT_TYPE, content_type);
-  // One request each: the time of a connection is then the time of a request.
+  // A connection has one request, so its time limit is that of the request.
   MHD_add_response_header(response.get(), MHD_HTTP_HEADER_CONNECTION, "close");
   if (status == MHD_HTTP_METHOD_NOT_ALLOWED)
     MHD_add_response_header(response.get(), MHD_HTTP_HEADER_ALLOW, "GET, HEAD");
@@ -51,16 +51,16 @@ MHD_Result Http::on_request(void* self, MHD_Connection* connection, const char* 
                             void** state) noexcept {
   constexpr const char* text = "text/plain; charset=utf-8";
   const std::string_view asked(method);
-  // Also before a body has come.
+  // Checked at once, before a body has come.
   if (asked != MHD_HTTP_METHOD_GET && asked != MHD_HTTP_METHOD_HEAD)
     return answer(connection, MHD_HTTP_METHOD_NOT_ALLOWED, kNotAllowed, text);
-  // The first call comes with the header, the last one when all has come.
+  // The first call comes after the header, the last one when the request is complete.
   static char seen = 0;
   if (*state == nullptr) {
     *state = &seen;
     return MHD_YES;
   }
-  if (*upload_size != 0) return MHD_NO;  // a body of a GET
+  if (*upload_size != 0) return MHD_NO;  // the body of a GET
   if (std::string_view(url) != "/metrics")
     return answer(connection, MHD_HTTP_NOT_FOUND, kNotFound, text);
   return answer(connection, MHD_HTTP_OK, static_cast<Http*>(self)->page_(), kContentType);
@@ -81,7 +81,7 @@ void Http::on_connection(void* self, MHD_Connection* connection, void** /*state*
 
 Result<std::unique_ptr<Http>> Http::serve(const Fd& listening, Page page) {
   std::unique_ptr<Http> http(new Http(std::move(page)));
-  // MHD_stop_daemon closes what it is given.
+  // MHD_stop_daemon closes the descriptor that it is given.
   const int given = ::fcntl(listening.get(), F_DUPFD_CLOEXEC, 0);  // NOLINT(*-vararg)
   http->daemon_.reset(MHD_start_daemon(                            // NOLINT(*-vararg)
       MHD_USE_EPOLL, 0, nullptr, nullptr, on_request, http.get(), MHD_OPTION_LISTEN_SOCKET, given,
@@ -105,7 +105,7 @@ int Http::patience() const {
   return static_cast<int>(ms);
 }
 
-/// Somebody waits to be accepted.
+/// Whether a connection waits to be accepted.
 bool Http::is_awaited() const {
   pollfd waiting{.fd = listening_, .events = POLLIN, .revents = 0};
   return ::poll(&waiting, 1, 0) > 0;
@@ -115,14 +115,16 @@ void Http::turn() {
   const std::uint64_t now = monotonic_ns();
   if (rests_since_ && now - *rests_since_ < kSecond) return;
   rests_since_.reset();
-  // libmicrohttpd sees the end of it, and closes. Its own limit begins again with each byte.
+  // Connections that are too old are shut down here, because the limit of libmicrohttpd starts
+  // again with each byte.
   for (const auto& [connection, since] : since_)
     if (now - since > kLongest * kSecond) ::shutdown(connection, SHUT_RDWR);
   const std::uint64_t accepted = accepted_;
   const bool awaited = is_awaited();
   MHD_run(daemon_.get());
-  // For lack of descriptors or memory. While there are connections, libmicrohttpd waits for the end
-  // of one; without any the socket would stay readable, and the loop would turn without end.
+  // It accepted nothing, for lack of descriptors or memory. While there are connections,
+  // libmicrohttpd waits for the end of one. Without any, the socket would stay readable, and the
+  // loop would spin.
   if (awaited && accepted_ == accepted && is_idle() && is_awaited()) rests_since_ = now;
 }
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// GET /metrics over HTTP/1.1, by GNU libmicrohttpd, in the one thread of the program. A request has
-// at most 16 KiB in front of its body, a connection one request and 20 s, and there are at most 16
-// connections at once: whoever can reach the port cannot hold more.
+// The HTTP server of mlcca-exporter.
 #pragma once
 #include <microhttpd.h>
 
@@ -17,20 +15,24 @@
 
 namespace mlcca::exporter {
 
+/// Answers GET /metrics over HTTP/1.1 by GNU libmicrohttpd, in the only thread of the program. The
+/// resources that clients can use are bounded: 16 connections at once, one request and 20 s for
+/// each of them, and 16 KiB for the header of a request.
 class Http {
  public:
-  /// What a request of /metrics is answered with.
+  /// Makes the body of the answer to /metrics.
   using Page = std::function<std::string()>;
 
-  /// Answers at `listening`, which does not block.
+  /// Serves on `listening`, a listening socket that does not block. It is duplicated.
   static Result<std::unique_ptr<Http>> serve(const Fd& listening, Page page);
 
-  /// Can be read when turn() has something to do. -1: nothing is to be waited for but patience().
+  /// A descriptor that is readable when turn() has something to do; -1 if only the time of
+  /// patience() is to be waited for.
   [[nodiscard]] int fd() const { return rests_since_ ? -1 : fd_; }
-  /// ms until turn() has something to do in any case.
+  /// The longest time in ms after which turn() must be called.
   [[nodiscard]] int patience() const;
   void turn();
-  /// Nobody is connected.
+  /// Whether there is no connection.
   [[nodiscard]] bool is_idle() const { return since_.empty(); }
 
  private:
@@ -45,9 +47,10 @@ class Http {
   Page page_;
   int fd_ = -1;
   int listening_ = -1;
-  std::uint64_t accepted_ = 0;                ///< connections
-  std::optional<std::uint64_t> rests_since_;  ///< none can be accepted, monotonic ns
-  std::map<int, std::uint64_t> since_;        ///< when each connection was made, monotonic ns
+  std::uint64_t accepted_ = 0;                ///< number of accepted connections so far
+  std::optional<std::uint64_t> rests_since_;  ///< since when none can be accepted, monotonic ns
+  std::map<int, std::uint64_t>
+      since_;  ///< time at which each connection was accepted, monotonic ns, by socket
   std::unique_ptr<MHD_Daemon, FreeWith<MHD_stop_daemon>> daemon_;
 };
 

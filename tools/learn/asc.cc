@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Logs of Vector tools in text:
+// Reader for logs of Vector tools in text form:
 //
 //   date Wed Apr 20 10:10:10 am 2016
 //   base hex  timestamps absolute
@@ -7,7 +7,7 @@
 //      2.502000 1  18EBFF00x       Rx   d 8 01 A0 0F A6 60 3B D1 40
 //      2.503000 CANFD   1 Rx  223  1 0 d 16 01 02 …
 //
-// Some have the name of a message in the place of its identifier, which then is at the end:
+// Some lines have the name of a message instead of its identifier, which then is at their end:
 //
 //      2.504000 1  EngineData      Rx   d 2 01 02  Length = 135910 BitCount = 70 ID = 547
 #include <algorithm>
@@ -26,7 +26,7 @@
 namespace mlcca::learn {
 namespace {
 
-/// What a program wanted to send: when it is on the bus it has a line of its own.
+/// Marks a frame that a program wanted to send. There is another line for it when it is on the bus.
 constexpr std::string_view kAskedFor = "TxRq";
 
 class Asc {
@@ -49,7 +49,7 @@ class Asc {
   }
 
  private:
-  /// "hex  timestamps absolute"
+  /// Reads a line such as "hex  timestamps absolute".
   void take_base(std::string_view line) {
     base_ = next_word(line) == "dec" ? kDecimalBase : kHexadecimalBase;
     next_word(line);
@@ -84,7 +84,8 @@ class Asc {
     return *id | (extended ? kExtended : 0);
   }
 
-  /// The number behind "ID =", which is decimal, where the word is or may be a name: "AB".
+  /// The identifier of a frame. If the word is or may be a name ("AB"), it is the decimal number
+  /// after "ID =".
   [[nodiscard]] std::optional<std::uint32_t> identifier_of(std::string_view word,
                                                            std::string_view rest) const {
     constexpr std::string_view before = " ID = ";
@@ -97,7 +98,7 @@ class Asc {
     return stated ? stated : written;
   }
 
-  /// So many bytes, each a word.
+  /// Reads `size` bytes, each of which is one word.
   bool take_data(std::string_view& line, std::size_t size, Frame& frame) {
     if (size > data_.size()) return false;
     for (std::size_t i = 0; i < size; ++i) {

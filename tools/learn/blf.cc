@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Logs of Vector tools in binary: a header "LOGG", then objects "LOBJ", of which containers hold
-// others, compressed by zlib. Numbers are little-endian. An object may begin in one container and
-// end in the next one.
+// Reader for logs of Vector tools in binary form: a header "LOGG", then objects "LOBJ". Objects in
+// containers are compressed by zlib. Numbers are little-endian. An object may begin in one
+// container and end in the next one.
 #include <zlib.h>
 
 #include <algorithm>
@@ -22,13 +22,14 @@ constexpr std::uint32_t kFdMessage = 100;
 constexpr std::uint32_t kFdMessage64 = 101;
 constexpr std::uint32_t kObject = 0x4a424f4c;  // "LOBJ"
 constexpr std::uint32_t kNothing = 0;
-constexpr std::uint32_t kLongestObject = 1U << 20U;      // of which one is a frame
+constexpr std::uint32_t kLongestObject = 1U << 20U;      // longest object that may be a frame
 constexpr std::uint32_t kLargestContainer = 64U << 20U;  // uncompressed; tools write 128 KiB
-constexpr std::uint32_t kLargestObject = kLargestContainer + (1U << 16U);  // of the file
+constexpr std::uint32_t kLargestObject =
+    kLargestContainer + (1U << 16U);  // longest object in the file
 constexpr std::uint32_t kLargestHeader = 1U << 16U;
-constexpr std::size_t kHeader = 16;            // that all objects have
-constexpr std::size_t kBefore = 32;            // of a container, what is before its data
-constexpr std::uint32_t kTenMicroseconds = 1;  // unit of times; else ns
+constexpr std::size_t kHeader = 16;            // length of the header that all objects have
+constexpr std::size_t kBefore = 32;            // length of a container before its data
+constexpr std::uint32_t kTenMicroseconds = 1;  // unit of times; otherwise ns
 
 template <class Number>
 Number at(Bytes bytes, std::size_t offset) {
@@ -68,8 +69,8 @@ class Blf {
   }
 
  private:
-  /// The file ends within this object, as it does when its writer was ended: what is complete in a
-  /// container is taken.
+  /// The file ends within this object, because its writer was killed. Uses what is complete in a
+  /// container.
   Result<void> take_cut(Bytes object, std::uint64_t offset, std::uint64_t size) {
     if (at<std::uint32_t>(object, 12) == kContainer && object.size() > kBefore)
       (void)open_container(object, true);
@@ -81,7 +82,8 @@ class Blf {
     return {};
   }
 
-  /// What there is of a container whose end is missing.
+  /// Decompresses a container whose end is missing, as far as possible. Returns the number of
+  /// bytes.
   static std::size_t uncompress_cut(Bytes packed, std::span<std::uint8_t> to) {
     z_stream stream{};
     if (::inflateInit(&stream) != Z_OK) return 0;
@@ -122,7 +124,7 @@ class Blf {
     return take_objects();
   }
 
-  /// All that are complete; what is left is the beginning of one.
+  /// Handles all complete objects, and keeps the beginning of an incomplete one.
   Result<void> take_objects() {
     const Bytes all(rest_);
     std::size_t offset = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A line of candump -l: "(1436509052.249713) can0 123#1122", FD frames as 123##1AABB with their
-// flags in one digit, remote frames as 123#R or 123#R8, and at the end, with -x, R for received and
-// T for sent.
+// Reader for logs of candump -l: "(1436509052.249713) can0 123#1122". FD frames are 123##1AABB,
+// with their flags in one digit, and remote frames 123#R or 123#R8. With -x, lines end with R
+// (received) or T (sent).
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -23,7 +23,7 @@ int digit_of(char c) {
   return -1;
 }
 
-/// Digits of any number, until something else comes; how many, and their value.
+/// Hexadecimal or decimal digits at the start of a word: how many there are, and their value.
 struct Digits {
   std::uint64_t value = 0;
   std::size_t count = 0;
@@ -36,7 +36,8 @@ Digits decimal_at(std::string_view text) {
   return out;
 }
 
-/// "123" or "18FEF100", cut off the word with the '#' behind it; false: it is no identifier.
+/// Cuts an identifier such as "123" or "18FEF100", and the '#' after it, off the word. False if it
+/// is not one.
 bool take_identifier(std::string_view& word, std::uint32_t& id) {
   constexpr std::size_t standard = 3;
   constexpr std::size_t extended = 8;
@@ -52,7 +53,8 @@ bool take_identifier(std::string_view& word, std::uint32_t& id) {
   return at == extended || id <= 0x7ff;
 }
 
-/// "1122", with or without dots between the bytes; nothing: it is no data.
+/// The number of data bytes such as "1122", with or without dots in between; nullopt if they are
+/// not data.
 std::optional<std::size_t> take_data(std::string_view word, std::size_t most,
                                      std::array<std::uint8_t, kMostData>& data) {
   std::size_t size = 0;
@@ -69,7 +71,7 @@ std::optional<std::size_t> take_data(std::string_view word, std::size_t most,
   return size;
 }
 
-/// "123#1122": false: it is no frame.
+/// Reads a frame such as "123#1122". False if it is not one.
 bool take_frame(std::string_view word, Frame& frame, std::array<std::uint8_t, kMostData>& data) {
   if (!take_identifier(word, frame.id)) return false;
   frame.fd = word.starts_with('#');
@@ -124,7 +126,7 @@ void pass_over_line(Recording& recording, const Lines& lines, std::string_view w
 
 Result<void> read_candump(Recording& recording) {
   Lines lines(recording.input);
-  std::string name;  // of the latest interface, which is mostly that of the next line
+  std::string name;  // name of the latest interface; usually the next line has the same
   std::uint32_t number = 0;
   std::array<std::uint8_t, kMostData> data{};
   while (lines.next()) {

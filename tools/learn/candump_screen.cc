@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What candump shows on a screen: " (1436509052.249713)  can0  123   [2]  11 22", FD frames with
-// two digits in the brackets, remote frames as "[2]  remote request", and with -x "RX - -" or "TX -
-// -" behind the interface. The times of -ta and -tz can be used.
+// Reader for the output of candump on a screen: " (1436509052.249713)  can0  123   [2]  11 22". FD
+// frames have two digits in the brackets, remote frames "[2]  remote request". With -x, "RX - -" or
+// "TX - -" follows the interface. Times must be those of -ta or -tz.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kMostShown = 64;
 constexpr std::size_t kClassicShown = 8;
-/// "[8]" or "[08]": how many bytes, and whether it is an FD frame.
+/// The brackets of a frame: "[8]", or "[08]" for an FD frame.
 struct Brackets {
   std::size_t bytes = 0;
   bool fd = false;
@@ -33,7 +33,7 @@ std::optional<Brackets> brackets_of(std::string_view word) {
   return Brackets{*bytes, fd};
 }
 
-/// "123" or "18FEF100".
+/// Reads an identifier such as "123" or "18FEF100".
 std::optional<std::uint32_t> identifier_of(std::string_view word) {
   constexpr std::size_t standard = 3;
   constexpr std::size_t extended = 8;
@@ -45,7 +45,7 @@ std::optional<std::uint32_t> identifier_of(std::string_view word) {
 
 using Shown = std::array<std::uint8_t, kMostShown>;
 
-/// What is behind the time; false: it is no frame.
+/// Reads the part of a line after the time. False if it is not a frame.
 bool take_shown(std::string_view line, std::string_view& interface, Frame& frame, Shown& data) {
   interface = next_word(line);
   auto word = next_word(line);
@@ -76,7 +76,7 @@ bool take_shown(std::string_view line, std::string_view& interface, Frame& frame
   return true;
 }
 
-/// The first line with something on it.
+/// The first line that is not empty.
 std::string_view first_line(Bytes bytes) {
   Lines lines(bytes.first(std::min<std::size_t>(bytes.size(), Lines::kLongest)));
   while (lines.next()) {
@@ -86,7 +86,7 @@ std::string_view first_line(Bytes bytes) {
   return {};
 }
 
-/// Lines of candump -L without their times: "can0 123#1122", or the frame alone.
+/// Whether a line is like those of candump -L without the time: "can0 123#1122", or only the frame.
 bool is_frame_alone(std::string_view line) {
   const auto first = next_word(line);
   if (first.starts_with('(')) return false;
@@ -100,7 +100,7 @@ bool is_shown_frame(std::string_view behind_time) {
   return take_shown(behind_time, interface, frame, data);
 }
 
-/// Times that mostly do not grow are those between two frames.
+/// Whether the times of a text are differences between frames: then most of them do not increase.
 bool are_between_frames(Bytes bytes) {
   constexpr std::size_t most = 1000;
   Lines lines(bytes);
@@ -119,7 +119,8 @@ bool are_between_frames(Bytes bytes) {
   return smaller * 10 > steps;
 }
 
-constexpr std::size_t kHeadOfText = std::size_t{64} << 10U;  // in which times are compared
+constexpr std::size_t kHeadOfText = std::size_t{64}
+                                    << 10U;  // length of the text in which times are compared
 constexpr const char* kInstead = ": record with candump -l, or with candump -ta";
 
 }  // namespace

@@ -15,9 +15,10 @@
 namespace mlcca::learn {
 namespace {
 
-constexpr double kRegular = 0.9;         // share of gaps near the median, of what is periodic
-constexpr std::uint64_t kBurst = 32;     // events at once, of what is aperiodic
-constexpr std::uint64_t kFarApart = 10;  // longest gap over the median, of what is aperiodic
+constexpr double kRegular = 0.9;      // share of gaps near the median from which a flow is periodic
+constexpr std::uint64_t kBurst = 32;  // most events of a burst of an aperiodic flow
+constexpr std::uint64_t kFarApart =
+    10;  // longest gap over the median from which a flow is aperiodic
 
 }  // namespace
 
@@ -64,7 +65,7 @@ Times times_of_few(const Flow& flow, OfFew few) {
   return out;
 }
 
-/// As people state it, and as long as a gap that was seen.
+/// The median gap rounded as people state it, and within the gaps that were seen.
 std::uint64_t usual_gap(const Flow& flow) {
   return std::clamp(tools::nominal(flow.median_gap()), flow.shortest_gap(), flow.longest_gap());
 }
@@ -73,8 +74,8 @@ std::uint64_t usual_gap(const Flow& flow) {
 
 namespace {
 
-/// Of a regular flow: the rates whose Period its cycle keeps without an event that a gate would
-/// count as missing, which it does from one and a half of a Period on.
+/// For a periodic flow: the rates with such Periods that its cycle has no event which a gate would
+/// count as missing. A gate does that from 1.5 Periods on.
 std::vector<Rate> rates_of_cycle(const Flow& flow, const std::vector<Rate>& rates) {
   const std::uint64_t median = flow.median_gap();
   const std::uint64_t shortest =
@@ -90,9 +91,10 @@ struct Chosen {
   bool on_events = false;
 };
 
-/// Of a cycle nothing is early by more than half of it, unless there are events in between. Then it
-/// is the longest Period by which they do not add up, and a little shorter than the cycle, since
-/// each would count for ever by one that is as long.
+/// Chooses a rate for a cycle. If no event is early by more than half a cycle, that is its rate.
+/// Otherwise there are events in between: then it is the longest Period at which they do not
+/// accumulate, which is a little shorter than the cycle, because with the cycle itself each would
+/// count for ever.
 std::optional<Chosen> rate_of_cycle(const std::vector<Rate>& rates, std::uint64_t median) {
   for (const Rate& rate : rates)
     if (rate.early <= rate.period / 2) return Chosen{rate, false};
@@ -104,7 +106,7 @@ std::optional<Chosen> rate_of_cycle(const std::vector<Rate>& rates, std::uint64_
   return Chosen{rates.back(), true};
 }
 
-/// The one that all events kept, early by as many as a burst may have at most.
+/// The longest Period that all events kept, if a burst may be early by kBurst Periods.
 Rate rate_of_others(const std::vector<Rate>& rates) {
   for (const Rate& rate : rates)
     if (rate.early <= rate.period * kBurst) return rate;
@@ -166,9 +168,9 @@ std::uint64_t omission_of(const Flow& flow, std::uint64_t period) {
 
 namespace {
 
-/// A channel on one CAN interface, or a subject wherever it is.
+/// The key of a channel: its number on one CAN interface, or its subject on all Ethernets.
 using Key = std::pair<std::uint32_t, std::uint64_t>;
-constexpr std::uint32_t kAnyEthernet = UINT32_MAX;  // in the place of an interface
+constexpr std::uint32_t kAnyEthernet = UINT32_MAX;  // replaces the interface
 
 class Collector {
  public:
@@ -194,7 +196,7 @@ class Collector {
   [[nodiscard]] bool is_ethernet(std::uint32_t interface) const {
     return observer_.interfaces()[interface].medium == Medium::ethernet;
   }
-  /// Control traffic is a channel only where it crosses.
+  /// Whether a flow belongs to a channel. Control traffic does only if it crosses the gateway.
   [[nodiscard]] bool is_followed(const FlowKey& key) const {
     if (observer_.flows().at(key).control && !crossing_.contains(key)) return false;
     return !is_ethernet(key.interface) ||
@@ -217,8 +219,8 @@ class Collector {
     return at;
   }
 
-  /// Makes the channel of a copy the one of its origin, unless a network had two numbers of it
-  /// then.
+  /// Joins the channel of a copy with the one of its origin, unless a network then had two numbers
+  /// of it.
   void join(const FlowKey& copy) {
     const FlowKey& origin = *observer_.flows().at(copy).origin;
     if (!is_followed(origin)) return;
@@ -234,7 +236,8 @@ class Collector {
     joined_.insert(copy);
   }
 
-  /// It came from another flow, over several interfaces perhaps, that began somewhere.
+  /// Whether a flow is a copy of another flow that began somewhere, perhaps over several
+  /// interfaces.
   [[nodiscard]] bool is_copy(const FlowKey& key) const {
     constexpr int most_interfaces = 64;
     const FlowKey* at = &key;
@@ -243,7 +246,7 @@ class Collector {
       if (!seen.origin || !joined_.contains(*at)) return at != &key;
       at = &*seen.origin;
     }
-    return false;  // in a circle: nothing began
+    return false;  // copies in a circle have no beginning
   }
 
   void put(const FlowKey& key, const Seen& seen) {
@@ -270,13 +273,15 @@ class Collector {
     add_source(channel, {key, &seen, times_of(seen.flow)});
   }
 
-  /// Of a program of this host: none on Ethernet, and none where the profile has no nodes.
+  /// The node number of a program of this host; nullopt on Ethernet and if the profile has no
+  /// nodes.
   [[nodiscard]] std::optional<std::uint32_t> node_of(const FlowKey& key) const {
     const bool has = !is_ethernet(key.interface) &&
                      core::has_nodes(observer_.interfaces()[key.interface].recognised->profile);
     return has ? std::optional(key.node) : std::nullopt;
   }
-  /// Programs of this host that no node distinguishes are one publisher, on all interfaces.
+  /// Adds a publisher. Programs of this host that have no different nodes are one publisher on all
+  /// interfaces.
   void add_source(Channel& channel, Source source) const {
     if (source.key.local)
       for (Source& other : channel.sources)
@@ -290,12 +295,12 @@ class Collector {
 
   const Observer& observer_;
   std::map<Key, std::size_t> numbers_;
-  /// Channels that are one: their numbers by interface, or kAnyEthernet. On a bus each has one
-  /// number, and on all Ethernets one subject.
+  /// Joined channels: their numbers by interface, or kAnyEthernet. A channel has one number on each
+  /// bus, and one subject on all Ethernets.
   std::vector<std::map<std::uint32_t, std::uint64_t>> groups_;
   std::vector<std::size_t> parents_;
   std::set<FlowKey> joined_;
-  std::set<FlowKey> crossing_;               ///< what crosses, and what it comes from
+  std::set<FlowKey> crossing_;  ///< flows that cross the gateway, and those from which they come
   std::map<std::size_t, Channel> channels_;  ///< by group
 };
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which channels were seen: what begins somewhere and what goes on to other interfaces, put
-// together, and what is stated of the times of each publisher.
+// Derives the event channels from the observed traffic.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -13,27 +12,27 @@
 
 namespace mlcca::learn {
 
-/// What is stated of the times of a flow.
+/// The timing that is stated for a flow.
 struct Times {
-  std::uint64_t period = 0;  ///< ns
+  std::uint64_t period = 0;  ///< ns between events
   std::uint64_t jitter = 0;  ///< ns
   bool periodic = false;
-  bool on_events = false;  ///< periodic, and further events come in between
-  bool bursts = false;     ///< not periodic, and many events come soon after another
-  bool assumed = false;    ///< nothing says how often it comes
-  std::string seen;        ///< in words, with the margin
+  bool on_events = false;  ///< periodic, with further events in between
+  bool bursts = false;     ///< not periodic, and many events come in quick succession
+  bool assumed = false;    ///< the traffic does not show how often events come
+  std::string seen;        ///< the observation in words, with the margin
 };
-/// What the Period of a flow with few events is.
+/// How the Period of a flow with few events follows from the mean of its gaps.
 enum class OfFew : std::uint8_t { half_the_mean, the_mean };
 [[nodiscard]] Times times_of(const Flow& flow, OfFew few = OfFew::half_the_mean);
-/// Events that were lost in a row at most, of one in each `period`, ns.
+/// The most events that were lost in a row, if one was sent in each `period` (ns).
 [[nodiscard]] std::uint64_t omission_of(const Flow& flow, std::uint64_t period);
 
-/// To three digits, for people.
+/// A time for people, with three digits.
 [[nodiscard]] std::string about(std::uint64_t ns);
-/// To two digits.
+/// The value rounded up to two significant digits.
 [[nodiscard]] std::uint64_t rounded_up(std::uint64_t value);
-/// So many percent more, rounded up to two digits.
+/// The value plus a margin in percent, rounded up to two significant digits.
 [[nodiscard]] std::uint64_t with_margin(std::uint64_t value, unsigned percent);
 
 /// One publisher of a channel.
@@ -43,30 +42,31 @@ struct Source {
   Times times;
 };
 
-/// What a channel has on one interface, whoever sends it there.
+/// The frames of a channel on one interface, whoever sends them there.
 struct Place {
-  std::uint64_t number = 0;  ///< see Event
+  std::uint64_t number = 0;  ///< see Event::number
   bool fd = false;
   bool classic = false;
   bool remote = false;
-  bool local = false;  ///< a program of this host sends there, of its own
+  bool local = false;  ///< a program of this host sends there, not only copies
   std::set<std::uint32_t> priorities;
-  std::optional<Crossing> crossing;  ///< copies were seen there
-  std::uint32_t node = 0;            ///< of who sent the copies
-  /// The copies have another identifier than on the bus that they came from.
+  std::optional<Crossing> crossing;  ///< copies of frames from another interface were seen there
+  std::uint32_t node = 0;            ///< node number in the copies
+  /// The copies have another identifier than on the bus from which they came.
   std::optional<Crossings::Found> renumbered;
 };
 
+/// A channel, with everything that was observed of it on all interfaces.
 struct Channel {
-  std::uint32_t interface = 0;            ///< where it begins, the first one
-  std::uint64_t number = 0;               ///< there
-  std::optional<std::uint64_t> subject;   ///< where it was seen on Ethernet
+  std::uint32_t interface = 0;            ///< the first interface where it begins
+  std::uint64_t number = 0;               ///< its number there
+  std::optional<std::uint64_t> subject;   ///< known only if it was seen on Ethernet
   std::vector<Source> sources;            ///< at least one
   std::map<std::uint32_t, Place> places;  ///< by interface
 };
 
-/// In the order of interface and number. What is on an Ethernet whose traffic is not FAMOUSO's is
-/// left out.
+/// The observed channels, in the order of interface and number. Ethernet traffic that is not
+/// FAMOUSO's is left out.
 [[nodiscard]] std::vector<Channel> channels_of(const Observer& observer);
 
 }  // namespace mlcca::learn

@@ -15,7 +15,7 @@ bool Decoder::is_control(const Frame& frame) const {
   return tools::is_control(profile_, frame.id & (kExtended | kIdentifierBits));
 }
 
-/// CiA 301: of 0x700 and the number of the node, one byte with its state.
+/// CANopen heart-beat (CiA 301): identifier 0x700 plus the node number, one byte with the state.
 bool Decoder::is_heart_beat(const Frame& frame) {
   const std::uint32_t id = frame.id & (kExtended | kIdentifierBits);
   return id > 0x700 && id <= 0x77f && frame.data.size() == 1 && (frame.id & kRemote) == 0;
@@ -68,7 +68,8 @@ void Decoder::take(const Frame& frame, const OnEvent& on_event) {
     on_event(event);
 }
 
-/// The answer of the broker has two frames: node, which half, tag, four bytes of the subject.
+/// An answer of the FAMOUSO broker has two frames, each with node, half, tag, and four bytes of the
+/// subject.
 void Decoder::take_binding(const Frame& frame) {
   constexpr std::uint32_t answer = 0x1f5fc004;
   const auto& data = frame.data;
@@ -82,8 +83,8 @@ void Decoder::take_binding(const Frame& frame) {
     subscribe_tag_ = tag;
 }
 
-/// SAE J1939-21: a message of more than 8 bytes is announced, with its length and PGN; the packets
-/// behind it are its data.
+/// Transport protocol (SAE J1939-21): a message of more than 8 bytes is announced with its length
+/// and PGN, and the following packets carry its data.
 void Decoder::take_j1939(const Frame& frame, Event event, const OnEvent& on_event) {
   constexpr std::uint32_t connection = 0xec00;
   constexpr std::uint8_t broadcast = 32;
@@ -107,8 +108,8 @@ void Decoder::take_j1939(const Frame& frame, Event event, const OnEvent& on_even
   on_event(event);
 }
 
-/// Cyphal/CAN: the last byte of a frame says whether it is the first or the last one of a transfer,
-/// and a transfer of several frames ends with a CRC of two bytes.
+/// Cyphal/CAN: the last byte of a frame says whether it is the first or last one of a transfer. A
+/// transfer of several frames ends with a CRC of two bytes.
 void Decoder::take_cyphal(const Frame& frame, Event event, const OnEvent& on_event) {
   if (frame.data.empty()) {
     ++others_;
@@ -125,7 +126,7 @@ void Decoder::take_cyphal(const Frame& frame, Event event, const OnEvent& on_eve
     go_on(frame.id & kIdentifierBits, event, first, last, 2, on_event);
 }
 
-/// FAMOUSO: fragments begin with how many follow.
+/// FAMOUSO: a fragment begins with the number of fragments that follow.
 void Decoder::take_fragment(const Frame& frame, Event event, const OnEvent& on_event) {
   if (frame.data.empty()) return;
   const std::uint8_t head = frame.data.front();

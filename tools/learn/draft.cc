@@ -30,12 +30,11 @@ namespace {
 using core::Profile;
 
 constexpr std::uint32_t kAssumedBitrate = 500'000;  // bit/s, where none is stated
-// Where that cannot carry what was seen:
+// If that cannot carry what was seen:
 constexpr std::uint32_t kFastBitrate = 1'000'000;
 constexpr std::uint32_t kFastDataBitrate = 5'000'000;
-constexpr std::uint64_t kAssumedLatency =
-    1'000'000;  // ns that forwarding takes, where none was seen
-constexpr std::uint64_t kAssumedEthernet = 100'000;  // ns that an Ethernet takes
+constexpr std::uint64_t kAssumedLatency = 1'000'000;  // ns for forwarding, if it was not observed
+constexpr std::uint64_t kAssumedEthernet = 100'000;   // ns for an Ethernet
 constexpr std::size_t kLongestName = 63;
 constexpr std::uint32_t kClassicBytes = 8;
 
@@ -73,12 +72,12 @@ class Drafter {
   [[nodiscard]] bool is_ethernet(std::uint32_t interface) const {
     return observer_.interfaces()[interface].medium == Medium::ethernet;
   }
-  /// FAMOUSO on Ethernet has addresses in their place.
+  /// Whether senders have node numbers there. FAMOUSO has addresses instead on Ethernet.
   [[nodiscard]] bool has_nodes(std::uint32_t interface) const {
     return !is_ethernet(interface) && core::has_nodes(profile_of(interface));
   }
 
-  /// `stem` and `end`, as long as a name may be, that is not in `used`.
+  /// A name of `stem` and `end` that is not in `used` and not too long.
   static std::string name_in(std::set<std::string>& used, const std::string& stem,
                              const std::string& end) {
     for (unsigned n = 1;; ++n) {
@@ -118,8 +117,8 @@ class Drafter {
     xml += "</System>\n";
   }
 
-  /// What the flows of a channel have together; gives what was seen of the first one, in words.
-  /// No subscriber asks for a shorter Period than each publisher has.
+  /// Sets the values that the flows of a channel have together: the longest Period of all, because
+  /// no subscriber may require a shorter one. Returns the observation of the first flow in words.
   std::string put_together(const Channel& channel, DraftChannel& row) {
     row.periodic = true;
     for (const Source& source : channel.sources) {
@@ -148,7 +147,8 @@ class Drafter {
     return channel.sources.front().times.seen;
   }
 
-  /// Nothing but Ethernet says the subject.
+  /// The subject of a channel; only Ethernet frames show it, so others get one that is made from
+  /// the name.
   std::uint64_t subject_for(const Channel& channel, const std::string& name) {
     if (channel.subject) return *channel.subject;
     std::string text = name;
@@ -217,7 +217,7 @@ class Drafter {
     const auto priority = has_priority && place.priorities.size() == 1
                               ? std::optional(*place.priorities.begin())
                               : std::nullopt;
-    // Longer events than were seen there may cross, too.
+    // Longer events than those that were seen there may cross, too.
     const bool fd = place.fd || (row.bytes > kClassicBytes &&
                                  core::traits_of(profile).fragmentation == nullptr);
     std::string format;
@@ -229,8 +229,8 @@ class Drafter {
     if (fd) fd_[interface] = true;
   }
 
-  /// A gate distinguishes so many senders of a subject: the ones with most events. One entry is for
-  /// all others.
+  /// A gate distinguishes a limited number of senders of a subject. Those with most events get
+  /// their own publisher; one further publisher stands for all others.
   void write_publishers(DraftChannel& row, const Channel& channel) {
     std::map<std::uint32_t, std::vector<std::pair<std::uint64_t, const Source*>>> senders;
     for (const Source& source : channel.sources)
@@ -251,7 +251,7 @@ class Drafter {
       write_publisher(row, channel, source, !unnamed.contains(&source));
   }
 
-  /// What its frames must carry on the buses that it crosses to.
+  /// The node attribute for the buses to which the channel crosses.
   [[nodiscard]] std::string node_beyond(const Channel& channel) const {
     for (const auto& [interface, place] : channel.places) {
       if (!place.crossing || !has_nodes(interface)) continue;
@@ -407,7 +407,7 @@ class Drafter {
                                           tools::profile_word(of.recognised->profile)));
   }
 
-  /// As short as any channel's.
+  /// The shortest Period of all channels.
   [[nodiscard]] std::uint64_t provided_period() const {
     return shortest_period_ == UINT64_MAX ? kAssumedLatency : shortest_period_;
   }
@@ -449,7 +449,7 @@ class Drafter {
     for (std::uint32_t i = 0; i < networks_.size(); ++i) {
       constexpr std::size_t stem = 11;
       std::string interface = tools::interface_like(names_[i]);
-      // Names of a recording that are none of interfaces may become alike.
+      // Names in a recording that are not valid names of interfaces may become equal.
       for (unsigned number = 2; !used.insert(interface).second; ++number)
         interface = fmt::format("{}-{}", tools::interface_like(names_[i]).substr(0, stem), number);
       write_port(i, interface);

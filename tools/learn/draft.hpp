@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A description drafted from what was seen: channels with their values, and what margin each has.
+// Drafts a description from the observed channels.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -13,68 +13,71 @@
 
 namespace mlcca::learn {
 
+/// The options of a draft. Times are in ns; interfaces are named as in the recording.
 struct DraftOptions {
   // Names that a description may have:
   std::string system = "learned";
   std::string gateway = "gateway";
-  std::map<std::string, std::uint32_t> bitrates = {};       ///< bit/s, by interface
-  std::map<std::string, std::uint32_t> data_bitrates = {};  ///< the same of the FD data phase
-  /// Interfaces whose rates are assumed to be those of a fast bus, where none are stated.
+  std::map<std::string, std::uint32_t> bitrates = {};  ///< bit/s, by interface
+  std::map<std::string, std::uint32_t> data_bitrates =
+      {};  ///< bit/s in the data phase of FD frames, by interface
+  /// Interfaces without a stated bit rate for which the rates of a fast bus are assumed.
   std::set<std::string> fast = {};
-  std::set<std::string> made_up = {};  ///< names of interfaces that no recording has
-  std::map<std::string, std::uint32_t> queue_lengths = {};  ///< frames that fit, by interface
-  /// Frames that may wait there, by interface: where more than fit a queue by default.
+  std::set<std::string> made_up = {};  ///< names of interfaces that do not come from a recording
+  std::map<std::string, std::uint32_t> queue_lengths =
+      {};  ///< number of frames that fit the queue, by interface
+  /// Number of frames that may wait, by interface, where more than a default queue can hold.
   std::map<std::string, std::uint32_t> waiting = {};
-  /// Names of networks that are described already, by interface.
+  /// Names of networks that a description already has, by interface.
   std::map<std::string, std::string> networks = {};
-  /// Names of channels that state a Deadline, ns; see deadlines_that_hold().
+  /// Deadlines that are stated, by name of the channel; see deadlines_that_hold().
   std::map<std::string, std::uint64_t> deadlines = {};
-  /// Names of channels with few events whose Period is the mean of their gaps and not half of it.
+  /// Channels with few events whose Period is the mean of their gaps, instead of half of it.
   std::set<std::string> at_mean = {};
-  /// Of what was seen so seldom that nothing says how often it comes, ns.
+  /// The Period of what was seen so seldom that the traffic does not show how often it comes.
   std::uint64_t assumed_period = tools::kPeriodOfOne;
-  std::string user = "root";      ///< of programs on the gateway that send
-  bool local_subscribers = true;  ///< programs on the gateway receive what comes
+  std::string user = "root";      ///< user of programs on the gateway that send
+  bool local_subscribers = true;  ///< programs on the gateway receive what comes in
 };
 
-/// A publisher as it is drafted.
+/// A drafted publisher.
 struct DraftPublisher {
   std::string name;
-  std::string interface;     ///< where it sends
-  std::uint32_t node = 0;    ///< where the profile has nodes; on Ethernet its address
+  std::string interface;     ///< interface by which it sends
+  std::uint32_t node = 0;    ///< if the profile has nodes; on Ethernet the address
   bool local = false;        ///< a program on the gateway
-  std::uint64_t period = 0;  ///< ns, as it is stated
+  std::uint64_t period = 0;  ///< stated Period, ns
   std::uint32_t bytes = 0;
   bool periodic = false;
   std::string xml;
   std::uint64_t events = 0;
-  std::uint64_t shorter_events = 0;  ///< of fewer than `bytes`
+  std::uint64_t shorter_events = 0;  ///< number of events with fewer than `bytes` bytes
   std::uint32_t least_bytes = 0;
 };
 
-/// One channel as it is drafted, for a table and for tests.
+/// A drafted channel, for a table and for tests.
 struct DraftChannel {
   std::string name;
   std::string interface;
-  std::string identifier;  ///< as a person writes it
+  std::string identifier;  ///< as people write it
   std::uint64_t events = 0;
-  std::uint64_t period = 0;       ///< ns, as it is stated: the longest of its publishers
+  std::uint64_t period = 0;       ///< stated Period in ns: the longest one of its publishers
   std::uint64_t jitter = 0;       ///< ns
-  std::uint64_t median = 0;       ///< ns between events, as it was seen
+  std::uint64_t median = 0;       ///< observed median of the gaps, ns
   std::uint64_t longest_gap = 0;  ///< ns
-  std::uint64_t omission = 0;     ///< stated; of periodic channels
+  std::uint64_t omission = 0;     ///< stated Omission; only periodic channels have one
   std::uint32_t bytes = 0;
-  double bytes_per_second = 0;  ///< as it was seen
+  double bytes_per_second = 0;  ///< observed
   bool periodic = false;
   bool on_events = false;  ///< periodic, with further events in between
   bool bursts = false;
-  bool control = false;  ///< control traffic of its profile that crosses
+  bool control = false;  ///< control traffic of its profile that crosses the gateway
   std::vector<DraftPublisher> publishers;
   std::vector<std::string> crosses_to;           ///< interfaces
-  std::map<std::string, std::uint64_t> numbers;  ///< see Event, by interface
-  std::optional<std::uint64_t> subject;          ///< that was seen on Ethernet
-  std::uint64_t drafted_subject = 0;             ///< the same, or one that was made for it
-  // The elements of the description, each in lines of its own:
+  std::map<std::string, std::uint64_t> numbers;  ///< Event::number, by interface
+  std::optional<std::uint64_t> subject;          ///< the subject that was seen on Ethernet
+  std::uint64_t drafted_subject = 0;             ///< that subject, or one that was generated
+  // The elements of the description, as complete lines:
   std::string channel_xml;
   std::map<std::string, std::string> binding_xml = {};  ///< by interface of CAN
   std::string subscriber_xml;
@@ -83,11 +86,11 @@ struct DraftChannel {
 struct Draft {
   std::string xml;
   std::vector<DraftChannel> channels;
-  /// What was seen and has no place in the description, a line each.
+  /// What was observed and has no place in the description, one line each.
   std::vector<std::string> left_out;
 };
 
-/// `names`: of the interfaces, by their numbers.
+/// Drafts the description. `names` are the names of the interfaces, by their numbers.
 [[nodiscard]] Draft draft_of(const Observer& observer, const std::vector<std::string>& names,
                              const DraftOptions& options);
 

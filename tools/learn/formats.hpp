@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The readers of each format of recordings; see recording.hpp.
+// The readers of the formats of recordings, and what several of them use. recording.hpp lists the
+// formats.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -12,27 +13,29 @@
 
 namespace mlcca::learn {
 
-/// What each reader gets. An error of it has no name of the file yet: "line 7: …".
+/// The input and output of a reader. Errors of a reader do not have the file's name: "line 7: …".
 struct Recording {
   Input& input;
   Interfaces& interfaces;
   const OnFrame& on_frame;
-  std::string stem;  ///< of the file's name: what formats without interface names call theirs
+  std::string
+      stem;  ///< name of the file without extensions: the interface of formats that name none
   Left left{};
-  std::uint64_t handed_over = 0;  ///< frames
+  std::uint64_t handed_over = 0;  ///< number of frames
 
-  /// Something that is no frame, and is passed over.
+  /// Counts a line or record that is not a frame and is skipped.
   void pass_over(const std::string& what) {
     if (left.lines++ == 0) left.first = what;
   }
-  /// The file ends within something, as it does when its writer was ended: what is complete counts.
+  /// The file ends within a record, because its writer was killed. What is complete is used; it is
+  /// an error only if there was no frame.
   Result<void> cut(const std::string& where) {
     if (handed_over == 0) return fail(where);
     pass_over(where);
     return {};
   }
-  /// Hands the frame over, unless its interface is one too many, or no frame can have its
-  /// identifier.
+  /// Passes a frame on, unless its identifier is impossible or its interface is beyond
+  /// Interfaces::kMost.
   void take(const Frame& frame) {
     if (!frame.datagram && !frame.is_extended() && (frame.id & kIdentifierBits) > 0x7ff)
       pass_over("an identifier of 11 bits above 0x7ff");
@@ -52,15 +55,15 @@ Result<void> read_blf(Recording& recording);
 Result<void> read_pcap(Recording& recording);
 Result<void> read_pcapng(Recording& recording);
 
-/// The lines of a text, one after the other, without its end. Those of more than 4096 bytes are
-/// longer than any format has, and may be cut.
+/// The lines of a text, one after the other, without line ends. Lines of more than 4096 bytes are
+/// longer than any format allows, and may be cut.
 class Lines {
  public:
   static constexpr std::size_t kLongest = 4096;
   explicit Lines(Input& input) : input_(&input) {}
-  /// Of the beginning of a text, whose last line may be cut.
+  /// For the beginning of a text, whose last line may be cut.
   explicit Lines(Bytes head) : rest_(text_of(head)) {}
-  /// False at the end. The line is valid until the next call.
+  /// Reads the next line. False at the end. line() is valid until the next call.
   bool next() {
     auto end = rest_.find('\n');
     if (end == std::string_view::npos) end = fill();
@@ -81,7 +84,8 @@ class Lines {
     return {reinterpret_cast<const char*>(bytes.data()),
             bytes.size()};  // NOLINT(*-reinterpret-cast)
   }
-  /// Where the line ends that rest_ begins, once there is more of it.
+  /// Reads more until the line at the start of rest_ is complete. Returns where it ends; npos if it
+  /// does not.
   std::size_t fill() {
     while (input_ != nullptr && rest_.size() <= kLongest) {
       const std::size_t before = rest_.size();
@@ -93,30 +97,31 @@ class Lines {
   }
 
   Input* input_ = nullptr;
-  std::uint64_t offset_ = 0;  ///< of rest_
+  std::uint64_t offset_ = 0;  ///< offset of rest_ in the input
   std::string_view rest_;
   std::string_view line_;
   std::uint64_t number_ = 0;
 };
 
-/// What candump shows on a screen, or what cansend takes, as the first line says.
+/// What a text is by its first line: output of candump on a screen, or input of cansend (without
+/// times).
 enum class Screen : std::uint8_t { none, with_times, with_dates, without_times };
 Screen screen_of(Bytes head);
-/// "123#1122"
+/// Whether a word is a frame such as "123#1122".
 bool is_candump_frame(std::string_view word);
-/// "(1436509052.249713)" in ns; false: it is no time.
+/// Reads a time such as "(1436509052.249713)" as ns. False if it is not one.
 bool take_candump_time(std::string_view word, std::uint64_t& ns);
-/// Error: the line is longer than any of candump.
+/// An error if the line is longer than candump writes.
 Result<void> check_candump_length(const Lines& lines);
-/// The line is no frame: "line 3: 'hello' is no frame …".
+/// Skips a line that is not a frame: "line 3: 'hello' is no frame …".
 void pass_over_line(Recording& recording, const Lines& lines, std::string_view why);
 
-/// A frame of SocketCAN in a packet: an identifier in big-endian order, length, flags, two bytes,
-/// data. False: it is none.
+/// Reads a packet of SocketCAN: identifier in big-endian order, length, flags, two bytes, data.
+/// False if it is not one.
 bool take_socketcan(Bytes packet, std::uint64_t ns, std::uint32_t interface, bool local,
                     Recording& recording);
 
-/// Reads numbers in the order of the file, or nothing beyond its end.
+/// Reads a number from bytes that must contain it, in the given byte order.
 template <class Number>
 Number number_at(Bytes bytes, std::size_t at, bool big_endian) {
   Number out = 0;
@@ -127,7 +132,7 @@ Number number_at(Bytes bytes, std::size_t at, bool big_endian) {
   return out;
 }
 
-/// Cuts the next word off a line: what is before a blank or a tab. Empty: there is none.
+/// Cuts the next word off a line; words are separated by blanks and tabs. Empty if there is none.
 std::string_view next_word(std::string_view& line);
 
 }  // namespace mlcca::learn

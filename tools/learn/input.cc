@@ -9,7 +9,7 @@
 namespace mlcca::learn {
 namespace {
 
-constexpr std::size_t kPiece = std::size_t{256} << 10U;  // that is pulled at once, at least
+constexpr std::size_t kPiece = std::size_t{256} << 10U;  // the least that is read at once
 constexpr int kOfGzip = 16 + MAX_WBITS;
 
 }  // namespace
@@ -18,7 +18,7 @@ void Input::begin_at(std::size_t bytes) { begin_ = bytes; }
 
 Bytes Input::from(std::uint64_t offset, std::size_t least) {
   offset += begin_;
-  while (!ended_ && there_.size() < offset - forgotten_) {  // what is in between is of no use
+  while (!ended_ && there_.size() < offset - forgotten_) {  // the bytes in between are not needed
     forgotten_ += there_.size();
     there_ = {};
     read(1);
@@ -30,7 +30,7 @@ Bytes Input::from(std::uint64_t offset, std::size_t least) {
   return offset == forgotten_ ? there_ : Bytes{};
 }
 
-/// Until so many are there.
+/// Reads until `least` bytes are available, or the input ends.
 void Input::read(std::size_t least) {
   const std::size_t kept = there_.size();
   if (kept != 0) std::copy(there_.begin(), there_.end(), buffer_.begin());
@@ -85,17 +85,17 @@ Result<std::size_t> Gunzip::pull(std::span<std::uint8_t> to) {
       damaged_ = ended_ = true;
   }
   const std::size_t unpacked = to.size() - stream_->avail_out;
-  if (unpacked == 0 && damaged_)  // what is before it counts
+  if (unpacked == 0 && damaged_)  // the bytes before the damage are returned first
     return fail("what gzip has packed is damaged at offset " + std::to_string(offset_));
   return unpacked;
 }
 
 bool Gunzip::begin_next() {
   const Bytes next = packed_.from(offset_, 2);
-  if (packed_.error()) return true;  // pull() says so
+  if (packed_.error()) return true;  // pull() returns the error
   if (next.size() >= 2 && next[0] == 0x1f && next[1] == 0x8b)
     return ::inflateReset(stream_.get()) == Z_OK;
-  // A tape may have filled up its last block.
+  // A tape may have filled its last block with zeros.
   if (std::ranges::any_of(next, [](std::uint8_t byte) { return byte != 0; }))
     remark_ = "offset " + std::to_string(offset_) + ": not packed by gzip, as what is before it";
   return false;

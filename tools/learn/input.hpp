@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a recording is read from, in one pass: bytes in memory, or what comes piece by piece, from a
-// pipe or out of gzip. Of the latter no more is kept than a reader asks for at once.
+// The input of the readers of recordings.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -18,9 +17,11 @@ namespace mlcca::learn {
 
 using Bytes = std::span<const std::uint8_t>;
 
+/// The bytes of a recording, which are read in one pass: from memory, or piece by piece from a pipe
+/// or from gzip. In the second case no more is kept than a reader asks for at once.
 class Input {
  public:
-  /// Puts bytes there and says how many; 0: there are no more.
+  /// Writes the next bytes to the span and returns their number; 0 at the end.
   using Pull = std::function<Result<std::size_t>(std::span<std::uint8_t>)>;
   explicit Input(Bytes bytes) : there_(bytes), ended_(true) {}
   explicit Input(Pull pull) : pull_(std::move(pull)) {}
@@ -30,30 +31,31 @@ class Input {
   Input& operator=(Input&&) = delete;
   ~Input() = default;
 
-  /// What there is from an offset on: so many bytes at least, unless it ends before. Offsets do not
-  /// go back: what is before one is forgotten. Valid until the next call.
+  /// The available bytes from `offset` on: at least `least`, unless the input ends before. Offsets
+  /// must not decrease, because bytes before an offset are discarded. The result is valid until the
+  /// next call.
   Bytes from(std::uint64_t offset, std::size_t least);
-  /// Offsets are counted from so many bytes on. Before anything else.
+  /// Counts offsets from this number of bytes on. To be called before anything else.
   void begin_at(std::size_t bytes);
 
-  /// Why it ended before its end.
+  /// The error because of which the input ended too early.
   [[nodiscard]] const std::optional<Error>& error() const { return error_; }
 
  private:
   void read(std::size_t least);
   Pull pull_;
   std::vector<std::uint8_t> buffer_;
-  Bytes there_;                  ///< of the buffer, where there is one
-  std::uint64_t forgotten_ = 0;  ///< bytes in front of these
+  Bytes there_;                  ///< a part of the buffer, if there is one
+  std::uint64_t forgotten_ = 0;  ///< number of discarded bytes before `there_`
   std::uint64_t begin_ = 0;
   bool ended_ = false;
   std::optional<Error> error_;
 };
 
-/// It begins as gzip does (RFC 1952).
+/// Whether the input begins like gzip (RFC 1952).
 [[nodiscard]] bool is_gzip(Input& input);
 
-/// What gzip has packed, of one file or several behind each other. `packed` must stay.
+/// Decompresses gzip, also several members one after the other. `packed` must outlive this object.
 class Gunzip {
  public:
   explicit Gunzip(Input& packed);
@@ -64,16 +66,17 @@ class Gunzip {
   ~Gunzip();
 
   Result<std::size_t> pull(std::span<std::uint8_t> to);
-  /// It ended within what was packed, or something else follows; empty: neither.
+  /// Says that the compressed data ended too early, or that something else follows them; empty
+  /// otherwise.
   [[nodiscard]] const std::string& remark() const { return remark_; }
 
  private:
   struct Stream;
-  /// False: nothing follows that is packed.
+  /// Begins the next member. False if none follows.
   bool begin_next();
   Input& packed_;
   std::unique_ptr<Stream> stream_;
-  std::uint64_t offset_ = 0;  ///< of what was unpacked
+  std::uint64_t offset_ = 0;  ///< offset in the compressed data
   bool ended_ = false;
   bool damaged_ = false;
   std::string remark_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// pcap (draft-ietf-opsawg-pcap) and pcapng (draft-ietf-opsawg-pcapng) with frames of SocketCAN
-// (link type 227), of Ethernet (1), and of both as "any" has them (113 and 276).
+// Readers for pcap (draft-ietf-opsawg-pcap) and pcapng (draft-ietf-opsawg-pcapng), with frames of
+// SocketCAN (link type 227), of Ethernet (1), and of both from the pseudo-interface "any" (113 and
+// 276).
 #include <algorithm>
 #include <cstdint>
 #include <map>
@@ -25,10 +26,10 @@ constexpr std::uint16_t kOutgoing = 4;     // PACKET_OUTGOING
 constexpr std::uint16_t kEtherDevice = 1;  // ARPHRD_ETHER
 constexpr std::uint8_t kFdFlag = 0x04;     // CANFD_FDF
 constexpr std::uint64_t kSecond = 1'000'000'000;
-constexpr std::size_t kLongestPacket = 1U << 18U;  // as the formats have it
-constexpr std::size_t kBlockHead = 12;             // type and size, and the size at its end
+constexpr std::size_t kLongestPacket = 1U << 18U;  // the limit of the formats
+constexpr std::size_t kBlockHead = 12;             // type and size, and the size again at the end
 constexpr std::uint32_t kLargestBlock = 16U << 20U;
-constexpr std::size_t kMostDescribed = 4096;  // interfaces of a section
+constexpr std::size_t kMostDescribed = 4096;  // most interfaces of a section
 constexpr const char* kNoFrame = "a packet that is neither a frame of CAN nor a sound one of IPv4";
 
 std::string at_offset(std::uint64_t offset) { return "offset " + std::to_string(offset); }
@@ -37,16 +38,16 @@ bool is_known(std::uint32_t link) {
   return link == kEthernet || link == kSocketCan || link == kCooked || link == kCooked2;
 }
 
-/// What "any" has in front of a packet.
+/// The header that "any" puts before a packet.
 struct Cooked {
   bool local = false;
   std::uint16_t device = 0;  ///< ARPHRD_*
-  std::uint32_t index = 0;   ///< of the interface; 0: it is not said
-  Bytes sender;              ///< its address, of 6 bytes or none
+  std::uint32_t index = 0;   ///< index of the interface; 0: not stated
+  Bytes sender;              ///< address of the sender: 6 bytes, or empty
   std::uint16_t protocol = 0;
 };
 
-/// Cuts it off the packet; false: there is less.
+/// Cuts the header off the packet. False if the packet is shorter.
 bool take_cooked(Bytes& packet, std::uint32_t link, Cooked& head) {
   const bool second = link == kCooked2;
   const std::size_t size = second ? 20 : 16;
@@ -61,17 +62,17 @@ bool take_cooked(Bytes& packet, std::uint32_t link, Cooked& head) {
   return true;
 }
 
-/// The packets of one interface of a recording, or of all that "any" has.
+/// The packets of one interface of a recording, or of all interfaces that "any" has.
 class Packets {
  public:
-  /// `named`: the recording has the name.
+  /// `named`: the recording states the name.
   Packets(std::string name, bool named, std::uint32_t link, Recording& recording)
       : name_(std::move(name)), named_(named), link_(link), recording_(recording) {
     if (link == kSocketCan) number(0, Medium::can);
     if (link == kEthernet) number(0, Medium::ethernet);
   }
 
-  /// False: it is none that can be read. What is other traffic on Ethernet is no mistake.
+  /// Reads one packet. False if it cannot be read. Other Ethernet traffic is not an error.
   bool take(Bytes packet, std::uint64_t ns) {
     if (link_ == kEthernet) {
       Frame frame;
@@ -102,7 +103,8 @@ class Packets {
     return true;
   }
 
-  /// "any" has the frames of several interfaces, and says of some which one it was.
+  /// The number of an interface. "any" has frames of several interfaces, and states for some of
+  /// them which one it was.
   std::uint32_t number(std::uint32_t index, Medium medium) {
     const auto known = numbers_.find({index, medium});
     if (known != numbers_.end()) return known->second;
@@ -121,13 +123,13 @@ class Packets {
   std::map<std::pair<std::uint32_t, Medium>, std::uint32_t> numbers_;
 };
 
-/// Of one section of pcapng.
+/// An interface of one section of pcapng.
 struct NgInterface {
-  std::optional<Packets> packets;   ///< where its link type is known
-  std::uint64_t units = 1'000'000;  ///< of a second
+  std::optional<Packets> packets;   ///< nullopt if its link type is not known
+  std::uint64_t units = 1'000'000;  ///< units of its times in a second
 };
 
-/// if_tsresol: a power of ten, or of two where the highest bit is set.
+/// The units in a second by if_tsresol: a power of ten, or of two if the highest bit is set.
 std::uint64_t units_of(std::uint8_t resolution) {
   constexpr unsigned most_bits = 60;
   constexpr unsigned most_digits = 18;
@@ -138,7 +140,7 @@ std::uint64_t units_of(std::uint8_t resolution) {
   return units;
 }
 
-/// if_name and if_tsresol among the options of an interface description.
+/// Reads if_name and if_tsresol from the options of an interface description.
 void read_options(Bytes options, bool big, std::string& name, std::uint64_t& units) {
   for (std::size_t at = 0; at + 4 <= options.size();) {
     const auto code = number_at<std::uint16_t>(options, at, big);
@@ -202,7 +204,7 @@ class PcapNg {
       if (is_known(link)) one.packets.emplace(name, named, link, recording_);
       interfaces_.push_back(std::move(one));
     }
-    if (type != 6 || body.size() < 20) return;  // an enhanced packet block
+    if (type != 6 || body.size() < 20) return;  // not an enhanced packet block
     const auto interface = number_at<std::uint32_t>(body, 0, big_);
     const auto size = number_at<std::uint32_t>(body, 12, big_);
     if (interface >= interfaces_.size() || size > body.size() - 20) {
@@ -241,7 +243,7 @@ bool take_socketcan(Bytes packet, std::uint64_t ns, std::uint32_t interface, boo
 
 Result<void> read_pcap(Recording& recording) {
   constexpr std::size_t header = 24;
-  constexpr std::size_t before = 16;  // a packet
+  constexpr std::size_t before = 16;  // length of the header of a packet
   const Bytes head = recording.input.from(0, header);
   if (head.size() < header) return fail("the file ends within its header");
   const auto magic = number_at<std::uint32_t>(head, 0, true);

@@ -21,7 +21,8 @@ std::string_view text_of(Bytes head) {
   return {reinterpret_cast<const char*>(head.data()), head.size()};  // NOLINT(*-reinterpret-cast)
 }
 
-/// By what a file begins with; text is distinguished by its first line.
+/// The reader for a file, by its first bytes; text formats are distinguished by their first line.
+/// nullptr if none fits.
 Reader reader_of(Bytes head) {
   std::string_view text = text_of(head);
   if (text.starts_with("LOGG")) return read_blf;
@@ -37,7 +38,7 @@ Reader reader_of(Bytes head) {
   return text.starts_with('(') ? read_candump : nullptr;
 }
 
-/// What is known to be none of these, and what to do about it.
+/// Known formats that cannot be read, with advice for the user.
 struct Other {
   std::string_view begins;
   std::string_view is;
@@ -63,10 +64,11 @@ Result<Reader> known_reader_of(Bytes head) {
       "frames of CAN or Ethernet, or a log of a Vector tool (.asc, .blf), also packed by gzip");
 }
 
-/// Of what is not packed.
+/// Reads input that is not compressed.
 Result<Left> read_plain(Input& input, const std::string& stem, Interfaces& interfaces,
                         const OnFrame& on_frame, const std::string& remark) {
-  constexpr std::string_view mark = "\xef\xbb\xbf";  // of texts in UTF-8, on Windows
+  constexpr std::string_view mark =
+      "\xef\xbb\xbf";  // the byte order mark of UTF-8 texts on Windows
   if (text_of(input.from(0, mark.size())).starts_with(mark)) input.begin_at(mark.size());
   Bytes head = input.from(0, Lines::kLongest);
   head = head.first(std::min(head.size(), Lines::kLongest));
@@ -83,7 +85,7 @@ Result<Left> read_plain(Input& input, const std::string& stem, Interfaces& inter
   return std::move(recording.left);
 }
 
-/// "bus-a" of "logs/bus-a.pcap.gz".
+/// The name of a file without extensions: "bus-a" of "logs/bus-a.pcap.gz".
 std::string stem_of(const std::filesystem::path& path) {
   const auto stem = path.stem();
   return path.extension() == ".gz" ? stem.stem() : stem;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Recordings of traffic: logs of candump (-l, -L) and what it shows on a screen (-ta, -tz), pcap
-// and pcapng with frames of SocketCAN and of Ethernet, logs of Vector tools in text (ASC) and
-// binary (BLF); also packed by gzip, and from a pipe. What they hold is input from outside.
+// Reads recordings of traffic, which are untrusted input: logs of candump (-l, -L) and its output
+// on a screen (-ta, -tz), pcap and pcapng with frames of SocketCAN and Ethernet, and logs of Vector
+// tools in text (ASC) and binary form (BLF); each also compressed by gzip, and from a pipe.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -21,10 +21,10 @@ namespace mlcca::learn {
 class Interfaces {
  public:
   static constexpr std::size_t kMost = 64;
-  /// The number of a name; kMost where there are that many others. A name that is of the other
-  /// medium already, as "any" can be of both, gets "-can" or "-eth" at its end.
+  /// The number of a name; kMost if that many other names exist. "any" can stand for both media; if
+  /// the name already has a number for the other medium, it gets "-can" or "-eth" at its end.
   std::uint32_t number_of(std::string_view name, Medium medium = Medium::can);
-  /// The same of a name that no recording has, and that was made for it.
+  /// The same for a generated name that no recording has.
   std::uint32_t number_of_made_up(std::string_view name, Medium medium = Medium::can);
   [[nodiscard]] const std::set<std::string>& made_up() const { return made_up_; }
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
@@ -38,20 +38,20 @@ class Interfaces {
 
 using OnFrame = std::function<void(const Frame&)>;
 
-/// What was in a recording beside frames.
+/// What a recording has in addition to frames.
 struct Left {
-  std::uint64_t lines = 0;       ///< or records that are no frames
-  std::string first;             ///< where the first one is and what it is
-  std::uint64_t interfaces = 0;  ///< frames of interfaces beyond Interfaces::kMost
+  std::uint64_t lines = 0;       ///< number of lines or records that are not frames
+  std::string first;             ///< where the first of them is, and what it is
+  std::uint64_t interfaces = 0;  ///< number of frames of interfaces beyond Interfaces::kMost
 };
 
-/// Hands over the frames of a recording in its order. Formats that have numbers of channels instead
-/// of names give "can" and the number. An error says what is wrong with the file, with the line or
-/// the offset; the frames before it have been handed over. The path "-" is standard input.
+/// Passes the frames of a recording on in their order. Formats with numbers instead of names give
+/// "can" and the number. An error says what is wrong with the file, with the line or offset; the
+/// frames before it were passed on. The path "-" is standard input.
 Result<Left> read_recording(const std::string& path, Interfaces& interfaces,
                             const OnFrame& on_frame);
-/// The same of bytes, and of what comes piece by piece, packed by gzip or not; `stem`: the name of
-/// an interface in a format that has none.
+/// The same for bytes, and for input that comes piece by piece, compressed by gzip or not. `stem`
+/// is the name of the interface in a format that has none.
 Result<Left> read_recording(std::span<const std::uint8_t> bytes, const std::string& stem,
                             Interfaces& interfaces, const OnFrame& on_frame);
 Result<Left> read_recording(Input& input, const std::string& stem, Interfaces& interfaces,

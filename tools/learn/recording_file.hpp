@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A recording as it is opened: a regular file in memory, read as it is needed, or a pipe.
+// Opens a recording.
 #pragma once
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -19,12 +19,13 @@
 
 namespace mlcca::learn {
 
+/// An open recording: a regular file, mapped into memory and read when it is needed, or a pipe.
 class RecordingFile {
  public:
-  /// "-" is standard input. Error: there is none, it cannot be read, or it is neither a regular
-  /// file nor a pipe.
+  /// The path "-" is standard input. The result is an error if the file cannot be read, is empty,
+  /// or is neither a regular file nor a pipe.
   static Result<RecordingFile> open(const std::string& path) {
-    // Of a pipe with a name this waits for who writes to it, as every program does.
+    // For a named pipe this waits for a writer, as in every program.
     Fd fd(path == "-" ? ::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 0)
                       : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY));
     struct stat status{};
@@ -49,7 +50,7 @@ class RecordingFile {
     if (at_ != nullptr) ::munmap(const_cast<std::uint8_t*>(at_), size_);  // NOLINT(*-const-cast)
   }
 
-  /// Nothing: it is a pipe, which is read.
+  /// The bytes of a regular file; nullopt for a pipe, which is read by read().
   [[nodiscard]] std::optional<std::span<const std::uint8_t>> bytes() const {
     if (at_ == nullptr) return std::nullopt;
     return std::span(at_, size_);

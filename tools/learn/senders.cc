@@ -82,8 +82,8 @@ class Senders {
     });
   }
 
-  /// An identifier has one sender on a bus. Where the gateway would be a second one, for a program
-  /// on it or for what crosses, that of the two stays which has more events.
+  /// An identifier has only one sender on a bus. If the gateway would be a second one, for a
+  /// program on it or for crossing frames, the one of the two with more events stays.
   void leave_out_second(Channel& channel) {
     std::set<FlowKey> others;
     for (const Source& there : channel.sources)
@@ -115,7 +115,8 @@ class Senders {
     return key.local ? "this host" : names_[key.interface];
   }
 
-  /// Of those on CAN the ones with most events stay. On Ethernet one entry is for all others.
+  /// Of the senders on CAN, those with most events stay. On Ethernet one entry stands for all
+  /// others.
   void leave_out_others(Channel& channel) {
     std::vector<const Source*> senders;
     for (const Source& source : channel.sources)

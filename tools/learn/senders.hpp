@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Senders that no description can have: whose node is nobody's, and those beyond what a gate
-// distinguishes.
+// Leaves out senders that a description cannot have.
 #pragma once
 #include <string>
 #include <vector>
@@ -9,8 +8,9 @@
 
 namespace mlcca::learn {
 
-/// Takes them out of the channels, and channels without a sender out of all. A line for each, with
-/// what to do about it. `names`: of the interfaces, by their numbers.
+/// Removes from the channels senders whose node number nobody may have, and those that a gate
+/// cannot distinguish from others; then channels without a sender. Returns one line for each, with
+/// what the user can do. `names` are the names of the interfaces, by their numbers.
 [[nodiscard]] std::vector<std::string> leave_out_senders(const Observer& observer,
                                                          const std::vector<std::string>& names,
                                                          std::vector<Channel>& channels);

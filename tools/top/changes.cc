@@ -30,7 +30,8 @@ auto frames_of(const control::Channel& c) {
   return std::tie(c.passed, c.dropped, c.excess, c.would_drop);
 }
 
-/// The age of the latest event changes by itself, and that of a silence.
+/// Whether two reports of a supervision are the same. Ages change all the time, so they are
+/// ignored.
 bool is_same(const control::Watch& a, const control::Watch& b) {
   return std::tie(a.events, a.missing, a.missing_now, a.jitter_ns) ==
              std::tie(b.events, b.missing, b.missing_now, b.jitter_ns) &&
@@ -62,7 +63,7 @@ Json counted(const control::Channel& c, std::size_t place) {
   return out;
 }
 
-/// What the next line is held against.
+/// The part of a channel with which the next line is compared.
 control::Channel kept(const control::Channel& c) {
   control::Channel out;
   std::tie(out.subject, out.publisher, out.admission, out.from, out.to) = naming(c);

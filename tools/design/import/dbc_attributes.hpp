@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Attributes of DBC files: how they are defined, and which of them mean something to us.
+// The definitions of attributes in DBC files (BA_DEF_, BA_DEF_DEF_), and the attributes that the
+// import uses.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -16,7 +17,7 @@ namespace mlcca::tools::design {
 
 enum class DbcObject : std::uint8_t { network, node, message, signal, other };
 
-/// What we make of an attribute.
+/// The meaning of an attribute for the import; none: it is not used.
 enum class DbcRole : std::uint8_t {
   none,
   cycle,
@@ -33,27 +34,28 @@ enum class DbcRole : std::uint8_t {
   protocol,
 };
 
-/// Whichever letters are large.
+/// The role of an attribute, by its name in upper or lower case.
 DbcRole role_of(DbcObject object, std::string_view name);
 
-/// Where the message, node or file keeps the value of that role; nullptr: nowhere.
+/// Where the message, node or file stores the value with that role; nullptr if it has none.
 DbcValue* place_of(DbcMessage& message, DbcRole role);
 DbcValue* place_of(DbcNode& node, DbcRole role);
 DbcValue* place_of(DbcFile& file, DbcRole role);
 
-/// BA_DEF_ and BA_DEF_DEF_ of a file.
+/// The definitions of a file, which give the meaning of numbers and the defaults of attributes.
 class DbcDefinitions {
  public:
-  /// False: there are too many.
+  /// False if there are too many definitions.
   bool define(DbcObject object, std::string_view name, std::vector<std::string> words);
-  /// False: there is no such attribute.
+  /// False if there is no such attribute.
   bool set_default(std::string_view name, const std::string& value);
-  /// Numbers of an ENUM become its words, and what was not stated becomes the default.
+  /// Replaces the numbers of an ENUM by its words, and sets values that were not stated to the
+  /// defaults.
   void complete(DbcFile& file) const;
 
  private:
   struct Definition {
-    std::vector<std::string> words;  ///< of an ENUM
+    std::vector<std::string> words;  ///< the words of an ENUM; empty for other types
     DbcValue otherwise;
   };
   struct Meant {

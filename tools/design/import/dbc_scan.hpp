@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The words of a DBC file: an untrusted text that is read in one pass.
+// Splits a DBC file, which is untrusted text, into tokens in one pass.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -12,13 +12,13 @@ struct DbcToken {
   enum class Kind : std::uint8_t {
     end,
     word,  ///< a keyword, a name or a number
-    text,  ///< what stood in quotes, without them
+    text,  ///< a text in quotes, without the quotes
     mark,  ///< any other character
   };
   Kind kind = Kind::end;
-  std::string_view text;  ///< of the file
+  std::string_view text;  ///< a part of the file
   int line = 0;
-  bool first = false;  ///< on its line
+  bool first = false;  ///< it is the first token of its line
 
   [[nodiscard]] bool is(char mark) const {
     return kind == Kind::mark && text.size() == 1 && text.front() == mark;
@@ -28,26 +28,26 @@ struct DbcToken {
   }
 };
 
-/// What stood in quotes, where a quote has a backslash in front. Other backslashes stay: tools
-/// write paths without a second one.
+/// The content of a text in quotes, with `\"` replaced by a quote. Other backslashes stay, because
+/// tools write paths with single ones.
 [[nodiscard]] std::string without_backslashes(std::string_view text);
 
-/// What follows // up to the end of its line counts for nothing.
+/// The tokens of a text. Comments (// to the end of the line) are skipped.
 class DbcScanner {
  public:
   explicit DbcScanner(std::string_view text) : rest_(text) { advance(); }
 
   [[nodiscard]] const DbcToken& peek() const { return next_; }
-  /// The line of peek() begins with a blank.
+  /// Whether the line of peek() begins with a blank.
   [[nodiscard]] bool is_indented() const { return indented_; }
   DbcToken take();
-  /// Up to the next token that is the first on its line.
+  /// Skips everything up to the next token that is the first of its line.
   void skip_line();
-  /// Up to and with the next semicolon that is in no text.
+  /// Skips everything up to and including the next semicolon outside of quotes.
   void skip_statement();
-  /// The lines that begin with a blank, which hold the names of a section NS_.
+  /// Skips lines that begin with a blank; they have the names of a section NS_.
   void skip_indented();
-  /// Line of quotes that are never closed; 0: there are none, as far as was read.
+  /// The line of a quote that is never closed; 0 if none was found yet.
   [[nodiscard]] int unclosed() const { return unclosed_; }
 
  private:
@@ -58,7 +58,7 @@ class DbcScanner {
   DbcToken next_;
   int line_ = 1;
   int unclosed_ = 0;
-  bool fresh_ = true;      ///< nothing of this line was taken yet
+  bool fresh_ = true;      ///< no token of this line was taken yet
   bool indented_ = false;  ///< the line of next_ begins with a blank
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The formats that can be imported, a row each.
+// The table of the formats that can be imported.
 #pragma once
 #include <string>
 #include <string_view>
@@ -12,20 +12,20 @@ namespace mlcca::tools::design {
 
 struct ImportFormat {
   std::string_view name;
-  /// Whether a file seems to be one; the first format that says so is taken.
+  /// Whether a text seems to have this format. The first format for which this is true is used.
   bool (*is)(std::string_view text);
-  /// `file` is its name in errors.
+  /// Reads a text. `file` is its name in errors.
   Result<ImportedNetwork> (*read)(std::string_view text, const std::string& file,
                                   const ImportOptions& options);
 };
 
-/// nullptr: none.
+/// The format of a text, or the one with a name; nullptr if there is none.
 const ImportFormat* recognise(std::string_view text);
 const ImportFormat* format_called(std::string_view name);
 std::vector<std::string> format_list();
-/// "dbc, eds, ..."
+/// The names of all formats: "dbc, eds, ..."
 std::string format_names();
-/// Of a text in none of these: what it is, and what to do with it.
+/// For a text that has none of these formats: what it is, and what the user can do.
 std::string reason_of(std::string_view text);
 
 }  // namespace mlcca::tools::design
