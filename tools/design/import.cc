@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlccactl import: descriptions from what other tools know of a network.
+// The verb `mlccactl import`: makes descriptions from files of other tools.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <unistd.h>
@@ -138,7 +138,7 @@ class Import {
     return Exit::fine;
   }
 
-  /// Files of its nodes.
+  /// Whether two files describe nodes of one network.
   static bool may_merge(const ImportedNetwork& a, const ImportedNetwork& b) {
     return a.is_part && b.is_part && a.kind == b.kind && a.profile == b.profile;
   }

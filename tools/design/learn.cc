@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlccactl learn: a description drafted from the traffic that is there.
+// The verb `mlccactl learn`: drafts a description from observed traffic.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <net/if.h>
@@ -64,7 +64,7 @@ struct LearnArguments {
 
 volatile std::sig_atomic_t stop_asked = 0;
 
-/// "can0=500k" into the interface and the rest.
+/// Splits "can0=500k" into the interface and the rest; nullopt if it has another form.
 std::optional<std::pair<std::string, std::string>> assignment(const std::string& text) {
   const auto at = text.find('=');
   if (at == std::string::npos || at == 0) return std::nullopt;
@@ -121,7 +121,7 @@ class Learn {
     return read_profiles();
   }
 
-  /// What --merge names.
+  /// Reads the description that --merge names.
   std::optional<Refusal> read_described() {
     if (a_.merge.empty()) return std::nullopt;
     if (!a_.output.empty()) return wrong("--merge prints a difference: it goes without --output");
@@ -164,7 +164,7 @@ class Learn {
     return std::nullopt;
   }
 
-  /// Profiles of CAN that were stated of an Ethernet.
+  /// Adds a note about each CAN profile that was stated for an Ethernet interface.
   void note_profiles() {
     for (std::size_t i = 0; i < interfaces_.names().size(); ++i) {
       const auto& of = observer_.interfaces()[i];
@@ -197,7 +197,7 @@ class Learn {
     return live_.empty() ? std::nullopt : listen(live_);
   }
 
-  /// Why nothing came on interfaces; without any frame there is nothing to draft.
+  /// Adds notes about interfaces without traffic. Refuses if there was no traffic at all.
   std::optional<Refusal> note_silence() {
     std::vector<std::string> silent;
     for (const std::string& name : live_) {
@@ -214,7 +214,7 @@ class Learn {
     return std::nullopt;
   }
 
-  /// Options that name an interface of which nothing is read.
+  /// Refuses options that name an interface from which nothing is read.
   [[nodiscard]] std::optional<Refusal> refuse_absent(const std::vector<std::string>& live) const {
     std::set<std::string> there(live.begin(), live.end());
     for (std::size_t i = 0; i < interfaces_.names().size(); ++i)
@@ -288,7 +288,7 @@ class Learn {
     return std::nullopt;
   }
 
-  /// The rules of can-gw as they are when learning begins.
+  /// Reads the rules of can-gw at the beginning of learning.
   learn::KernelCopies carried_by_kernel(const std::vector<std::string>& live) {
     const auto rules = net::KernelCanRules().read();
     if (!rules) {
@@ -338,7 +338,7 @@ class Learn {
     return say(text);
   }
 
-  /// Of a CAN bus whose bit rate is known, in percent.
+  /// The load of an interface in percent; nullopt unless it is a CAN bus with a known bit rate.
   [[nodiscard]] std::optional<double> load_of(std::size_t interface) const {
     const auto rate = [&](const std::map<std::string, std::uint32_t>& rates) {
       const auto known = rates.find(interfaces_.names()[interface]);
@@ -437,7 +437,7 @@ class Learn {
   learn::Interfaces interfaces_;
   learn::Observer observer_;
   std::vector<std::string> notes_;
-  std::vector<std::string> live_;  ///< interfaces that are listened to
+  std::vector<std::string> live_;  ///< interfaces on which traffic is observed
 };
 
 }  // namespace

@@ -21,7 +21,7 @@
 namespace mlcca::tools::design {
 namespace {
 
-/// The longest response time of a channel on each bus, ns; nothing: it has no bound there.
+/// The longest response time of each channel on each bus, ns; nullopt if it has no bound there.
 using OnBuses = std::map<std::size_t, std::map<std::size_t, std::optional<std::uint64_t>>>;
 
 OnBuses responses_of(const core::System& system, const core::InspectedBuses& buses) {
@@ -56,7 +56,7 @@ std::map<std::string, std::uint64_t> deadlines_that_hold(const core::System& sys
   core::InspectedBuses buses;
   std::ignore = core::inspect(system, {}, {}, &buses);
   std::map<std::string, std::uint64_t> out;
-  // A Period without a Deadline asks for one of the Period, of each publisher its own.
+  // A Period without a Deadline requires a Deadline of that length, for each publisher its own.
   std::map<std::size_t, std::uint64_t> shortest;
   for (const core::Publisher& publisher : system.publishers) {
     const std::uint64_t period = core::attributes_in(publisher, 0)[Attribute::period];
@@ -64,7 +64,7 @@ std::map<std::string, std::uint64_t> deadlines_that_hold(const core::System& sys
     if (!is_first) known->second = std::min(known->second, period);
   }
   for (const auto& [channel, on_buses] : responses_of(system, buses)) {
-    // Each gateway between two buses takes what its Provision says.
+    // Each gateway between two buses adds the Latency of its Provision.
     std::uint64_t takes = 0;
     for (const core::Gateway& gateway : system.gateways)
       if (on_buses.size() > 1) takes += gateway.provision[Attribute::latency];
@@ -88,16 +88,16 @@ class Holding {
       : observer_(observer), names_(names), options_(std::move(options)) {
     draw();
     if (system_ && !refused_transport()) return;
-    // What is granted now delays others, and waits, too.
+    // A longer Deadline changes what is granted, which delays other channels, so this is repeated.
     constexpr int rounds = 8;
     for (int round = 0; system_ && round < rounds && allow_more(); ++round) draw();
   }
 
   [[nodiscard]] learn::Draft& draft() { return draft_; }
-  /// What a check refuses.
+  /// The errors that a check of the draft finds.
   [[nodiscard]] std::vector<core::Finding> refused() const {
     std::vector<core::Finding> out;
-    if (!system_) return out;  // who asked for it says why it cannot be read
+    if (!system_) return out;  // the caller reports why it cannot be read
     for (core::Finding& finding : core::inspect(*system_).findings)
       if (core::info(finding.id).severity == core::Severity::error)
         out.push_back(std::move(finding));
@@ -114,14 +114,15 @@ class Holding {
     system_->sort_bindings();
   }
 
-  /// False: the draft cannot be read now.
+  /// Avoids publishers that are too frequent for a transport protocol. False if the draft cannot be
+  /// read then.
   bool refused_transport() {
     options_.at_mean = too_often_for_transport(*system_);
     if (!options_.at_mean.empty()) draw();
     return system_.has_value();
   }
 
-  /// Longer queues and Deadlines; false: none needs more.
+  /// Allows longer queues and Deadlines. False if none is needed.
   bool allow_more() {
     bool more = false;
     for (const auto& [network, frames] : lengthen_queues(*system_)) {
@@ -143,7 +144,7 @@ class Holding {
   std::optional<core::System> system_;
 };
 
-/// One of each kind, and how many there are.
+/// One note for each kind of finding, with the number of its findings.
 std::vector<std::string> notes_on(const std::vector<core::Finding>& refused) {
   std::map<core::FindingId, std::size_t> count;
   for (const core::Finding& finding : refused) ++count[finding.id];
@@ -166,7 +167,7 @@ learn::Draft draft_that_holds(const learn::Observer& observer,
                               const std::vector<std::string>& names, learn::DraftOptions options) {
   Holding best(observer, names, options);
   auto refused = best.refused();
-  // What is assumed may be the reason: how often things come that were seen once, then the rates.
+  // Assumptions may be the reason: try another Period for what was seen once, then other bit rates.
   constexpr std::uint64_t second = 1'000'000'000;
   learn::DraftOptions fast = options;
   fast.assumed_period = second;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlccactl new: the first description of a system, by flags or questions.
+// The verb `mlccactl new`: makes the first description of a system from options or questions.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -38,7 +38,7 @@ struct NewArguments {
   bool dry_run = false;
 };
 
-/// 0 where the kernel has none: asked for again.
+/// A random number; 0 if the kernel has none yet. The caller asks again.
 std::uint64_t random_number() {
   const auto text = random_subject();
   return text ? prefixed_number_in<std::uint64_t>(*text).value_or(0) : 0;
@@ -100,7 +100,7 @@ class New {
     return {};
   }
 
-  /// False at the end of the input.
+  /// Asks until the answer is accepted. False at the end of the input.
   template <class Accept>
   bool question(const std::string& text, const std::string& otherwise, Accept accept) {
     for (;;) {
@@ -121,7 +121,7 @@ class New {
            confirm(terminal_, fmt::format("Write {}?", a_.file));
   }
 
-  /// Until there are no more. False at the end of the input.
+  /// Repeats a question until there are no more answers. False at the end of the input.
   template <class One>
   static bool several(One one) {
     for (bool more = true; more;)
@@ -129,14 +129,14 @@ class New {
     return true;
   }
 
-  using Fields = std::vector<std::string>;  ///< of the text that an option would have
+  using Fields = std::vector<std::string>;  ///< the fields of the value that an option would have
   using Add = Result<void> (*)(Plan&, std::string_view);
 
   static Result<void> add_fields(Plan& plan, const Fields& fields, Add add) {
     return add(plan, fmt::format("{}", fmt::join(fields, ":")));
   }
 
-  /// Takes one of the fields. Those that were not asked for yet have values that are never wrong.
+  /// Sets one field and checks it. Fields that were not asked for yet have valid values.
   Result<void> take_field(Fields& fields, std::size_t index, const std::string& answer, Add add) {
     if (answer.find(':') != std::string::npos)
       return fail(fmt::format("'{}': one thing at a time, without ':'", answer));
@@ -153,7 +153,7 @@ class New {
         fmt::format("  {} [{}]: ", text, otherwise), otherwise,
         [&](const std::string& answer) { return take_field(fields, index, answer, add); });
   }
-  /// The field that comes first; without a name there is `more` no longer.
+  /// Asks for the first field, the name. An empty name ends the list: `more` becomes false.
   bool ask_name(const std::string& what, bool enough, Fields& fields, Add add, bool& more) {
     return question(fmt::format("{}, its name{}: ", what, enough ? " [no more]" : ""), "",
                     [&](const std::string& answer) -> Result<void> {
@@ -180,7 +180,7 @@ class New {
     return add_fields(plan_, f, add_network).has_value();
   }
 
-  /// can0, and can1 where that is taken.
+  /// The default interface: can0, or can1 if that is already used, and so on.
   [[nodiscard]] std::string usual_interface(const std::string& kind) const {
     const std::string stem = kind.starts_with("udp-") ? "eth" : kind;
     for (std::size_t n = 0;; ++n) {

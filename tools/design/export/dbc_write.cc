@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A DBC file of the messages that are admitted on a network.
+// Writes a DBC file of the messages that are admitted on a network.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -18,14 +18,14 @@
 namespace mlcca::tools::design {
 namespace {
 
-constexpr std::size_t kMostDbcName = 32;  // as most tools take them
+constexpr std::size_t kMostDbcName = 32;  // as long as most tools accept
 constexpr std::uint32_t kClassicFrame = 8;
 constexpr std::uint32_t kFdFrame = 64;
 constexpr double kNanosOfMilli = 1e6;
 
 bool is_of_dbc_name(char c) { return is_alphanumeric(c) || c == '_'; }
 
-/// Names of a DBC file: letters, digits and '_', each once.
+/// The names of a DBC file: letters, digits and '_', all different.
 class DbcNames {
  public:
   const std::string& of(const std::string& name) {
@@ -55,7 +55,7 @@ std::string in_dbc_quotes(std::string_view text) {
   std::string out;
   for (const char c : text) {
     if (c == '"') out += '\\';
-    out += c == '\\' ? '/' : c;  // it would hide a quote behind it
+    out += c == '\\' ? '/' : c;  // a backslash would escape a quote after it
   }
   return out;
 }
@@ -113,7 +113,7 @@ class DbcWriter {
                      fmt::format("{}: {}", channel.name, many(bytes, "byte")));
       bytes = most;
     }
-    // One message an identifier, whoever else is admitted by it.
+    // One message for each identifier, even if several publishers are admitted with it.
     if (!ids_.insert(frames.identity.id).second)
       return out_.lacks.add("repeated", "the identifier is a message already", 0,
                             fmt::format("{} of {}", channel.name, publisher.name));
@@ -155,7 +155,7 @@ class DbcWriter {
     any_fd_ = any_fd_ || fd;
   }
 
-  /// What no attribute of a DBC file says.
+  /// Writes the attributes for which DBC files have no attribute into the comment of the message.
   void rest(const core::EventChannel& channel, const AttributeSet& offered) {
     std::string words;
     for (std::size_t i = 0; i < kAttributes; ++i) {

@@ -17,7 +17,7 @@ struct Meaning {
   DbcRole role;
 };
 
-/// The first that a file states counts.
+/// The attributes with a meaning. If a file states several of one role, the first one counts.
 constexpr auto kMeanings = std::to_array<Meaning>({
     {DbcObject::message, "genmsgcycletime", DbcRole::cycle},
     {DbcObject::message, "cycletime", DbcRole::cycle},
@@ -114,7 +114,7 @@ bool DbcDefinitions::define(DbcObject object, std::string_view name,
 }
 
 bool DbcDefinitions::set_default(std::string_view name, const std::string& value) {
-  // A default does not say of what; names are unique over all objects in practice.
+  // The definition of a default does not name the kind of object, but names are unique in practice.
   bool known = false;
   for (auto& [key, definition] : definitions_) {
     if (key.second != name) continue;

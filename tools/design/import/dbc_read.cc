@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The statements of a DBC file, one after the other.
+// Reads a DBC file, one statement after the other.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,12 +18,12 @@ namespace mlcca::tools::design {
 namespace {
 
 constexpr std::string_view kNobody = "Vector__XXX";
-/// Vector's tools keep signals without a message there.
+/// The message to which tools of Vector assign signals without a message.
 constexpr std::string_view kNoMessage = "VECTOR__INDEPENDENT_SIG_MSG";
 constexpr std::uint32_t kNoMessageId = 0xc0000000;
-constexpr std::size_t kMostSenders = 256;  // of a message
+constexpr std::size_t kMostSenders = 256;  // of one message
 
-/// Of the statements that may follow the names of nodes.
+/// Whether a word begins a statement, and so is not the name of a node.
 bool is_keyword(std::string_view word) {
   constexpr auto all = std::to_array<std::string_view>(
       {"NS_", "BS_", "BU_", "BO_", "SG_", "EV_", "CM_", "BA_", "VAL_", "VERSION"});
@@ -93,7 +93,7 @@ class DbcReader {
     if (seen.count++ == 0) seen.line = line;
   }
 
-  /// The number that the next word is; 0 and an error if it is none.
+  /// Reads a number. Gives 0 and sets the error if the next word is not one.
   template <class Number>
   Number number(const char* what) {
     const auto token = scan_.take();
@@ -116,7 +116,7 @@ class DbcReader {
 
   void statement() {
     const auto token = scan_.take();
-    // Names of the section NS_ stand alone on their lines, not always behind a blank.
+    // Names of the section NS_ stand alone on their lines, not always after a blank.
     if (token.first && scan_.peek().first && token.kind == DbcToken::Kind::word)
       return alone(token);
     in_names_ = token.is_word("NS_");
@@ -170,7 +170,7 @@ class DbcReader {
     out_.messages.push_back(std::move(next));
   }
 
-  /// Some tools leave the sender out.
+  /// Reads the sender if there is one, because some tools leave it out.
   void known_sender(DbcMessage& message) {
     if (scan_.peek().first || scan_.peek().kind != DbcToken::Kind::word) return;
     if (const auto node = node_called(scan_.take())) message.senders.push_back(*node);
@@ -192,7 +192,7 @@ class DbcReader {
 
   void nodes() {
     mark(':', "':' behind BU_");
-    // They may go on in the next lines, which a blank then begins.
+    // The names may continue in further lines, which then begin with a blank.
     while (error_.empty() && scan_.peek().kind == DbcToken::Kind::word &&
            (!scan_.peek().first || (scan_.is_indented() && !is_keyword(scan_.peek().text))))
       node_called(scan_.take());
@@ -211,7 +211,7 @@ class DbcReader {
       multiplexed = true;  // "M", "m0" or "m0M"
     }
     if (!error_.empty()) return;
-    // Up to the unit: bits, factor, range.
+    // Skips bits, factor and range, up to the unit.
     while (scan_.peek().kind != DbcToken::Kind::text) {
       if (scan_.peek().first || scan_.peek().kind == DbcToken::Kind::end)
         return wrong(line, "a signal has a unit in quotes, perhaps an empty one (\"\")");
@@ -227,7 +227,7 @@ class DbcReader {
       ++message->signals;
       message->multiplexed = message->multiplexed || multiplexed;
     }
-    bool goes_on = false;  // in the next line, behind a comma
+    bool goes_on = false;  // the list continues on the next line after a comma
     while (error_.empty() && (!scan_.peek().first || goes_on) &&
            scan_.peek().kind != DbcToken::Kind::end) {
       const auto token = scan_.take();
@@ -241,7 +241,7 @@ class DbcReader {
     }
   }
 
-  /// That it receives current_.
+  /// Whether this is the first signal of current_ that the node receives.
   bool is_first_time(std::size_t node) {
     if (node >= received_.size()) received_.resize(node + 1, kMostMessages);
     return std::exchange(received_[node], *current_) != *current_;
@@ -268,12 +268,12 @@ class DbcReader {
     scan_.skip_statement();
   }
 
-  /// What CM_ and BA_ are about, which is taken from the front.
+  /// The object of a CM_ or BA_ statement, read from its start.
   struct About {
     DbcObject object = DbcObject::network;
     DbcMessage* message = nullptr;
     DbcNode* node = nullptr;
-    std::string unknown;  ///< a message or node that does not exist, as it is named
+    std::string unknown;  ///< name of a message or node that does not exist
   };
 
   About about() {
@@ -294,7 +294,7 @@ class DbcReader {
       out.object = token.text == "BO_" ? DbcObject::message : DbcObject::signal;
       const auto id = number<std::uint32_t>("the identifier of a message");
       out.message = message_with(id);
-      // What is said of kNoMessage is left out with its signals.
+      // Statements about kNoMessage are skipped like its signals.
       if (out.message == nullptr && id != kNoMessageId)
         out.unknown = fmt::format("{} {}", token.text, id);
       if (out.object == DbcObject::signal) word("the name of a signal");
@@ -313,7 +313,7 @@ class DbcReader {
       wrong(scan_.peek(), "a comment in quotes");
     if (scan_.unclosed() != 0) return;
     if (!error_.empty()) {
-      // It says nothing to us: no reason to refuse the file.
+      // The statement is of no use here, so it is no reason to refuse the file.
       lack("comments", "have no place, or are not understood", line, std::exchange(error_, {}));
       scan_.skip_statement();
       return;
@@ -399,15 +399,15 @@ class DbcReader {
   DbcFile out_;
   std::string error_;
   DbcDefinitions definitions_;
-  std::optional<std::size_t> current_;  ///< the message that signals belong to
+  std::optional<std::size_t> current_;  ///< the message to which signals belong
   bool is_none_ = false;                ///< they belong to kNoMessage
-  bool in_names_ = false;               ///< of the section NS_
+  bool in_names_ = false;               ///< within the section NS_
   std::unordered_map<std::uint32_t, std::size_t> by_id_;
   std::unordered_map<std::string, std::size_t> node_numbers_;
   std::map<std::string, Seen> unused_;
   std::map<std::string, Seen> other_;
   std::size_t receivers_ = 0;
-  std::vector<std::size_t> received_;  ///< of each node, the latest message that it receives
+  std::vector<std::size_t> received_;  ///< by node, the latest message that it receives
 };
 
 }  // namespace

@@ -35,7 +35,7 @@ void DbcScanner::skip_line() {
 void DbcScanner::skip_statement() {
   const auto goes_on = [&] {
     if (next_.first && next_.kind == DbcToken::Kind::word && next_.text.ends_with('_'))
-      return false;  // the semicolon is missing
+      return false;  // a semicolon is missing
     return next_.kind != DbcToken::Kind::end && !next_.is(';');
   };
   while (goes_on()) advance();

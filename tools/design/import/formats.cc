@@ -14,7 +14,7 @@
 namespace mlcca::tools::design {
 namespace {
 
-/// Some line begins with that.
+/// Whether a line of the text begins with `begin`.
 bool has_line(std::string_view text, std::string_view begin) {
   for (auto at = text.find(begin); at != std::string_view::npos; at = text.find(begin, at + 1))
     if (at == 0 || text[at - 1] == '\n') return true;

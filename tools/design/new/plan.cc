@@ -23,7 +23,7 @@ namespace {
 
 constexpr Value kMillisecond = 1'000'000;
 constexpr Value kDatagram = 1400;          // bytes, fits any Ethernet frame
-constexpr std::uint32_t kFirstId = 0x100;  // of the identifiers that are given
+constexpr std::uint32_t kFirstId = 0x100;  // the first identifier that is assigned
 constexpr std::uint32_t kMostBitrate = 1'000'000;
 constexpr std::uint32_t kUsualBitrate = 500'000;
 constexpr Value kClassicBytes = 8;
@@ -133,7 +133,7 @@ class PlanWriter {
     return channel.from == network || std::ranges::find(channel.to, network) != channel.to.end();
   }
 
-  /// Of a mesh only a best case, which the run time decides.
+  /// Writes a provision. For a mesh it is only a best case, because links are known at run time.
   void provision(bool dynamic) {
     constexpr Value latency = 5 * kMillisecond;
     AttributeSet gives;
@@ -282,7 +282,7 @@ std::string description_of(const Plan& plan, std::uint64_t (*random)()) {
 std::string description_that_holds(Plan& plan, std::uint64_t (*random)()) {
   std::string text = description_of(plan, random);
   auto system = description::read_memory(text, "draft", {}, description::Users::any);
-  if (!system) return text;  // who asked for it says why it cannot be read
+  if (!system) return text;  // the caller reports why it cannot be read
   system->sort_bindings();
   const auto queues = lengthen_queues(*system);
   for (const auto& [network, frames] : queues) plan.networks[network].queue_length = frames;
