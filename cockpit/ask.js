@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The bridge: mlccactl, which speaks JSON.
+// Requests to mlccad, by way of `mlccactl --json`.
 /* global cockpit */
 
-/** Not so in a snapshot (tools/report). */
+/** False in a snapshot (tools/report). */
 export const kLive = true;
 const kPause = 2000; // ms until a monitor that ended is started again
 
 async function run(words, options) {
   const text = await cockpit.spawn(["mlccactl", "--json", ...words], { err: "message", ...options })
     .catch((problem, data) => {
-      // Refusals and errors are answers, too: with a status, and on standard output.
+      // Refusals and errors are answers as well, with an exit status and on standard output.
       if (data && data.startsWith("{")) return data;
       throw new Error(problem.problem === "not-found" ? "mlccactl is not installed"
         : problem.problem === "access-denied" ? "this needs administrative access" : problem.message);
@@ -20,10 +20,10 @@ async function run(words, options) {
 }
 
 export const ask = (...words) => run(words, {});
-/** As an administrator: Cockpit asks for the password where it has to. */
+/** Runs as an administrator. Cockpit asks for the password if that is necessary. */
 export const change = (...words) => run(words, { superuser: "require" });
 
-/** Calls `on` with each object that a program prints on a line of its own, and `ended` when it ends. */
+/** Calls `on` with each object that mlccactl prints, one on each line, and `ended` when it ends. */
 function lines(words, on, ended) {
   let rest = "";
   const process = cockpit.spawn(["mlccactl", "--json", ...words], { err: "message" });
@@ -35,7 +35,7 @@ function lines(words, on, ended) {
   return process;
 }
 
-/** Calls `on` with each event, `state` with whether they come. */
+/** Calls `on` with each event, and `state` with whether events are received. */
 export function follow(on, state) {
   state(true);
   lines(["monitor"], (event) => { if (event.kind) on(event); }, () => {
@@ -44,7 +44,7 @@ export function follow(on, state) {
   });
 }
 
-/** Calls `on` once a second with what has changed of the counters, while the page can be seen, and `lost` when that ends. */
+/** Calls `on` once a second with the changed counters while the page is visible, and `lost` when that ends. */
 export function followCounters(on, lost) {
   let process = null;
   const run = () => {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What changes the gateway: asked back first, then done by mlccactl as an administrator.
+// Dialogs for changes of the gateway. The user confirms a change, and mlccactl makes it as an administrator.
 import { change, ask } from "./ask.js";
 import { by, h } from "./dom.js";
 
-/** Shows a form; `run(form)` gives what is to be said at the end, or throws. */
+/** Shows a form. `run(form)` returns the text to show at the end, or throws. */
 function form(title, content, label, run, dangerous) {
   const dialog = by("dialog");
   const said = h("p", { class: "answer", role: "status" });
@@ -52,7 +52,7 @@ export const release = (c) => form(`Release admission ${c.admission}`,
 export const reload = () => form("Read the description again", h("p", {}, "All of it, or nothing where it has an error."),
   "Reload", async () => (await change("reload")).message);
 
-/** Asks what would be decided before it is admitted. */
+/** Shows what would be decided, and then admits. */
 export function admit(channels, places) {
   const lists = [["names", channels], ["places", places]].map(([id, all]) =>
     h("datalist", { id }, [...new Set(all)].map((value) => h("option", { value }))));

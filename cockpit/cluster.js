@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The gateways that share networks by a store, as `mlccactl cluster` reports them.
+// The gateways that share networks in a cluster, as `mlccactl cluster` reports them.
 import { table } from "./detail.js";
 import { h } from "./dom.js";
 import { count, duration, elapsed, many, rate } from "./format.js";
 
 const kShownReservations = 200;
-const kDigits = 12; // of a digest
+const kDigits = 12; // characters of a digest that are shown
 const kWell = ["active", "granted"];
 
 const cells = (...all) => h("tr", {}, all.map((c) => h("td", {}, c)));
@@ -44,7 +44,7 @@ function takenParts(reservations) {
     `and ${count(reservations.length - kShownReservations)} more: mlccactl cluster reservations has all`) : null];
 }
 
-/** `cluster`: how this gateway stands; null: it does not say. */
+/** `cluster`: the state of this gateway; null if it is not known. */
 export function clusterParts(cluster, members, reservations) {
   if (!cluster) return [h("p", { class: "quiet" }, "This mlccad does not say whether it takes part in a cluster.")];
   if (!cluster.system)

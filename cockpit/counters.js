@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Counters between two answers: what has changed of them is put into what is there.
+// Keeps the counters of the latest answers up to date with the lines of `mlccactl --json top`.
 import { key } from "./model.js";
 
 export class Counters {
-  #keys = []; // of the deliveries, in the order in which lines name them
-  #latest = new Map(); // what lines have said of each, by key
-  #traffic = new Map(); // the same of interfaces
+  #keys = []; // keys of the deliveries, in the order in which lines number them
+  #latest = new Map(); // the latest counters of each delivery, by key
+  #traffic = new Map(); // the latest counters of each interface, by name
   #channels = new Map();
   #interfaces = new Map();
-  #at = 0; // when that was so, ms
+  #at = 0; // time of the ages in the answers, ms
 
-  /** Answers, which may be older than the latest line. */
+  /** Takes new answers, which may be older than the latest line. */
   of(channels, interfaces) {
     this.#channels = new Map(channels.map((c) => [key(c), c]));
     this.#interfaces = new Map(interfaces.map((i) => [i.name, i]));
@@ -18,7 +18,7 @@ export class Counters {
     for (const name of this.#latest.keys()) this.#put(name);
     for (const [name, traffic] of this.#traffic) Object.assign(this.#interfaces.get(name) ?? {}, traffic);
   }
-  /** One line of `mlccactl --json top`. False: it begins to name deliveries that no answer has had. */
+  /** Takes one line. False if it begins to number deliveries of which some are in no answer. */
   take(line) {
     const passed = (performance.now() - this.#at) * 1e6;
     this.#at = performance.now();
@@ -41,7 +41,7 @@ export class Counters {
     }
     return !line.deliveries || this.#keys.every((name) => this.#channels.has(name));
   }
-  /** No more lines come: what answers say holds. */
+  /** No more lines come, so the counters of later answers are used as they are. */
   lost() {
     this.#latest.clear();
     this.#traffic.clear();

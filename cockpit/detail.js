@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The story of a decision, as `mlccactl explain` reports it, and what a place is.
+// The details of a decision, as `mlccactl explain` reports it, and of a network or gateway.
 import { h } from "./dom.js";
 import { bits, count, duration, elapsed, forPeople, many, moment, percent, rate, value } from "./format.js";
 import { kStates } from "./model.js";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Elements. What comes from the daemon becomes text or the value of an attribute, never markup.
+// Creates elements. Data from the daemon becomes text or the value of an attribute, never markup.
 
 const kSvg = "http://www.w3.org/2000/svg";
 
@@ -17,7 +17,7 @@ export const h = (name, attributes = {}, ...children) =>
   fill(document.createElement(name), attributes, children);
 export const svg = (name, attributes = {}, ...children) =>
   fill(document.createElementNS(kSvg, name), attributes, children);
-/** A text whose end is seen, too, where there is no room for all of it (style.css). */
+/** A text whose end stays visible if there is no room for all of it (style.css). */
 export function cut(text, end = 12) {
   const letters = [...text];
   return h("span", { class: "cut" }, h("span", {}, letters.slice(0, -end).join("")), h("span", {}, letters.slice(-end).join("")));

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The networks hop by hop. A channel is drawn along its route, from its first place to its last one, or to where
-// it is refused.
+// Draws the networks hop by hop. A channel is drawn along its route, from its first place to its last one, or to the
+// place where it is refused.
 import { svg } from "./dom.js";
 import { count, many, percent } from "./format.js";
 import { inColumns, inTree, kHeight, kWidth } from "./layout.js";
 import { lastHop } from "./model.js";
 
-const kEdge = 14; // of a box
+const kEdge = 14; // padding of a box
 const kLine = 16; // height of a line of a label
-const kWidest = 340; // of a box in a row: longer texts are cut, and its title has them
+const kWidest = 340; // widest box in a row; longer texts are cut, and the box's title has them
 
-let pen; // measures texts
+let pen; // canvas context that measures texts
 function widthOf(text, font = "13px") {
   if (pen === undefined) pen = document.createElement("canvas").getContext("2d");
   pen.font = `${font} ${getComputedStyle(document.body).fontFamily}`;
@@ -28,7 +28,7 @@ function clipped(text, width, font) {
 }
 const points = (corners) => corners.map(([x, y]) => `${x},${y}`).join(" ");
 
-/** How many of the lines go through a box; from corner to corner they are sampled. */
+/** The number of lines that cross a box. Each segment is sampled at 25 points. */
 function through(box, lines) {
   const hit = ([x1, y1], [x2, y2]) => {
     for (let i = 0; i <= 24; ++i) {
@@ -40,7 +40,7 @@ function through(box, lines) {
   return lines.filter((corners) => corners.some((corner, i) => i > 0 && hit(corners[i - 1], corner))).length;
 }
 
-/** Of the places for a label where none stands yet, the one that fewest lines go through; null: there is no room. */
+/** The free position for a label that fewest lines cross; null if there is no room. */
 function roomFor(places, width, height, { taken, lines }) {
   let best = null;
   for (const { x, y, anchor } of places) {
@@ -49,13 +49,13 @@ function roomFor(places, width, height, { taken, lines }) {
     if (taken.some((t) => here.left < t.right && t.left < here.right && here.top < t.bottom && t.top < here.bottom)) continue;
     here.crossed = through(here, lines);
     if (!best || here.crossed < best.crossed) best = here;
-    if (best.crossed <= 1) break; // its own line
+    if (best.crossed <= 1) break; // only its own line
   }
   if (best) taken.push(best);
   return best;
 }
 
-/** Who makes the graph may keep places by something else than what they are called. */
+/** The text of a place. A graph may identify places by something else than their text. */
 const called = (p) => p.label ?? p.name;
 
 function line(e, places, layout) {
@@ -69,7 +69,7 @@ function line(e, places, layout) {
 
 const kLooks = [["granted", "✓", "good"], ["open", "◌", "warn"], ["refused", "✕", "bad"]];
 
-/** What is on a line, in numbers; null: there is nothing, or no room. */
+/** The numbers on a line; null if there are none, or if there is no room. */
 function label(e, layout, room) {
   const texts = kLooks.filter(([what]) => e[what]).map(([what, mark, look]) => {
     const text = `${mark} ${count(e[what])}`;
@@ -79,7 +79,7 @@ function label(e, layout, room) {
   const { stacked } = layout;
   const width = stacked ? Math.max(...texts.map((t) => t.width)) : texts.reduce((sum, t) => sum + t.width, 12 * (texts.length - 1));
   const here = roomFor(layout.labels(e.a, e.b), width + 8, (stacked ? texts.length : 1) * kLine + 2, room);
-  if (!here) return null; // the title of the line has it
+  if (!here) return null; // the line's title has the numbers
   const group = svg("g", { class: "label", "aria-hidden": "true" },
     svg("rect", { x: here.left, y: here.top, width: here.right - here.left, height: here.bottom - here.top, rx: 3 }));
   let [x, y] = [stacked ? (here.left + here.right) / 2 : here.left + 4, here.top + kLine - 3];
@@ -92,9 +92,9 @@ function label(e, layout, room) {
 }
 
 const fontOfNote = (p) => p.ill ? "600 13px" : "13px";
-/** So wide is a box in which nothing is cut. */
+/** The width of a box in which nothing is cut. */
 const needs = (p) => 2 * kEdge + 1 + Math.max(widthOf(called(p), "600 15px"), widthOf(p.subtitle), widthOf(p.note, fontOfNote(p)));
-/** In columns that are as wide as texts need where there is room for it. */
+/** A layout in columns, as wide as the texts need if there is room. */
 function asWide(columns, edges, available) {
   const most = Math.min(kWidest, Math.max(kWidth, ...columns.flat().map((p) => Math.ceil(needs(p)))));
   const narrow = inColumns(columns, edges, kWidth);
@@ -140,7 +140,7 @@ function way(c, layout) {
     const corners = layout.line(stop, next);
     const [[x1, y1], [x2, y2]] = corners;
     const part = 16 / (Math.hypot(x2 - x1, y2 - y1) || 1);
-    // Of a line that others begin with, too, it is the corner where they part.
+    // If other lines start with the same segment, the mark is at the corner where they part.
     const [x, y] = corners.length === 3 ? corners[1] : [x1 + (x2 - x1) * part, y1 + (y2 - y1) * part];
     group.append(svg("g", { transform: `translate(${x} ${y})` },
       svg("circle", { r: 11 }), svg("path", { d: "M-4.5 -4.5 L4.5 4.5 M4.5 -4.5 L-4.5 4.5" })));
@@ -148,7 +148,7 @@ function way(c, layout) {
   return group;
 }
 
-/** `chosen`: the channel whose way is shown, or none. */
+/** `chosen`: the channel whose route is highlighted, or null. */
 export function draw(graph, chosen, available, choose) {
   const edges = graph.edges.filter((e) => graph.places.has(e.a) && graph.places.has(e.b));
   const columns = asWide(graph.columns, edges, available);

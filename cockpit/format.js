@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Numbers as a person reads them.
+// Formats numbers for people.
 
 const shortened = (value) => value.toLocaleString("en", { maximumSignificantDigits: 3 });
 
@@ -17,7 +17,7 @@ export function duration(ns) {
 const kSecond = 1e9;
 const kParts = [["d", 86400], ["h", 3600], ["min", 60], ["s", 1]];
 
-/** A time that has passed: "104 ms", "11 s", "1 min 23 s", "2 h 5 min". */
+/** A past time: "104 ms", "11 s", "1 min 23 s", "2 h 5 min". */
 export function elapsed(ns) {
   const seconds = Math.floor(ns / kSecond);
   if (seconds < 1) return duration(ns);
@@ -30,7 +30,7 @@ export function elapsed(ns) {
 
 const kUnits = { s: 1, min: 60, h: 3600, d: 86400 };
 const kSilence = /(nothing has come for|nothing has come since the gate lets it in,|the latest) (\d+(?:\.\d+)?) (s|min|h|d)(?![a-z/])/g;
-/** A line of mlccad's health, with times as a person reads them. */
+/** A line of mlccad's health, with the times in it formatted for people. */
 export const forPeople = (line) => line.replace(kSilence, (_, words, number, unit) => `${words} ${elapsed(number * kUnits[unit] * kSecond)}`);
 
 export const rate = (bytes) => scaled(bytes, [[1e9, "GB/s"], [1e6, "MB/s"], [1e3, "kB/s"], [1, "B/s"]]);
@@ -38,7 +38,7 @@ export const bits = (bit) => scaled(bit, [[1e9, "Gbit/s"], [1e6, "Mbit/s"], [1e3
 export const percent = (part) => `${shortened(part * 100)} %`;
 export const count = (n) => (n ?? 0).toLocaleString("en");
 export const many = (n, one, more = `${one}s`) => `${count(n)} ${n === 1 ? one : more}`;
-/// Frames that passed; where its events cross no gate of this gateway nobody counts them.
+/// The number of passed frames. It is not known if the events cross no gate of this gateway.
 export const passed = (c) => (c.crosses_no_gate ? "-" : count(c.passed));
 export const moment = (unixNs) => new Date(unixNs / 1e6).toLocaleString("sv");
 
@@ -48,7 +48,7 @@ export function value(number, unit) {
   if (unit === "ns") return duration(number);
   if (unit === "bytes/s") return rate(number);
   if (unit === "1e-9") return percent(number / 1e9);
-  const own = /^1e(-?\d+)(?: (.*))?$/.exec(unit);  // of an attribute that the description defines
+  const own = /^1e(-?\d+)(?: (.*))?$/.exec(unit);  // an attribute that the description defines
   if (own) {
     const places = Math.min(Math.max(-Number(own[1]), 0), 20);
     const text = (number * 10 ** Number(own[1])).toLocaleString("en", { maximumFractionDigits: places });

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Where places stand, and the lines between them: numbers alone. No line goes past a place that it does not join.
+// Computes the positions of places and of the lines between them. No line crosses a place that it does not join.
 
 export const kWidth = 190, kHeight = 92;
-const kGap = 110, kRow = 26, kCrowd = 40; // between columns, places of a column, and more where many lines are
-const kAbove = 34, kLane = 18; // in a tree: room above each place for its label, and between lines beside it
+const kGap = 110, kRow = 26, kCrowd = 40; // between columns, between places of a column, extra width for many lines
+const kAbove = 34, kLane = 18; // in a tree: room for labels above places, distance of lines beside it
 
-/** From left to right, each of one width. What is joined is in neighbouring columns: lines need the gaps between them only. */
+/**
+ * Columns from left to right, all places of the same width. Joined places are in neighbouring columns, so lines only
+ * need the gaps between columns.
+ */
 export function inColumns(columns, edges, own) {
   const at = new Map();
   const most = Math.max(1, ...columns.map((c) => c.length));
   const column = new Map(columns.flatMap((places, i) => places.map((p) => [p.name, i])));
-  const crowd = columns.map(() => 0); // lines behind each column
+  const crowd = columns.map(() => 0); // number of lines to the right of each column
   for (const { a, b } of edges) crowd[Math.min(column.get(a), column.get(b))] += 1;
   let x = 0;
   columns.forEach((places, i) => {
@@ -22,7 +25,7 @@ export function inColumns(columns, edges, own) {
     const right = q.x > p.x;
     return [[right ? p.x + own : p.x, p.y + kHeight / 2], [right ? q.x : q.x + own, q.y + kHeight / 2]];
   };
-  // Lines cross in the middle of a gap: a label that has no room there is put nearer to an end.
+  // Lines cross in the middle of a gap, so a label that has no room there moves towards an end.
   const labels = (a, b) => {
     const [[x1, y1], [x2, y2]] = line(a, b);
     return [.5, .4, .6, .3, .7, .25, .75, .45, .55, .35, .65].map((t) => ({ x: x1 + (x2 - x1) * t, y: y1 + (y2 - y1) * t, anchor: "middle" }));
@@ -30,7 +33,7 @@ export function inColumns(columns, edges, own) {
   return { at, line, labels, stacked: true, width: x + own, height: most * (kHeight + kRow) - kRow };
 }
 
-/** Each place behind the one that it is reached from, with those behind it in a row: [place, depth, from]. */
+/** The places in the order of a tree, each after the place from which it is reached: [place, depth, from]. */
 function treeOf(columns) {
   const behind = new Map();
   columns.forEach((column, i) => column.forEach((p) => {
@@ -47,12 +50,15 @@ function treeOf(columns) {
   return rows;
 }
 
-/** For a narrow screen: a place a row, each indented below the one that it is reached from. Further lines go beside. */
+/**
+ * For a narrow screen: one place in each row, indented below the place from which it is reached. All further lines are
+ * drawn in lanes beside the places.
+ */
 export function inTree(columns, edges, available) {
   const rows = treeOf(columns);
   const from = new Map(rows.map(([p, , q]) => [p.name, q?.name]));
   const row = new Map(rows.map(([p], i) => [p.name, i]));
-  const lanes = []; // of each: the edges on it, as rows from and to
+  const lanes = []; // by lane: the edges in it, as rows from and to
   const beside = new Map();
   for (const { a, b } of edges) {
     if (!row.has(a) || !row.has(b) || from.get(a) === b || from.get(b) === a) continue;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A grid of which only the rows in sight are elements, so that 1,000 of them cost what 30 do. On paper, and in a file
-// that a browser searches, all are.
+// A grid in which only the visible rows are elements, so that 1,000 rows cost as much as 30. For printing, and in a
+// file that a browser searches, all rows are elements.
 import { h } from "./dom.js";
 
 const kRowHeight = 48; // px
-const kBeyond = 6; // rows above and below what is in sight
+const kBeyond = 6; // number of rows above and below the visible ones
 
 export class List {
-  /** `cells(row)`: the cells of a row; `columns`: the class of each and its name; `every`: all rows are elements. */
+  /** `cells(row)` makes the cells of a row. `columns`: class and name of each. `every`: all rows are elements. */
   constructor({ label, columns, cells, open, every = false }) {
     Object.assign(this, { columns, cells, open, height: kRowHeight, every, rows: [], at: 0, shown: new Map() });
     this.body = h("div", { class: "rows", role: "presentation" });
@@ -18,12 +18,12 @@ export class List {
       this.scroller);
     new ResizeObserver(() => this.resized()).observe(this.scroller);
   }
-  /** Of a row, px: the width that there is decides how many lines it has (style.css). */
+  /** The height of a row in px. The width decides how many lines a row has (style.css). */
   measured() {
     const said = parseFloat(getComputedStyle(this.element).getPropertyValue("--row"));
     return said * parseFloat(getComputedStyle(document.documentElement).fontSize) || kRowHeight;
   }
-  /** The same rows stay in sight, and the same elements are they: one may have the focus, or get it back. */
+  /** Keeps the same rows visible and the same elements, because one may have the focus or get it back. */
   resized() {
     const first = this.scroller.scrollTop / this.height;
     const height = this.measured();
@@ -53,12 +53,12 @@ export class List {
     this.body.replaceChildren();
     this.shown.clear();
   }
-  /** All rows are elements from now on, or those in sight. */
+  /** Makes all rows elements, or only the visible ones. */
   all(every) {
     this.every = every;
     this.show(this.rows);
   }
-  /** What the rows say may be another thing; they are the same ones. */
+  /** Updates the text of the same rows. */
   update() {
     for (const [i, element] of this.shown)
       this.cells(this.rows[i]).forEach((cell, n) => {

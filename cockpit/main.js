@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// When what is asked, and where it is shown.
+// The page: when it asks what, and where it shows the answers.
 /* global cockpit */
 import { ask, follow, followCounters, kLive } from "./ask.js";
 import { admit, changeMode, reinstate, release, reload, withdraw } from "./changes.js";
@@ -12,19 +12,19 @@ import { count, forPeople, many, moment, passed, percent } from "./format.js";
 import { List } from "./list.js";
 import { Counted, findingName, graphOf, key, kStates, marginOf, sorted, used } from "./model.js";
 
-const kFindings = 200; // that are shown
-const kEntries = 200; // of the history that are shown, and that are asked for where nothing is searched
-const kSearched = 10000; // that are asked for else: as many as mlccactl gives
-const kSamples = 240; // of what is reserved and used, for as long as the page is open
+const kFindings = 200; // most findings that are shown
+const kEntries = 200; // entries of the history that are shown, and that are asked for without a search
+const kSearched = 10000; // entries that are asked for with a search: the most that mlccactl gives
+const kSamples = 240; // most samples of a resource, since the page was opened
 const kLoud = ["withdrawn", "revoked", "network-down", "removed", "refused", "missing", "lapsed", "drift", "bypass", "mode", "trouble"];
 const now = { status: null, networks: [], channels: [], reservations: [], routes: { links: [] }, history: [], audit: null, cluster: null, members: null, taken_there: null, live: false, taken: 0, health_taken: 0, health_asked: false,
   counted: new Counted() };
 const samples = new Map();
-const kSettles = 5e9; // ns from which on the difference of two counters says how much is used
+const kSettles = 5e9; // ns between two counters from which on their difference shows the use
 const counters = new Counters();
 let chosen = null; // key of the channel whose detail is open
-let chosenPlace = null; // name of the place whose detail is
-let opened = null; // what had the focus before
+let chosenPlace = null; // name of the place whose detail is open
+let opened = null; // element that had the focus before
 
 const put = (id, ...children) => by(id).replaceChildren(...children.flat().filter((c) => c !== null));
 const say = (text) => { by("said").textContent = text; };
@@ -145,7 +145,7 @@ function channelsPanel() {
     h("span", { id: "shown", class: "quiet", role: "status" })), list.element];
 }
 
-/** Reserved, and where it is known, used. */
+/** A line chart of the reserved share and, where it is known, of the used share. */
 function spark(points) {
   const width = 240, height = 36;
   const first = points[0].at, span = Math.max(1, points.at(-1).at - first);
@@ -159,7 +159,7 @@ function spark(points) {
     "aria-label": `${said(points, "part", "reserved")}${known.length ? `, ${said(known, "used", "used")}` : ""} since the page was opened` },
   line(points, "part"), known.length ? line(known, "used") : null);
 }
-/** What is not counted: events that do not come in here by a gate, and those without a Period. */
+/** The used share in words. Not measured are events that do not enter here by a gate, and those without a Period. */
 function usedWords(resource) {
   const now_ = used(resource, now.counted);
   if (!now_) return resource.reservations.length ? "; no event of these is counted here" : "";
@@ -185,7 +185,7 @@ function reservedPanel() {
 const past = { text: "", people: false };
 const pastAsked = () => String(past.text || past.people ? kSearched : kEntries);
 let searching;
-/** Shows what is there, and asks for older entries. */
+/** Shows the entries that are there, and asks for older ones. */
 function search() {
   showHistory();
   clearTimeout(searching);
@@ -229,7 +229,7 @@ function auditPanel() {
     audit.findings.length > kFindings ? h("p", { class: "quiet" }, `and ${count(audit.findings.length - kFindings)} older ones`) : ""];
 }
 
-// What a tab has, and what shows it again: those with fields are not made again.
+// By tab: its label, its content, and what updates it. Panels with input fields are not made again.
 const kTabs = { channels: ["Channels", channelsPanel, showChannels], reserved: ["Reserved", reservedPanel],
   history: ["History", historyPanel, showHistory], found: ["Refused", auditPanel],
   cluster: ["Cluster", () => clusterParts(now.cluster, now.members, now.taken_there)] };
@@ -249,12 +249,12 @@ function showTab(name = tab) {
   const [, panel, show] = kTabs[name];
   if (show) return show();
   const open = [...by(`panel-${name}`).querySelectorAll("details")].map((d) => d.open);
-  if (by(`panel-${name}`).contains(document.activeElement)) return undefined; // who reads there is not disturbed
+  if (by(`panel-${name}`).contains(document.activeElement)) return undefined; // do not disturb a user in the panel
   put(`panel-${name}`, panel());
   by(`panel-${name}`).querySelectorAll("details").forEach((d, i) => { d.open = open[i] ?? false; });
   return undefined;
 }
-/** On paper nothing can be opened or scrolled. */
+/** Prepares for printing, where nothing can be opened or scrolled. */
 function forPaper() {
   for (const name of Object.keys(kTabs)) if (now.status) showTab(name);
   list.all(true);
@@ -274,7 +274,7 @@ function makeTabs() {
 
 // --- asking ---------------------------------------------------------------------------------------
 
-/** How much is used of what is reserved, from what was counted. */
+/** Samples how much of each reserved resource is used, from the counters. */
 function settle() {
   now.counted.take(now.channels, now.taken);
   now.settled = now.taken;
@@ -284,7 +284,7 @@ function settle() {
     samples.set(name, [...line, { at: Date.now(), part: r.reserved / r.capacity, used: used(r, now.counted)?.part ?? null }].slice(-kSamples));
   }
 }
-/** Only what is in sight is made again, and only where it says something else. */
+/** Updates only visible elements, and only those whose text changes. */
 function showCounters() {
   const other = (there, fresh) => { if (there && there.textContent !== fresh.textContent) there.replaceWith(fresh); };
   list.update();
@@ -303,12 +303,14 @@ function showCounters() {
 }
 
 let asking = false, again = false, due;
-/** An mlccad from before there were clusters does not know the question. What is reserved may be long. */
+/**
+ * An older mlccad does not know these questions. The reservations may be long, so they are asked for only when shown.
+ */
 function askCluster() {
   const shown = tab === "cluster" || !kLive;
   return ["status", "members", shown ? "reservations" : null].map((part) => part && ask("cluster", part).catch(() => null));
 }
-/** Status first, so that what matters is seen while the rest is on its way. */
+/** Asks for everything. The status comes first, so that the important part is visible while the rest is loading. */
 async function refresh() {
   clearTimeout(due);
   if (asking) { again = true; return; }
@@ -343,13 +345,17 @@ async function refresh() {
   }
   asking = false;
   document.body.dataset.ready = String(Number(document.body.dataset.ready ?? 0) + 1);
-  // 1,000 channels are 4 MB: what is no counter and makes no event is asked less often there.
+  // The answers for 1,000 channels have 4 MB. Counters and events come by other ways, so the rest is asked for less
+  // often there.
   soon(again ? 300 : now.channels.length > 200 ? 30000 : 5000);
   again = false;
 }
-const kHealthEvery = [1000, 5000]; // ms at least, from answer to answer, and of more than 200 channels
+const kHealthEvery = [1000, 5000]; // least ms from one answer to the next question, up to 200 channels and above
 const withoutTimes = (health) => JSON.stringify(health.reasons).replace(/\d+/g, "");
-/** The reasons say how long it is so: they are asked as often as counters come, where there are any or a counter has changed. */
+/**
+ * The reasons state durations, so they are asked for as often as counters come, if there are any or a counter has
+ * changed.
+ */
 async function refreshHealth(changed) {
   const every = kHealthEvery[Number(now.channels.length > 200)] * 1e6;
   if (asking || now.health_asked || Date.now() * 1e6 - now.health_taken < every || !(changed || now.status.health.reasons.length)) return;
@@ -358,13 +364,13 @@ async function refreshHealth(changed) {
     const fresh = await ask("status");
     if (now.status && !asking) {
       const other = withoutTimes(fresh.health) !== withoutTimes(now.status.health);
-      now.status = { ...fresh, interfaces: now.status.interfaces }; // counters go on in these
+      now.status = { ...fresh, interfaces: now.status.interfaces }; // these have the counters
       now.health_taken = Date.now() * 1e6;
       showHealth();
       if (other) soon(300);
     }
   } catch {
-    soon(300); // which says what is wrong
+    soon(300); // which shows the problem
   }
   now.health_asked = false;
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What follows from the answers of mlccactl. Nothing here draws.
+// Conclusions from the answers of mlccactl. Nothing here draws.
 import { inWords } from "./place.js";
 
 export const key = (c) => [c.subject, c.publisher, c.admission, c.from, c.to].join("\n");
 
-/** refused, silent, trouble, degraded or granted: the worst that is true. */
+/** The worst state of a delivery: withdrawn, refused, silent, trouble, degraded or granted. */
 export function stateOf(c) {
   if (c.withdrawn) return "withdrawn";
   if (!c.granted) return "refused";
@@ -21,10 +21,13 @@ export const kStates = {
   granted: { mark: "✓", rank: 5 },
 };
 
-/** How near the requirement that its reason is about is to what is provided. */
+/** The margin of the comparison that decided, in words. */
 export const marginOf = (c) => c.margin?.words ?? "";
 
-/** "stop of lever"; of frames of no delivery the channel that the description has for them, a subject, or an identifier. */
+/**
+ * The name of a finding: "stop of lever"; for frames of no delivery the described channel, the subject or the
+ * identifier.
+ */
 export function findingName(f) {
   if (f.channel) return `${f.channel} of ${f.publisher}`;
   const own = f.subject ?? (f.identifier || "frames");
@@ -36,7 +39,7 @@ export function sorted(channels) {
     kStates[a.state].rank - kStates[b.state].rank || a.name.localeCompare(b.name) || a.to.localeCompare(b.to));
 }
 
-/** The largest share of a resource of a network or gateway that is reserved or taken; null: not known. */
+/** The largest reserved or used share of the resources of a network or gateway; null if it is not known. */
 export function load(name, resources) {
   let most = null;
   for (const r of resources)
@@ -45,13 +48,16 @@ export function load(name, resources) {
   return most;
 }
 
-const kSettled = 1e9; // ns: between two answers, as many events as come in no time say nothing
+const kSettled = 1e9; // ns; the number of events between two closer answers means nothing
 
-/** How often the events of each publisher come: between the last two answers, or before there are two, since it is let in. */
+/**
+ * How often the events of each publisher come: between the last two answers, or since the admission before there are
+ * two.
+ */
 export class Counted {
   #taken = 0;
   #events = new Map();
-  #share = new Map(); // of the rate that its Period allows
+  #share = new Map(); // by publisher, share of the rate that its Period allows
 
   take(channels, taken) {
     const seconds = (taken - this.#taken) / 1e9;
@@ -71,11 +77,11 @@ export class Counted {
     this.#events = events;
     this.#share = share;
   }
-  /** Nothing: its events are not counted. */
+  /** The share of a publisher; undefined if its events are not counted. */
   share(channel, publisher) { return this.#share.get(`${channel}\n${publisher}`); }
 }
 
-/** The part of a resource that is used now, of so many reservations as are measured; null: of none. */
+/** The share of a resource that is used, the number of measured reservations and of all; null if none is measured. */
 export function used(resource, counted) {
   let [amount, measured] = [0, 0];
   for (const r of resource.reservations) {
@@ -87,15 +93,15 @@ export function used(resource, counted) {
   return measured && resource.capacity ? { part: amount / resource.capacity, measured, of: resource.reservations.length } : null;
 }
 
-/** Of the resources of a place the one of which most is used; null: of none it is known. */
+/** Of the resources of a place, the one with the largest used share; null if none is known. */
 function mostUsed(name, resources, counted) {
   const all = resources.filter((r) => r.name === name || r.name.startsWith(`${name}: `)).map((r) => used(r, counted)).filter(Boolean);
   return all.reduce((most, one) => !most || one.part > most.part ? one : most, null);
 }
 
 /**
- * The last place of the route that its events reach. Of a refused channel that is the one before the first hop that
- * does not fit; where no single hop is to blame, or the channel is withdrawn, it does not leave where it begins.
+ * The index of the last place of the route that the events reach. For a refused channel it is the place before the
+ * first unfit hop. If no single hop is the reason, or the channel is withdrawn, it is the first place.
  */
 export function lastHop(c) {
   if (c.granted) return c.route.length - 1;
@@ -103,7 +109,7 @@ export function lastHop(c) {
   return Math.max(0, unfit - 1);
 }
 
-/** Places and what joins them, as they are now, with the channels that go from one to the next. */
+/** The graph of the present places and connections, with the number of deliveries on each connection. */
 export function graphOf({ status, networks, channels, reservations, routes, counted }) {
   const places = new Map();
   const place = (name, gateway) => {
@@ -134,7 +140,10 @@ export function graphOf({ status, networks, channels, reservations, routes, coun
   return joined(places, channels);
 }
 
-/** `places` by name, each with those `next` to it. A channel with `many` stands for so many with one way. */
+/**
+ * Joins `places` (by name, each with the names of its neighbours in `next`). A channel with `many` stands for so many
+ * with the same route.
+ */
 export function joined(places, channels) {
   const edges = new Map();
   const between = (p, q) => {
@@ -153,7 +162,7 @@ export function joined(places, channels) {
     for (let i = 0; i + 1 < c.route.length; ++i) {
       const edge = between(c.route[i], c.route[i + 1]);
       if (c.granted) edge[c.open ? "open" : "granted"] += all;
-      else if (i === end) edge.refused += all; // in front of it, it ends
+      else if (i === end) edge.refused += all; // it ends at the place before this connection
     }
   }
   for (const p of places.values())
@@ -161,7 +170,9 @@ export function joined(places, channels) {
   return { places, edges: [...edges.values()], columns: columnsOf(places) };
 }
 
-/** Breadth first from where most events come from, so that they go from left to right. */
+/**
+ * Columns by breadth-first search, from the places from which most events come, so that events go from left to right.
+ */
 function columnsOf(places) {
   const columns = [];
   const seen = new Set();

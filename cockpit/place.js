@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the drawing says in a place: its kind, and how it is now.
+// The texts of a place in the drawing: its kind and its state.
 import { bits, many, rate } from "./format.js";
 
 /**
- * "can, 500 kbit/s", or where no interface has one, what is `described` in bit/s; the `slowest` of a mesh's `links` in
- * bit/s, `capacity` in bytes/s.
+ * The kind and the rate of a network: "can, 500 kbit/s". Without a `bitrate` of an interface: the `described` one in
+ * bit/s, the `slowest` of the `links` of a mesh in bit/s, or the `capacity` in bytes/s.
  */
 export function carries(kind, { bitrate, described, links, slowest, capacity, unknown = "no rate stated" }) {
   return `${kind}, ${bitrate ? bits(bitrate)
@@ -23,7 +23,7 @@ function condition(p) {
   }).join("; ");
 }
 
-/** `subtitle` and `note` are lines of its box; `ill`: it needs attention. */
+/** `subtitle` and `note` are lines of the box of a place. `ill`: the place needs attention. */
 export function inWords(p) {
   if (p.gateway) return { subtitle: p.own ? "this gateway" : "gateway", note: "", ill: false };
   const rates = p.links.map((l) => l.believed_rate).filter((r) => r > 0);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is wrong with a page for who reads it by keyboard, by screen reader, or in another light: the body of a function
-// that gives lines. WCAG 2.2 AA, as far as a program can see it; what the browser makes of names and roles is held
-// against its accessibility tree in browser.py.
+// Finds what is wrong with a page for users of keyboards, screen readers or other colour schemes, as far as a program
+// can see it (WCAG 2.2 AA). This is the body of a function that returns lines. browser.py compares names and roles with
+// the accessibility tree of the browser.
 const wrong = [];
 const outline = (e) => e.outerHTML.slice(0, 110);
 const shown = (e) => e.checkVisibility({ checkOpacity: true, checkVisibilityCSS: true });
@@ -22,7 +22,7 @@ const ratio = (one, two) => {
   const [light, dark] = [luminance(one), luminance(two)].sort((x, y) => y - x);
   return (light + .05) / (dark + .05);
 };
-/** What is behind an element: its own background, if it has one, over those of its ancestors. */
+/** The colour behind an element: its own background, if it has one, over those of its ancestors. */
 function ground(e) {
   const layers = [];
   for (; e; e = e.parentElement) {
@@ -32,7 +32,7 @@ function ground(e) {
   }
   return layers.reduceRight((below, { rgb, a }) => over(rgb, below, a), [255, 255, 255]);
 }
-/** Of a text in a drawing: the shapes that were drawn before it where its middle is. */
+/** The colour behind a text in a drawing: the shapes under its centre that were drawn before it. */
 function drawnBehind(text) {
   const drawing = text.closest("svg"), box = text.getBoundingClientRect();
   const x = box.left + box.width / 2, y = box.top + box.height / 2;
@@ -57,7 +57,7 @@ for (const e of all("body *")) {
   const found = ratio(over(rgb, behind, a * opacity(e)), behind);
   if (found < least) wrong.push(`contrast ${found.toFixed(2)}: ${e.textContent.slice(0, 40)}`);
 }
-// What is operated is seen as such: by its border, or its background.
+// Controls must be visible, by their border or their background.
 for (const e of all("button, input:not([type=checkbox]), select")) {
   const style = getComputedStyle(e), behind = ground(e.parentElement);
   const border = parseFloat(style.borderTopWidth) || parseFloat(style.borderBottomWidth) ? ratio(numbers(style.borderBottomColor).rgb, behind) : 1;
@@ -70,7 +70,7 @@ const object = /.{0,40}\[object .{0,40}/.exec(document.body.innerText);
 if (object) wrong.push(`a value that is no text: ${object[0]}`);
 for (const e of document.querySelectorAll("[title], [aria-label]"))
   if (/\[object /.test(`${e.title}${e.ariaLabel}`)) wrong.push(`a value that is no text: ${outline(e)}`);
-// A text of several letters is not one letter wide.
+// A text of several letters must be wider than one letter.
 for (const e of all("dd, dt, td, th")) {
   const { width } = e.getBoundingClientRect();
   if (e.textContent.length > 3 && width < 1.5 * parseFloat(getComputedStyle(e).fontSize)) wrong.push(`${Math.round(width)} px for ${e.textContent.slice(0, 40)}`);
@@ -115,7 +115,7 @@ for (const tabs of all("[role=tablist]")) {
 }
 for (const e of all("[role=row][aria-rowindex]"))
   if (Number(e.getAttribute("aria-rowindex")) > Number(e.closest("[aria-rowcount]")?.getAttribute("aria-rowcount") ?? 0)) wrong.push(`more rows than there are: ${outline(e)}`);
-// What scrolls can be scrolled by keyboard.
+// Everything that scrolls must be scrollable by keyboard.
 for (const e of all("body *")) {
   const style = getComputedStyle(e);
   const scrolls = (/auto|scroll/.test(style.overflowY) && e.scrollHeight > e.clientHeight + 1) || (/auto|scroll/.test(style.overflowX) && e.scrollWidth > e.clientWidth + 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// In place of cockpit/ask.js: what mlccad said when the snapshot was made.
+// Replaces cockpit/ask.js in a snapshot: returns what mlccad answered when the snapshot was made.
 const cockpit = { hidden: true, addEventListener() {} };
 const kLive = false;
 const kSaid = JSON.parse(document.getElementById("snapshot").textContent);

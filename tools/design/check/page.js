@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The page of `mlccactl check --format html`: the drawing of each system, and its channels in it.
+// The script of the page of `mlccactl check --format html`: draws each system, and its channels in it.
 
 const kOutcomes = { fit: "✓ fits", "run-time": "◌ decided at run time", unfit: "✕ does not fit" };
 
-/** Places have their numbers as names: a gateway may be called as a network is. */
+/** The graph of a map. Places are identified by their numbers, because a gateway may have the name of a network. */
 function graphOfMap(map) {
   const places = new Map(map.places.map((p, i) => [String(i), { ...p, name: String(i), gateway: p.kind === undefined,
     subtitle: p.kind === undefined ? "gateway" : carries(p.kind, p), next: new Set(), order: 0 }]));
@@ -11,7 +11,7 @@ function graphOfMap(map) {
     places.get(String(i)).next.add(String(n));
     places.get(String(n)).next.add(String(i));
   }));
-  // What does not leave a network is on none of the lines.
+  // Deliveries within one network are on no line, so the note of the network counts them.
   const within = new Map();
   for (const way of map.ways) if (way.granted && way.route.length === 1) within.set(way.from, (within.get(way.from) ?? 0) + way.many);
   for (const [name, n] of within) {
@@ -38,7 +38,7 @@ class Sheet {
     this.width = this.place.clientWidth;
     this.place.replaceChildren(draw(this.graph, this.chosen, this.width, (name) => this.open(name)));
   }
-  /** What is known of a network or gateway is in the table. */
+  /** Shows the table row that describes a network or gateway. */
   open(name) {
     const row = by(`${this.prefix}p${name}`);
     if (!row) return;
