@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The socket of mlcca-cluster, with a store that does not answer.
+// Tests of the control socket of mlcca-cluster, with a store that does not answer.
 #include "cluster/server.hpp"
 
 #include <gtest/gtest.h>
@@ -52,7 +52,7 @@ class ClusterServer : public ::testing::Test {
   static bool say(const Fd& to, const wire::Message& message) {
     return ::send(to.get(), message.data(), message.size(), MSG_NOSIGNAL) > 0;
   }
-  /// The other end has closed it.
+  /// Whether the server closes the connection.
   [[nodiscard]] bool ends(const Fd& socket) const {
     return loop_.until([&] {
       std::array<char, wire::kMaxMessage> buffer{};
@@ -107,7 +107,8 @@ TEST_F(ClusterServer, ANewConnectionEndsTheFormer) {
   EXPECT_TRUE(loop_.until([&] { return log_.find("second") != std::string::npos; }));
 }
 
-/// Turns that the loop makes without waiting while no descriptor is left, at most `most`.
+/// The number of turns that the loop makes without waiting while no descriptor is left, at most
+/// `most`.
 int turns_without_descriptors(sd_event* loop, int most) {
   rlimit before{};
   test::require(::getrlimit(RLIMIT_NOFILE, &before) == 0, "getrlimit");

@@ -118,7 +118,8 @@ MediumUse bus_use() {
           .nodes = {}};
 }
 
-/// 24 and 11 Mbit/s one after the other: 1 / (1/24 + 1/11) = 264/35 Mbit/s = 942857.1 bytes/s.
+/// 24 and 11 Mbit/s, one link after the other: 1 / (1/24 + 1/11) = 264/35 Mbit/s = 942857.1
+/// bytes/s.
 MediumUse mesh_use() {
   return {.network = "awds",
           .response_ns = 0,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The server of the exporter while no descriptor is left for a connection.
+// Tests of the server of mlcca-exporter while no descriptor is left for a connection.
 #include "tools/exporter/http.hpp"
 
 #include <arpa/inet.h>

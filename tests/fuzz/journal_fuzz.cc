@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A store that was torn, altered or made up: it is read as a whole number of its batches, or
-// refused as a whole, and what was read stays the same however often it is read and written again.
+// Fuzzes the journal with files that are torn, altered or made up. A file is read up to the end of
+// one of its batches, or refused; what was read stays the same however often it is read and written
+// again.
 #include <fcntl.h>
 #include <fuzzer/FuzzedDataProvider.h>
 
@@ -51,7 +52,7 @@ Result<Contents> contents_of(Memory& disk) {
   return journal->contents();
 }
 
-/// What can be read once can be read, changed and written again for ever.
+/// Whatever can be read once can be read, changed and written again any number of times.
 void check_life(Memory& disk) {
   auto first = contents_of(disk);
   if (!first) {
@@ -83,7 +84,7 @@ std::string some_octets(FuzzedDataProvider& in) {
   return kTexts[in.ConsumeIntegralInRange<std::size_t>(0, kTexts.size() - 1)];
 }
 
-/// As the text of a message may be.
+/// Text as it may be in a message.
 std::string some_text(FuzzedDataProvider& in) {
   std::string text = some_octets(in);
   std::ranges::replace_if(text, [](char c) { return static_cast<unsigned char>(c) > 0x7e; }, '?');
@@ -132,7 +133,7 @@ Entry some_entry(FuzzedDataProvider& in) {
   }
 }
 
-/// Heads and sums are right, what they hold is anything.
+/// A file whose heads and checksums are correct, with any contents.
 std::string made_up(FuzzedDataProvider& in) {
   std::string file = format::file_head(kSalt);
   for (std::uint64_t sequence = 0; sequence < 6 && in.remaining_bytes() > 0; ++sequence) {
@@ -153,8 +154,8 @@ std::string made_up(FuzzedDataProvider& in) {
   return file;
 }
 
-/// A true story, then its file is cut or changed in one place: what is read is what was there after
-/// one of its batches.
+/// Writes a real sequence of changes, then cuts or changes the file in one place. What is then read
+/// must be the state after one of its batches.
 void tear(FuzzedDataProvider& in) {
   Memory disk;
   std::vector<Contents> states{{}};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Recordings of traffic: whatever is in a file, packed or not, what is drafted from it is a
-// description, and in pieces it has the same frames.
+// Fuzzes recordings of traffic. Whatever a file has, compressed or not, the draft from it must be a
+// valid description, and reading it in pieces must give the same frames.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -17,7 +17,7 @@
 namespace mlcca {
 namespace {
 
-/// As through a pipe that gives few bytes at once.
+/// Reads a recording as from a pipe that gives few bytes at once.
 std::uint64_t frames_in_pieces(std::span<const std::uint8_t> bytes) {
   constexpr std::size_t piece = 61;
   learn::Interfaces interfaces;

@@ -25,14 +25,14 @@ std::size_t times(const std::string& text, const std::string& part) {
   return found;
 }
 
-/// Times as anywhere.
+/// Reports in the time zone UTC, so that times are the same everywhere.
 class AuditReport : public ::testing::Test {
  protected:
   void SetUp() override {
     ::setenv("TZ", "UTC", 1);
     ::tzset();
   }
-  /// For this finding alone.
+  /// The additions for one finding only.
   [[nodiscard]] std::string addition_for(const control::Finding& finding) const {
     control::Audit alone = audit_;
     alone.findings = {finding};
@@ -122,7 +122,7 @@ TEST_F(AuditReport, WhatNoChannelCanHaveHasNothingToAdd) {
   EXPECT_EQ(addition_for(audit_.findings[4]), "");
 }
 
-/// A subject names one channel of the whole system.
+/// A subject names one channel of the complete system.
 TEST_F(AuditReport, ASubjectOnTwoNetworksIsOneChannelWithAPublisherForEach) {
   control::Finding f = audit_.findings[2];
   audit_.findings = {f};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a program gets of a reply: fields by the names and in the units of the protocol.
+// Tests of the JSON of replies: fields have the names and units of the protocol.
 #include <gtest/gtest.h>
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlccactl --json top: each line has what is another than in the line before.
+// Tests of `mlccactl --json top`: each line has what has changed since the line before.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Many gateways on one store. All but one are simulated: each has the protocol of the product, its
-// entries and a connection of its own, ten are on a network, and a hundred networks or fewer are a
-// System. The other one is a real mlccad, which starts when the store has all that.
+// Bench of many gateways on one store. All but one are simulated: they use the protocol and entries
+// of the product and have their own connections. Each network has ten of them, and a System up to a
+// hundred networks. The last gateway is a real mlccad, which starts when the store has all of that.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -19,13 +19,15 @@ namespace mlcca::bench {
 namespace {
 
 constexpr std::size_t kOnANetwork = 10;
-constexpr std::size_t kMostOfASystem = 100'000;  // reservations
-constexpr std::size_t kMostGateways = 250;       // of a System; a description has 256 at most
+constexpr std::size_t kMostOfASystem = 100'000;  // most reservations of a System
+constexpr std::size_t kMostGateways = 250;  // most gateways of a System; a description can have 256
 constexpr std::size_t kWatchers = 100;
-constexpr std::size_t kWatched = 1000;                // reservations while they watch
-constexpr std::size_t kFollowed = 1000;               // the same of the real gateway
-constexpr std::size_t kAdmitted = 50;                 // of the real one
-constexpr Value kSimulatedLease = 3'600'000'000'000;  // ns: beats when they are asked for
+constexpr std::size_t kWatched = 1000;  // reservations that are made while they watch
+constexpr std::size_t kFollowed =
+    1000;                              // reservations that are made while the real gateway follows
+constexpr std::size_t kAdmitted = 50;  // admissions of the real gateway
+constexpr Value kSimulatedLease =
+    3'600'000'000'000;  // ns; long, so that gateways beat only when the bench asks for it
 constexpr std::chrono::minutes kLongest{10};
 
 std::size_t number_of(const char* variable, std::size_t otherwise) {
@@ -33,7 +35,8 @@ std::size_t number_of(const char* variable, std::size_t otherwise) {
   return text == nullptr ? otherwise : std::strtoull(text, nullptr, 10);
 }
 
-/// Gateways g0 to gN-1, ten on each of the networks n0, n1, …, and one that is real on n0.
+/// A System of gateways g0 to gN-1, ten on each of the networks n0, n1 and so on, and of a real
+/// gateway on n0.
 std::string many_xml(const std::string& name, std::size_t gateways) {
   std::string xml = "<System name='" + name + "'>\n";
   for (std::size_t c = 0; c < kAdmitted; ++c)
@@ -51,7 +54,7 @@ std::string many_xml(const std::string& name, std::size_t gateways) {
   return xml + "</System>\n";
 }
 
-/// The gateways of one network. Its reservations are made one after the other, or all ask at once.
+/// The gateways of one network. They reserve one after the other, or all at once.
 class Medium {
  public:
   void add(std::unique_ptr<Simulated> gateway) {
@@ -101,7 +104,7 @@ class Medium {
   bool at_once_ = false;
 };
 
-/// One that takes all changes of a System, as mlcca-cluster does.
+/// A client that follows all changes of a System, as mlcca-cluster does.
 class Watcher {
  public:
   Watcher(const test::Loop& loop, const cluster::Settings& settings, const std::string& endpoint,
@@ -134,10 +137,10 @@ class Watcher {
   std::size_t entries_ = 0, octets_ = 0;
 };
 
-/// What some time has cost.
+/// The cost of a period of time.
 struct Cost {
-  double seconds = 0, store = 0, ours = 0;  ///< the latter two of processors
-  double octets = 0;                        ///< on the loopback
+  double seconds = 0, store = 0, ours = 0;  ///< the latter two: seconds of processor time
+  double octets = 0;                        ///< bytes on the loopback interface
 };
 
 class Many {
@@ -237,7 +240,8 @@ class Many {
   [[nodiscard]] std::size_t media_of_a_system() const { return of_a_system_ / kOnANetwork; }
 
   void until(const std::function<bool()>& holds) {
-    // Each has to know that time has passed: it gives up what is not answered, and asks again.
+    // Each gateway must learn that time has passed: it gives up unanswered requests, and asks
+    // again.
     auto next = Steady::now() + std::chrono::seconds(1);
     const auto over = [&] {
       if (Steady::now() >= next) {
@@ -255,7 +259,7 @@ class Many {
       return std::ranges::all_of(media_, [](const auto& medium) { return medium->done(); });
     });
   }
-  /// So many reservations on each of the first networks.
+  /// Makes `each` reservations on each of the first `media` networks.
   void fill(std::size_t media, std::size_t each) {
     for (std::size_t m = 0; m < media; ++m) media_[m]->in_turn(each);
     until_done();
@@ -277,7 +281,7 @@ class Many {
             .octets = after.octets - before.octets};
   }
 
-  /// What each gateway that follows a System makes of an admission there.
+  /// Measures what an admission costs each gateway that follows its System.
   void watched() {
     const std::string folder = described_[0]->keys->prefix();
     const std::int64_t revision = direct_->status().header.revision + 1;
@@ -353,7 +357,7 @@ class Many {
         static_cast<double>(total(&Simulated::conflicts) - conflicts) / made, refused, count());
   }
 
-  /// A gateway beats each quarter of its lease.
+  /// Measures the beats; a gateway beats each quarter of its lease.
   void beats() {
     constexpr int rounds = 5;
     const std::size_t before = total(&Simulated::transactions);
@@ -415,7 +419,8 @@ ip link set far up
     follow(real);
   }
 
-  /// What the real one makes of admissions of others, and its own ones among them.
+  /// Measures what admissions of others cost the real gateway, and its own ones while they are
+  /// made.
   void follow(RealGateway& real) {
     const auto measure = [&](std::size_t first, std::size_t last, const char* where) {
       const double daemon = processor_seconds(real.daemon());

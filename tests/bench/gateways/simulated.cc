@@ -22,7 +22,7 @@ namespace cc = core::cluster;
 constexpr std::uint64_t kTimeout = 60'000;  // ms
 constexpr std::uint64_t kFirstNumber = std::uint64_t{1} << 62U;
 
-/// What mlccad would have taken of an Ethernet for that admission.
+/// What mlccad would reserve on an Ethernet for that admission.
 cc::Part part_of(std::size_t network, core::AdmissionId admission) {
   cc::Part part;
   part.network = network;
@@ -30,7 +30,7 @@ cc::Part part_of(std::size_t network, core::AdmissionId admission) {
   return part;
 }
 
-/// As "mlccactl admit c1 --from g17 --to n1 --user 0 --key k17-1 --offer … --offer …" asks for it.
+/// The request of "mlccactl admit c1 --from g17 --to n1 --user 0 --key k17-1 --offer … --offer …".
 std::string admission_of(const core::System& system, std::size_t gateway, std::size_t network,
                          core::AdmissionId admission) {
   control::Admit admit;
@@ -139,7 +139,7 @@ void Simulated::pump() {
   for (auto events = member_.take_events(); !events.empty(); events = member_.take_events())
     for (const cc::Event& event : events) take(event);
   for (cc::Txn& txn : member_.take_txns(now())) send(std::move(txn));
-  // What is due later is asked for by whoever runs it.
+  // For later times the bench calls pass().
   const Value due = member_.next_time(now());
   if (due > now() + cc::Admissions::kLongestWait) return;
   sd_event_source_set_time(timer_.get(), ((due - later_) / 1000) + 1);
@@ -181,7 +181,7 @@ void Simulated::end(const cluster::End& end) {
   pump();
 }
 
-/// What a watch would say of it.
+/// Passes the own changes on, as a watch of the store would.
 void Simulated::committed(std::int64_t revision) {
   cc::Batch own{.revision = revision, .entries = {}};
   cc::Batch version{.revision = revision, .entries = {}};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The protocol of a cluster over all interleavings of small cases: real members and views, and a
-// store, clocks and messages that do whatever they may. CLUSTER_FAULTS=2 lets everything happen
-// once more than here.
+// Checks the protocol of a cluster over all interleavings of small cases: real members and views,
+// with a store, clocks and messages that do anything they may. CLUSTER_FAULTS=2 lets each fault
+// happen once more.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -21,15 +21,15 @@ struct HashOfPair {
   std::size_t operator()(const std::pair<std::uint64_t, std::uint64_t>& v) const { return v.first; }
 };
 
-/// Goes through the states of a scenario, the nearest in no order, so that a part of them is a
-/// sample of all.
+/// Explores the states of a scenario. Neighbouring states are tried in random order, so that a part
+/// of the states is a sample of all.
 class Checker {
  public:
   Checker(const Scenario& scenario, std::size_t most, std::size_t recover_each,
           std::uint64_t seed = 0)
       : scenario_(scenario), most_(most), recover_each_(recover_each), seed_(seed) {}
 
-  /// What is broken, with the steps to it; empty if nothing is.
+  /// The broken promise with the steps that lead to it; empty if there is none.
   std::string run() {
     explore(World(scenario_, keys_of(scenario_.gateways)));
     return found_;
@@ -201,7 +201,7 @@ struct Wrong {
   Scenario scenario;
 };
 
-/// Each with the least that shows it.
+/// Each wrong protocol with the smallest scenario that shows it.
 std::vector<Wrong> wrong_protocols() {
   Scenario two{.clock_ppm = {kFast, kSlow}, .steps = 8, .wants = {0, 1}, .faulty = {1}};
   Scenario way{.gateways = 3, .clock_ppm = {0, 0, 0}, .steps = 5, .way = true, .wants = {1, 0, 0}};
@@ -243,7 +243,7 @@ std::vector<Wrong> wrong_protocols() {
   };
 }
 
-/// A short search in one order after the other finds sooner than a long one in one order.
+/// Many short searches in different orders find a fault sooner than a long search in one order.
 TEST(ClusterChecker, FindsEveryWrongProtocol) {
   constexpr std::size_t kStates = 2'000, kOrders = 100;
   for (const Wrong& wrong : wrong_protocols()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Gateways that ask for something of one network at the same time, of a store that takes its time.
+// Tests of gateways that reserve on one network at the same time, with a slow store.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,8 +21,8 @@ namespace {
 constexpr Value kMilli = 1'000'000;
 constexpr std::uint64_t kId = 7;
 
-/// Each gateway asks for one byte a second of the network. Everything takes a random time of the
-/// half to one and a half times the latency.
+/// Each gateway reserves one byte per second of the network. Everything takes a random time of 0.5
+/// to 1.5 times the latency.
 class Contention {
  public:
   Contention(std::size_t gateways, std::size_t room, Value latency, std::uint64_t seed)
@@ -59,12 +59,12 @@ class Contention {
     }
     run(2 * Admissions::kPatience);
   }
-  /// "granted", or why not.
+  /// "granted", or the reason for the refusal, of each request.
   [[nodiscard]] const std::vector<std::string>& answers() const { return answers_; }
   [[nodiscard]] std::size_t granted() const {
     return static_cast<std::size_t>(std::ranges::count(answers_, "granted"));
   }
-  /// Until the last one had its answer.
+  /// The time until the last answer.
   [[nodiscard]] Value took() const { return ended_ - begun_; }
 
  private:
@@ -110,7 +110,7 @@ class Contention {
     });
     for (std::size_t other = 0; other < members_.size(); ++other) watch(other);
   }
-  /// What has changed comes in its order.
+  /// Passes the changes of the store to a gateway, in their order.
   void watch(std::size_t g) {
     for (; seen_[g] < store_.log.size(); ++seen_[g]) {
       watched_[g] = std::max(watched_[g], now_ + some_time());
@@ -187,8 +187,8 @@ TEST(ClusterContention, EachProcessWaitsForOtherTimesAndTheSameOneForTheSame) {
 
 class ClusterQuicker : public ClusterMember {
  protected:
-  /// Somebody else takes something of the network before each transaction of gateway 0. Until it is
-  /// answered; how often that was.
+  /// Lets another gateway reserve on the network before each transaction of gateway 0, until that
+  /// one is answered. Returns how often.
   std::size_t be_quicker(Value step) {
     nodes[0].cut_off = true;
     std::size_t times = 0;

@@ -61,7 +61,7 @@ World::World(const Scenario& scenario, std::shared_ptr<const Keys> keys)
         .value = kCodec.write(
             Current{.generation = 1, .digest = TextCodec::digest(1), .open = true, .waits = {}})}});
   for (std::size_t g = 0; g < hosts_.size(); ++g) start(g);
-  // All have joined before anything happens.
+  // All gateways join before anything else happens.
   for (int round = 0; round < 40; ++round) {
     const auto all = steps(false);
     const auto it = std::ranges::find_if(all, [](const Step& s) {
@@ -109,7 +109,8 @@ bool World::in_gate(std::size_t g, const Gate& gate) const {
   return gate.open && clock(g) < hosts_[g].until;
 }
 
-/// Or in a queue behind it. A clock that is wrong by kClockError measures kQueued.
+/// Whether frames of the gate may still leave, also from a queue behind it. A clock that is wrong
+/// by kClockError measures the time of kQueued.
 bool World::on_wire(std::size_t g, const Gate& gate) const {
   if (in_gate(g, gate)) return true;
   const Value until = real_of(g, hosts_[g].until);
@@ -169,7 +170,7 @@ void World::act(std::size_t g, const Event& event) {
           [&](const Reserved& e) {
             answer(g, e.id, 1);
             host.held.insert(e.id);
-            // V is in the kernel before the gate opens.
+            // V is stored in the kernel before the gate opens.
             host.until = member.valid_until();
             host.gates[{g, e.id}] = {.open = true};
           },
@@ -213,7 +214,7 @@ void World::act(std::size_t g, const Event& event) {
       event);
 }
 
-/// The first one that has not failed carries what all could.
+/// The first gateway that has not failed carries the traffic that all could carry.
 void World::set_way(std::size_t g) {
   Host& host = hosts_[g];
   bool carries = scenario_->elect && !host.drained;
@@ -229,7 +230,7 @@ void World::set_way(std::size_t g) {
     close_gate(g, host.ways);
 }
 
-/// What the process before has adopted and this one has not.
+/// Closes what the previous process has adopted and this one has not.
 void World::close_strange(std::size_t g) {
   for (auto& [admission, gate] : hosts_[g].gates)
     if (admission.first != g && std::ranges::none_of(hosts_[g].agreed, [&](const auto& entry) {
@@ -295,7 +296,7 @@ void World::send(std::size_t g, Txn txn) {
   host.flight = Flight{.txn = std::move(txn), .beat = beat, .result = std::nullopt};
 }
 
-/// A gateway that is not hostile fences only who does not send any more.
+/// A gateway that is not hostile fences only gateways that do not send any more.
 void World::check_fence(const Txn& txn) {
   for (const Put& put : txn.puts)
     if (put.key[0] == 'f') {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A few gateways, a store, and everything between them that may be slow, lost or dead: a value, so
-// that a checker can go from it in every direction. One shared network carries one admission.
+// A model of some gateways with their store, and of everything between them that may be slow, lost
+// or dead. It is a value, so a checker can continue from it in every direction. One shared network
+// has room for one admission.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -20,53 +21,54 @@
 namespace mlcca::core::cluster::test {
 
 inline constexpr Value kLease = 4'000'000'000;
-/// The network that all share.
+/// The network that all gateways share.
 inline constexpr std::size_t kBus = 0;
-inline constexpr Value kStep = kLease / 4;  ///< of time, and kQueued
+inline constexpr Value kStep =
+    kLease / 4;  ///< the length of a step of time, as long as kQueued
 
-/// Protocols that are wrong. Each must be found.
+/// Wrong protocols. A checker must find each of them.
 enum class Mutant : std::uint8_t {
   none,
-  renewed_without_quorum,  ///< a former leader says that a beat was done
-  valid_from_answer,       ///< V counts from when the answer came
-  clock_error_ignored,     ///< V is the whole lease
-  fence_without_compare,   ///< whoever is slow fences who is alive
-  freed_on_fence_alone,    ///< a fence frees at once
+  renewed_without_quorum,  ///< a former leader of the store confirms a beat
+  valid_from_answer,       ///< V counts from the arrival of the answer
+  clock_error_ignored,     ///< V is the complete lease
+  fence_without_compare,   ///< a slow gateway fences a live one
+  freed_on_fence_alone,    ///< a fence alone frees a reservation
   grant_without_version,   ///< v/<network> is not compared
-  no_fence_compare,        ///< a fenced gateway goes on
-  no_chain,                ///< late transactions of the past are done
+  no_fence_compare,        ///< a fenced gateway continues
+  no_chain,                ///< late transactions of the past are carried out
   open_before_votes,       ///< an admission is granted before others agree
-  ended_at_once,           ///< it leaves the store while others still have it open
-  active_without_asking,   ///< who comes back does not wait for the others
+  ended_at_once,           ///< it leaves the store while other gateways still have it open
+  active_without_asking,   ///< a gateway that comes back does not wait for the others
 };
 
-/// What may happen, and how often.
+/// What may happen in a run, and how often.
 struct Scenario {
   std::string name = {};
   std::size_t gateways = 2;
-  std::vector<int> clock_ppm = {0, 0};  ///< by which each clock is too fast
-  int steps = 9;                        ///< of time
-  bool way = false;                     ///< what gateway 0 asks for goes through gateway 1
-  bool elect = false;                   ///< the gateways stand side by side
-  std::vector<int> wants = {1, 1};      ///< of each gateway
+  std::vector<int> clock_ppm = {0, 0};  ///< how much too fast each clock is, ppm
+  int steps = 9;                        ///< number of steps of time
+  bool way = false;                     ///< the requests of gateway 0 go through gateway 1
+  bool elect = false;                   ///< the gateways can replace each other
+  std::vector<int> wants = {1, 1};      ///< number of requests of each gateway
   int releases = 0;
-  int late = 0;    ///< transactions that are done later or never
-  int lost = 0;    ///< answers that do not come
+  int late = 0;    ///< transactions that are carried out later or never
+  int lost = 0;    ///< answers that are lost
   int twice = 0;   ///< answers that come twice
-  int stalls = 0;  ///< watches that stand still for a while
+  int stalls = 0;  ///< watches that stop for a while
   int pauses = 0, crashes = 0;
-  int fences = 0;       ///< of somebody hostile
-  int compactions = 0;  ///< all must read everything again
+  int fences = 0;       ///< by a hostile client
+  int compactions = 0;  ///< after which all must read everything again
   int outages = 0;      ///< of the store
-  int restores = 0;     ///< of a backup, after an outage of a lease, with a new epoch
-  int refusals = 0;     ///< by gateways on the way
+  int restores = 0;     ///< of a backup, after an outage of the length of a lease, with a new epoch
+  int refusals = 0;     ///< by gateways on the route
   int drains = 0;
-  bool waits = false;                     ///< after a conflict, which takes a step of time
-  std::vector<std::size_t> faulty = {0};  ///< gateways that something happens to
+  bool waits = false;                     ///< for a step of time after a conflict
+  std::vector<std::size_t> faulty = {0};  ///< gateways to which faults happen
   Mutant mutant = Mutant::none;
 };
 
-/// One thing that happens.
+/// One step of a run.
 struct Step {
   enum class Kind : std::uint8_t {
     time,
@@ -106,23 +108,23 @@ class World {
  public:
   World(const Scenario& scenario, std::shared_ptr<const Keys> keys);
 
-  /// Everything that can happen now. `faults`: what should not, too.
+  /// Everything that can happen now; with `faults` also faults.
   [[nodiscard]] std::vector<Step> steps(bool faults) const;
   void take(const Step& step);
-  /// Empty: all is as promised.
+  /// The broken promise; empty if there is none.
   [[nodiscard]] const std::string& broken() const { return broken_; }
   [[nodiscard]] bool at_end() const { return now_ >= scenario_->steps; }
-  /// Nothing goes wrong any more: all must be members and get what they ask for.
+  /// Lets no more faults happen. Then all gateways must become members and get what they ask for.
   void recover();
   [[nodiscard]] std::pair<std::uint64_t, std::uint64_t> fingerprint() const;
 
  private:
   using Admission = std::pair<std::size_t, std::uint64_t>;  ///< gateway, id
 
-  /// A gate: what it was granted for goes out while it is open and V has not passed.
+  /// A gate. Its frames leave while it is open and V has not passed.
   struct Gate {
     bool open = false;
-    Value closed = 0;  ///< real time
+    Value closed = 0;  ///< real time at which it was closed
   };
   struct Flight {
     Txn txn;
@@ -135,24 +137,24 @@ class World {
     Txn txn;
   };
   struct Host {
-    std::optional<Member> member;  ///< of the running process
+    std::optional<Member> member;  ///< empty while the process does not run
     std::uint64_t process = 0;
     bool paused = false, stalled = false, synced = false, drained = false, joined = false;
-    std::size_t seen = 0;  ///< batches of the store's log
+    std::size_t seen = 0;  ///< number of batches of the store's log that it has seen
     std::optional<Flight> flight;
-    std::optional<TxnResult> former;  ///< an answer that came
+    std::optional<TxnResult> former;  ///< an answer that has come
     Value answered_at = 0;
-    // What survives a crash.
+    // The rest survives a crash.
     Journalled journal;
     std::set<std::uint64_t> held;
-    Value until = 0;  ///< V, as the kernel has it, of the own clock
+    Value until = 0;  ///< V as the kernel has it, by the own clock
     std::map<Admission, Gate> gates;
     Gate ways;
     std::vector<bool> failed;
     std::set<std::uint64_t> found;
     std::map<Origin, bool> agreed;
     std::uint64_t next_id = 1;
-    std::map<std::uint64_t, int> answers;  ///< 1 granted, 2 refused
+    std::map<std::uint64_t, int> answers;  ///< 1: granted, 2: refused
   };
 
   [[nodiscard]] Value clock(std::size_t gateway) const;
@@ -191,7 +193,7 @@ class World {
   const Scenario* scenario_;
   std::shared_ptr<const Keys> keys_;
   StoreStub store_;
-  StoreStub backup_;  ///< of before anything was asked for
+  StoreStub backup_;  ///< from before the first request
   bool up_ = true;
   int down_since_ = 0;
   int now_ = 0;

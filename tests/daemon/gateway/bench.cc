@@ -16,7 +16,7 @@
 namespace mlcca::test {
 namespace {
 
-/// Of link sources and of reports that are made aside: no test has any.
+/// The loop for link sources and for reports that are made aside, of which these tests have none.
 sd_event* idle_loop() {
   static const std::unique_ptr<sd_event, FreeWith<sd_event_unref>> loop([] {
     sd_event* made = nullptr;

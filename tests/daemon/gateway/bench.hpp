@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A gateway on a bench: a whole Controller among fakes, which can be ended, killed and started
-// again; and a small world for it.
+// A test bench for a complete gateway.
 #pragma once
 #include <systemd/sd-event.h>
 
@@ -26,21 +25,22 @@ inline bool chance(Random& random, unsigned percent) { return below(random, 100)
 inline constexpr Value kMs = 1'000'000;
 inline constexpr core::Subject kUnlistedSubjects = 0x5600000000000000;
 
-/// Two buses and an Ethernet behind one gateway "g"; a channel "c0" goes from the first bus to the
-/// second one, and there is no other one.
+/// Two buses and an Ethernet behind one gateway "g". The only channel, "c0", goes from the first
+/// bus to the second one.
 core::System small_system();
-/// From its first bus to the second one.
+/// A request for a further publisher, from the first bus to the second one.
 control::Admit newcomer();
-/// Two or three buses and an Ethernet behind one gateway; four to seven channels whose ends are
-/// anywhere. Mostly not all of them fit.
+/// Two or three buses and an Ethernet behind one gateway, and four to seven channels with ends
+/// anywhere. Usually not all of them fit.
 core::System random_system(Random& random);
-/// The same with other ends, ports, rates or rules.
+/// The same system with other ends, ports, rates or rules.
 core::System varied(Random& random, core::System system);
 
-/// A peer that may change something, or may not.
+/// A peer that may make changes, and one that may not.
 serve::Peer member(std::uint64_t session = 1);
 serve::Peer outsider(std::uint64_t session = 2);
 
+/// A complete Controller with fakes around it. It can be ended, killed and started again.
 class Bench {
  public:
   explicit Bench(core::System system);
@@ -50,11 +50,11 @@ class Bench {
   Bench& operator=(Bench&&) = delete;
   ~Bench() { end(); }
 
-  /// A daemon of its own; what it says when it cannot start.
+  /// Starts a daemon. The result is its error if it cannot start.
   std::optional<StartError> start();
-  /// It is gone, without a word.
+  /// The daemon ends without stopping.
   void end();
-  /// What the disk has after a loss of power now.
+  /// Leaves on the disk what a loss of power at this moment leaves.
   void lose_power(std::mt19937& random);
 
   [[nodiscard]] bool runs() const { return controller_ != nullptr; }
@@ -64,40 +64,40 @@ class Bench {
   FakeControl& control() { return *control_; }
   FakeBackground& reading() { return *reading_; }
   store::test::TroubledDisk& disk() { return *disk_; }
-  /// Memory that stands for the disk.
+  /// Bytes of memory that the fake disk uses.
   [[nodiscard]] std::size_t held_by_disk() const { return memory_->held(); }
   EventLog& log() { return *log_; }
 
-  /// The body of the reply: that of the last slice, if there are slices that can be had.
+  /// Sends a request, and returns its reply: the last slice, if there are slices.
   serve::Answer ask(decltype(control::Request::body) body, serve::Peer peer = member());
-  /// As a turn of the loop ends.
+  /// Does what the end of a turn of the loop does.
   void act() { controller_->act(); }
-  /// A whole round of polls, as once a second.
+  /// A complete round of polls, which the daemon does once a second.
   void round();
 
-  /// What all gates are to hold.
+  /// The rules that all gates together are to hold.
   [[nodiscard]] core::GateState wanted() const;
-  /// The journal as another reader finds it on a copy of the disk.
+  /// The contents of the journal, read from a copy of the disk.
   [[nodiscard]] store::Contents recorded(std::mt19937& random) const;
 
   FakeKernel kernel;
   FakeClock clock;
   FakeCan can;
-  core::System system;  ///< what a start or a reload reads; none: it cannot be read
+  core::System system;  ///< read by a start or a reload, unless `readable` is false
   bool readable = true;
-  std::size_t self = 0;            ///< which gateway of the system it is
-  ClusterLink* cluster = nullptr;  ///< where it shares networks by a store
-  std::uint8_t digest = 0;         ///< of the system, then
-  /// Descriptions that another gateway can hand on: "2" is a text of the digest 2.
+  std::size_t self = 0;            ///< index of the gateway in the system
+  ClusterLink* cluster = nullptr;  ///< null unless it is in a cluster
+  std::uint8_t digest = 0;         ///< digest of the system in a cluster
+  /// Descriptions that another gateway can pass on: the text "2" has the digest 2.
   std::map<std::uint8_t, core::System> handed_on;
   FakeTexts texts;
-  bool initial_audit = false;  ///< it is to be introduced in audit mode
-  bool threads = false;        ///< what may hang on a disk is done on a thread
+  bool initial_audit = false;  ///< as --initial-mode audit
+  bool threads = false;        ///< operations that may hang on a disk run on a thread
   std::uint64_t lease_ns = 10'000'000'000;
-  std::string state_directory = "/nowhere/at/all";  ///< of the history, on the real disk
-  std::vector<Result<void>> commits;                ///< what on_commit() was called with
-  std::vector<std::string> events;                  ///< kinds
-  std::vector<control::Event> published;            ///< the same as clients get them
+  std::string state_directory = "/nowhere/at/all";  ///< of the history, which is on the real disk
+  std::vector<Result<void>> commits;                ///< the arguments of on_commit()
+  std::vector<std::string> events;                  ///< the kinds of all events
+  std::vector<control::Event> published;            ///< the events that clients get
 
  private:
   std::unique_ptr<store::test::MemoryDisk> memory_;

@@ -139,7 +139,7 @@ Result<void> FakeGates::prepare(const core::System& system, std::size_t gateway)
   for (const core::Port& port : system.gateways[gateway].ports) {
     const auto link = links_.known().find(port.identity.name);
     if (link == links_.known().end() || commanded_.contains(link->second.ifindex)) continue;
-    // What has no gate although it ought to have one gets no worse.
+    // An interface that lacks its gate already does not get worse.
     const bool is_lacking = std::ranges::any_of(
         ports_, [&](const PortState& p) { return p.ifindex == link->second.ifindex; });
     if (auto made = kernel_.calls.make("load"); !made && !is_lacking) {
@@ -182,7 +182,7 @@ void FakeGates::follow() {
   }
 }
 
-/// Whatever changes hands is denied first.
+/// Denies everything at the gate of an interface that changes its port.
 void FakeGates::match(PortState& port) {
   const auto found = links_.known().find(port.port.identity.name);
   const int now = found == links_.known().end() ? 0 : found->second.ifindex;
@@ -214,8 +214,8 @@ Result<void> FakeGates::hold(const PortState& port) {
   return done;
 }
 
-/// The gate of a former daemon is taken over with its slots. Where that is refused no daemon
-/// commands it; an interface without one gets a program that passes nothing.
+/// Takes over the gate of a former daemon with its slots. If that is refused, no daemon controls
+/// it; an interface without a gate gets a program that lets nothing pass.
 void FakeGates::attach(PortState& port) {
   if (commanded_.contains(port.ifindex)) return;
   const auto held = hold(port);
@@ -228,7 +228,7 @@ void FakeGates::attach(PortState& port) {
     return;
   }
   port.problem = held.error().text;
-  if (!change_) return;  // it goes back to what was
+  if (!change_) return;  // the former description stays in force
   if (kernel_.interface(port.ifindex) == nullptr) return;
   const auto former = kernel_.gates.find(port.ifindex);
   if (former != kernel_.gates.end()) {
@@ -269,7 +269,7 @@ int FakeGates::gated_interface(std::size_t port) const {
   return gate_of(port) == nullptr ? 0 : ports_[port].ifindex;
 }
 
-/// With interfaces in place of ports; nothing where its source is not there.
+/// The entry with ifindexes in place of ports; nullopt if its source is absent.
 std::optional<core::GateEntry> FakeGates::placed(const core::GateEntry& entry) const {
   core::GateEntry out = entry;
   out.port = static_cast<std::size_t>(ports_[entry.port].ifindex);
@@ -326,7 +326,7 @@ Result<void> FakeGates::change(std::size_t port, const std::string& what,
   return {};
 }
 
-/// A refusal leaves what was done before it.
+/// After a refusal the changes before it stay.
 Result<void> FakeGates::apply(const core::GateChanges& changes) {
   kernel_.order.emplace_back("apply");
   Result<void> done;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A world for a gateway without a kernel, a clock or threads: interfaces that come and go, gates
-// that hold what is written to them or refuse, all as plain values. FakeKernel outlives a daemon;
-// the others are what one daemon sees of it.
+// Fakes for everything outside of a gateway: interfaces that come and go, and gates that hold what
+// is written to them or refuse it, without a kernel, a clock or threads. FakeKernel outlives a
+// daemon; the other fakes are what one daemon sees of it.
 #pragma once
 #include <atomic>
 #include <cstddef>
@@ -30,18 +30,18 @@
 
 namespace mlcca::test {
 
-/// The process ends: thrown out of the call during which it happens.
+/// Thrown out of the call during which the process ends.
 struct Killed {};
 
-/// Counts the calls into the kernel; some of them are refused, or the process ends in one of them.
+/// Counts the calls into the kernel. Some of them are refused, or the process ends in one of them.
 class Calls {
  public:
-  /// The `at`-th call from now, from 1, and those behind it, `many` in all.
+  /// Refuses `many` calls, beginning with the `at`-th one from now (from 1).
   void refuse(std::size_t at, std::size_t many = 1);
   void kill(std::size_t at);
   void relent() { many_ = 0, kills_ = false; }
   [[nodiscard]] std::size_t count() const { return count_; }
-  /// One more call: whether it is made.
+  /// Counts a call. The result is its refusal, if it is refused.
   Result<void> make(const std::string& what);
 
  private:
@@ -58,17 +58,17 @@ struct FakeInterface {
   auto operator<=>(const FakeInterface&) const = default;
 };
 
-/// What a gate holds; in place of ports its rules have the indices of interfaces.
+/// The contents of a gate. Its rules have the ifindex in place of the port.
 struct FakeGate {
   std::map<core::GateEntry, core::GateRule> rules;
-  bool closed = false;                           ///< a program without slots, which passes nothing
-  std::optional<enforce::Mode> first_mode = {};  ///< in which it was attached
+  bool closed = false;  ///< it has a program without slots, which lets nothing pass
+  std::optional<enforce::Mode> first_mode = {};  ///< mode in which it was attached
   void deny_all() {
     for (auto& [entry, rule] : rules) rule.pass = false;
   }
 };
 
-/// The machine below the daemons.
+/// The machine, which outlives the daemons.
 struct FakeKernel {
   Calls calls;
   std::map<std::string, FakeInterface> interfaces;  ///< by name
@@ -80,15 +80,16 @@ struct FakeKernel {
   std::uint64_t lapses = 0;
   std::uint64_t grace = 0;
   std::uint64_t beaten = 0;  ///< CLOCK_MONOTONIC of the latest heart-beat
-  std::uint64_t until = 0;   ///< when the gates close, whatever heart-beats come; 0: never
-  std::uint64_t now = 0;     ///< as of advance_to()
+  std::uint64_t until = 0;   ///< when the gates close in spite of heart-beats; 0: never
+  std::uint64_t now = 0;     ///< time of advance_to()
   enforce::Mode mode = enforce::Mode::enforce;
-  std::vector<std::string> order;  ///< what was done, for tests of the order
+  std::vector<std::string> order;  ///< log of the calls, for tests of their order
   int next_ifindex = 1;
 
   void plug(const std::string& name);
   void unplug(const std::string& name);
-  /// The timer of the kernel: closes the gates when no heart-beat was given for the grace.
+  /// Sets the time. Closes the gates as the kernel does, if no heart-beat was given within the
+  /// grace.
   void advance_to(std::uint64_t to);
   [[nodiscard]] bool passes() const { return open && !lapsed && (until == 0 || now < until); }
   [[nodiscard]] const FakeInterface* interface(int ifindex) const;
@@ -131,7 +132,7 @@ class FakeControl final : public GateControl {
   Result<void> listen(GateReports reports) override;
   [[nodiscard]] int reports_fd() const override { return -1; }
   Result<void> read_reports() override;
-  /// What the gates have to say, given to the daemon by read_reports().
+  /// Events of the gates, which read_reports() gives to the daemon.
   std::vector<gate_event> events;
 
  private:
@@ -147,7 +148,7 @@ class FakeLinks final : public LinkMonitor {
   [[nodiscard]] const std::string& problem() const override { return problem_; }
   [[nodiscard]] std::string name_of(int ifindex) const override;
   [[nodiscard]] bool take_tc_changed() override { return false; }
-  /// Interfaces as they were when they were last read.
+  /// The interfaces as of the latest refresh().
   [[nodiscard]] const std::map<std::string, FakeInterface>& known() const { return known_; }
 
  private:
@@ -232,24 +233,27 @@ class FakeGates final : public GateDriver {
   }
   [[nodiscard]] std::vector<control::Interface> report() const override;
 
-  std::vector<std::string> closed_interfaces;  ///< as undescribed() gives them
+  std::vector<std::string> closed_interfaces;  ///< the result of undescribed()
 
-  /// What the gate of a port has to hold when all gates hold `wanted`; nothing: it has no gate.
+  /// What the gate of a port must hold when all gates hold `wanted`; nullopt if it has no gate.
   [[nodiscard]] std::optional<core::GateState> share_of(std::size_t port,
                                                         const core::GateState& wanted) const;
-  /// The gate of a port has refused, and denies, or did so for a time.
+  /// Whether the gate of a port refused a change; it denied everything from then on, perhaps until
+  /// a later change.
   [[nodiscard]] bool has_refused(std::size_t port) const { return ports_[port].refused; }
 
-  // What tests say:
+  // Set by tests:
   std::map<std::string, BusCounters> carried;                      ///< by interface
   std::map<std::string, UnknownFrames> unknown;                    ///< by interface
   std::map<std::string, std::vector<enforce::UnknownFrame>> seen;  ///< by interface
   std::map<std::string, std::vector<Refusals>> refused;            ///< by interface
   std::map<std::string, std::vector<Refusals>> misfitting;         ///< by interface
-  std::map<core::Subject, Frames> counted;          ///< what frames() says of a subject
-  std::map<core::Direction, std::uint64_t> passed;  ///< frames() of a single rule, if any
-  std::optional<control::Watch> watched;            ///< what watch() says
-  std::vector<std::unique_ptr<gate_table>> tables;  ///< by port, of those of FAMOUSO; none: no tags
+  std::map<core::Subject, Frames> counted;  ///< the result of frames() for the rules of a subject
+  std::map<core::Direction, std::uint64_t>
+      passed;  ///< the result of frames() for a single rule, if there is one
+  std::optional<control::Watch> watched;  ///< the result of watch()
+  std::vector<std::unique_ptr<gate_table>>
+      tables;  ///< by port, for FAMOUSO; empty: there are no tags
 
  private:
   struct PortState {
@@ -274,7 +278,7 @@ class FakeGates final : public GateDriver {
   FakeKernel& kernel_;
   const FakeLinks& links_;
   std::vector<PortState> ports_;
-  std::set<int> commanded_;  ///< gates of this daemon, by ifindex
+  std::set<int> commanded_;  ///< ifindexes of the gates that this daemon controls
   bool goes_back_ = false;
   bool changing_ = false;  ///< between prepare() and end_change()
   Result<void> change_;
@@ -282,7 +286,7 @@ class FakeGates final : public GateDriver {
   std::string none_;
 };
 
-/// Work begins when it is asked for, and is done when the test says so.
+/// Begins work when it is asked to, and ends it when the test says so.
 class FakeBackground final : public Background {
  public:
   bool begin(std::function<void()> work, std::function<void()> done) override;
@@ -291,9 +295,9 @@ class FakeBackground final : public Background {
   [[nodiscard]] std::uint64_t begun() const override { return begun_; }
   [[nodiscard]] bool busy() const override { return work_ != nullptr; }
   explicit FakeBackground(const Clock& clock) : clock_(clock) {}
-  /// The work ends; whoever waits for it is notified.
+  /// Does the work, and notifies the daemon that waits for it.
   void finish();
-  inline static thread_local bool works = false;  ///< on this thread, now
+  inline static thread_local bool works = false;  ///< whether this thread is doing the work
 
  private:
   const Clock& clock_;
@@ -302,8 +306,8 @@ class FakeBackground final : public Background {
   std::uint64_t begun_ = 0;
 };
 
-/// A disk that may hang: it is asked for nothing in the loop, which is the thread that makes this,
-/// outside of work in the background.
+/// Texts on a disk that may hang: counts accesses in the loop (the thread that makes this object)
+/// outside of work in the background, because there must be none.
 class FakeTexts final : public DescriptionTexts {
  public:
   Result<void> keep(const Digest& digest, const std::string& text) override {
@@ -352,7 +356,7 @@ class FakeCanRules final : public net::CanRules {
   FakeKernel& kernel_;
 };
 
-/// Keeps what is sent, while it can send.
+/// Records the sent frames while it can send.
 class FakeCan final : public CanSender {
  public:
   bool send(std::uint32_t ifindex, const can_frame& frame) override {
@@ -363,7 +367,7 @@ class FakeCan final : public CanSender {
   [[nodiscard]] const std::string& problem() const override { return problem_; }
 
   bool ready = true;
-  std::string missing;  ///< why nothing can be sent; empty: it can
+  std::string missing;  ///< why nothing can be sent; empty: frames can be sent
   std::vector<std::pair<std::uint32_t, can_frame>> sent;
 
  private:

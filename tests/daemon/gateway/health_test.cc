@@ -48,7 +48,7 @@ TEST(Health, ReportsSilenceWithTheMissingEvents) {
   EXPECT_EQ(silent_for(*seen.watch), 4'200 * kMillisecond + 1);
 }
 
-/// What a program reads is what the lines say.
+/// The field that programs read has the same time as the line for people.
 TEST(Health, IsSilentForAsLongAsItsLineSays) {
   control::Watch watch = heart_beat();
   EXPECT_EQ(silent_for(watch), 0U);

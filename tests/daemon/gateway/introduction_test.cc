@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A gateway that is introduced in audit mode: nothing is dropped until an operator has it enforce.
+// Tests of a gateway that is introduced in audit mode: nothing is dropped until an operator
+// enforces.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +20,7 @@ constexpr std::uint64_t kIntroSecond = 1'000'000'000;
 constexpr std::uint64_t kIntroHour = 3600 * kIntroSecond;
 constexpr std::size_t kFailing = 1'000;  // calls of the disk
 
-/// It is installed on a machine whose traffic nobody has described in full yet.
+/// A gateway on a machine whose traffic is not yet described completely.
 class Introduction : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -44,12 +45,12 @@ class Introduction : public ::testing::Test {
     bench_.clock.wall += ns;
     bench_.round();
   }
-  /// The daemon is killed, and the next one comes.
+  /// The daemon is killed, and another one starts.
   void crash() {
     bench_.end();
     ASSERT_FALSE(bench_.start());
   }
-  /// Nothing of the kernel outlives it; of the disk all does that was synced.
+  /// After a reboot nothing of the kernel is left, and of the disk everything that was synced.
   void reboot() {
     bench_.end();
     bench_.kernel = FakeKernel{};
@@ -100,7 +101,7 @@ TEST_F(Introduction, LastsOverRestartsAndRebootsUntilTheGatesEnforceForTheFirstT
     EXPECT_EQ(gate.first_mode, enforce::Mode::enforce) << ifindex;
 }
 
-/// From then on it is as of a gateway that was never introduced.
+/// From then on audit mode behaves as on a gateway that was never introduced.
 TEST_F(Introduction, AuditModeAfterItEndsWithAReboot) {
   ASSERT_TRUE(is_done({"enforce"}));
   bench_.act();
@@ -125,7 +126,7 @@ TEST_F(Introduction, EndsWhenNothingWouldHaveBeenDroppedForSoLong) {
   EXPECT_EQ(status().mode, "enforce");
 }
 
-/// The gates enforce, as was asked for; that they go on after a reboot is written again.
+/// The gates enforce as requested. That this lasts over a reboot is written to disk later.
 TEST_F(Introduction, AnEndThatTheDiskRefusesIsWrittenLater) {
   bench_.disk().trouble(store::test::Trouble::fail, 1, ENOSPC, kFailing);
   ASSERT_TRUE(is_done({"enforce"}));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Who asks at one gateway for what another one has admitted.
+// Tests of requests at one gateway for publishers that another gateway has admitted.
 #include <gtest/gtest.h>
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 namespace mlcca::test {
 namespace {
 
-/// Somebody on own0 publishes c2 as described, and nobody subscribes to it.
+/// A described publisher of c2 on own0, and no subscriber.
 core::System with_a_described_publisher() {
   core::System system = two_gateways();
   core::Publisher p;
@@ -52,7 +52,7 @@ constexpr const char* kWhere =
     "receives it yet: ask at g0 for those who are to, with the options as here: 'mlccactl admit "
     "c3 --to own1'";
 
-/// Of the description all gateways know.
+/// All gateways know described publishers.
 TEST_F(MembersElsewhere, ASubscriberOfADescribedPublisherBehindAnotherGatewayIsGranted) {
   start_both();
   ASSERT_EQ(asked(1, subscriber("c2", "own1")), "granted");
@@ -66,16 +66,16 @@ TEST_F(MembersElsewhere, ASubscriberOfAnAdmittedPublisherIsReferredToItsGateway)
   EXPECT_EQ(asked(1, subscriber("c3", "own1")), kWhere);
   EXPECT_EQ(queried(1, subscriber("c3", "own1")), kWhere);
   EXPECT_TRUE(at(1).state().admissions().empty());
-  // What it says does it.
+  // The command in the refusal works.
   ASSERT_EQ(asked(0, subscriber("c3", "own1")), "granted");
   pass(kSecondNs);
-  // And from then on the other gateway knows it, too.
+  // From then on the other gateway knows the publisher, too.
   auto one_more = subscriber("c3", "own1");
   one_more.key = one_more.subscriber = "third";
   EXPECT_EQ(asked(1, one_more), "granted");
 }
 
-/// It is not another publisher at the same place.
+/// A request that names the place of the publisher does not mean another publisher there.
 TEST_F(MembersElsewhere, TheSameWhereItIsSaidFromWhere) {
   start_both();
   ASSERT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");
@@ -95,7 +95,7 @@ TEST_F(MembersElsewhere, WithoutAPublisherAnywhereThereIsNothingToAdmit) {
   EXPECT_NE(then.find("no endpoint publishes c3"), std::string::npos) << then;
 }
 
-/// What the store has of others is no more than a text.
+/// Entries that other gateways wrote are untrusted text.
 TEST_F(MembersElsewhere, WhatTheOtherOneHasWrittenIsNotBelieved) {
   start_both();
   ASSERT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Gateways with whole daemons on benches that share a bus by a store: who is granted what, and what
-// becomes of it when the store, a gateway or the disk fails.
+// Tests of complete daemons on benches that share a bus by a store: which requests are granted, and
+// what happens to them when the store, a gateway or the disk fails.
 #include <gtest/gtest.h>
 
 #include <cerrno>
@@ -73,7 +73,7 @@ TEST_F(MembershipTest, OfTwoThatDoNotFitTogetherOneIsRefused) {
   start_both();
   auto much = wanted("c2", "own0", "shared");
   auto more = wanted("c3", "own1", "shared");
-  // Frames of 1.08 ms: all three of them take more than the bus has.
+  // With frames of 1.08 ms the three together need more than the bus has.
   auto before = wanted("c4", "own1", "shared");
   before.offered = much.offered = {attribute_of("Period", 3'300'000)};
   more.offered = {attribute_of("Period", 2'200'000)};
@@ -81,7 +81,7 @@ TEST_F(MembershipTest, OfTwoThatDoNotFitTogetherOneIsRefused) {
   auto first = at(0).ask(much);
   auto second = at(1).ask(more);
   run();
-  pass(kStepNs);  // who was second waits for a moment
+  pass(kStepNs);  // the gateway that came second waits for a moment
   const std::string one = text_of(first);
   const std::string other = text_of(second);
   EXPECT_TRUE((one == "granted") != (other == "granted")) << one << " / " << other;
@@ -112,7 +112,7 @@ TEST_F(MembershipTest, WithoutTheStoreWhatIsLeasedClosesBeforeTheLeaseEnds) {
 TEST_F(MembershipTest, ADaemonThatStandsStillIsClosedByTheKernelAndItsShareIsGivenAway) {
   start_both();
   ASSERT_EQ(asked(0, wanted("c2", "own0", "shared")), "granted");
-  // Only the other one goes on.
+  // Only the other gateway continues.
   std::unique_ptr<Node> stopped = std::move(nodes[0]);
   nodes.erase(nodes.begin());
   const std::uint64_t until = stopped->bench.kernel.until;
@@ -125,7 +125,7 @@ TEST_F(MembershipTest, ADaemonThatStandsStillIsClosedByTheKernelAndItsShareIsGiv
   }
   EXPECT_GE(stopped->bench.clock.monotonic, until);
   EXPECT_TRUE(nodes[0]->bench.state().world().foreign[kSharedBus].bus.empty());
-  // It wakes up: fenced, and joins again.
+  // The stopped gateway continues: it is fenced, and joins again.
   nodes.insert(nodes.begin(), std::move(stopped));
   at(0).daemon().beat();
   EXPECT_FALSE(passes(0, 2));
@@ -148,7 +148,7 @@ TEST_F(MembershipTest, AStopGivesBackWhatWasReserved) {
   EXPECT_EQ(entries("r/"), 0U);
   EXPECT_EQ(entries("x/"), 0U);
   EXPECT_FALSE(store.entries.contains("/mlcca/pair/m/g0"));
-  // The next start asks again.
+  // The next start makes the request again.
   start(0);
   pass(5 * kSecondNs);
   EXPECT_TRUE(passes(0, 2));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Gateways side by side that announce themselves, in a time of their own.
+// A test bench for gateways that can replace each other and announce themselves, in simulated time.
 #pragma once
 #include <gtest/gtest.h>
 
@@ -28,7 +28,8 @@ inline constexpr Value kLasts = 3 * kInterval + kGrace;
 inline constexpr std::size_t kEthernet = 2;
 inline constexpr uid_t kRelay = 990;
 
-/// Two gateways, or three, join the same two buses and an Ethernet; c0 goes from bus to bus.
+/// Two or three gateways that join the same two buses and an Ethernet. Channel c0 goes from bus to
+/// bus.
 inline core::System side_by_side(std::size_t gateways) {
   core::System system = small_system();
   for (core::Network& network : system.networks)
@@ -44,7 +45,7 @@ inline core::System side_by_side(std::size_t gateways) {
   return system;
 }
 
-/// One gateway with its daemon, the program that announces it, and what its gates do.
+/// One gateway: its daemon, the program that announces it, and its gates.
 class Node {
  public:
   Node(core::System system, std::size_t self, const FakeClock& clock)
@@ -66,7 +67,7 @@ class Node {
     died_at_.reset();
     act();
   }
-  /// Its gates stay as they are until the grace is over.
+  /// Ends the daemon. The gates stay as they are until the grace has passed.
   void kill() {
     presence.reset();
     died_at_ = clock_.monotonic_ns();
@@ -86,7 +87,7 @@ class Node {
     });
   }
 
-  /// A network of its own side is there, or not.
+  /// Makes a network available or not, seen from this gateway.
   void plug(std::size_t network, bool there) {
     core::Condition condition;
     condition.available = there;
@@ -102,7 +103,7 @@ class Node {
   }
 
   std::unique_ptr<GatewayPresence> presence;
-  bool program = true;  ///< mlcca-famouso runs
+  bool program = true;  ///< whether mlcca-famouso runs
 
  private:
   core::System system_;
@@ -116,6 +117,7 @@ class Node {
   std::optional<std::uint64_t> died_at_;
 };
 
+/// Several nodes, and the messages between them.
 class PresenceTest : public ::testing::Test {
  protected:
   void set_up(std::size_t gateways) {
@@ -126,7 +128,7 @@ class PresenceTest : public ::testing::Test {
     losses_.assign(gateways * gateways * system_.networks.size(), 0);
   }
 
-  /// What a gateway announces, to all others on each network that both reach.
+  /// Delivers the announcement of a gateway to all others, on each network that both reach.
   void announce(std::size_t from) {
     const control::Presence own = nodes_[from]->presence->announce();
     for (std::size_t to = 0; to < nodes_.size(); ++to)
@@ -141,7 +143,7 @@ class PresenceTest : public ::testing::Test {
         nodes_[to]->act();
       }
   }
-  /// At most two messages in a row.
+  /// Whether a message is lost; at most two in a row are.
   bool loses(std::size_t from, std::size_t to, std::size_t n) {
     std::size_t& in_a_row = losses_[(from * nodes_.size() + to) * system_.networks.size() + n];
     in_a_row = in_a_row < 2 && chance(random_, loss_) ? in_a_row + 1 : 0;
@@ -153,7 +155,7 @@ class PresenceTest : public ::testing::Test {
       clock_.monotonic += kStep;
       for (std::size_t g = 0; g < nodes_.size(); ++g) {
         if (!nodes_[g]->runs()) continue;
-        // Not all at the same moment.
+        // Gateways do not announce themselves at the same moment.
         if (nodes_[g]->program && clock_.monotonic % kInterval == g * 3 * kStep) announce(g);
         nodes_[g]->act();
       }
@@ -177,9 +179,10 @@ class PresenceTest : public ::testing::Test {
   FakeClock clock_;
   core::System system_;
   std::vector<std::unique_ptr<Node>> nodes_;
-  std::vector<std::vector<bool>> cut_;  ///< by gateway and network: on the other half of it
+  std::vector<std::vector<bool>>
+      cut_;  ///< by gateway and network: it is cut off, with others that are
   std::vector<std::size_t> losses_;
-  unsigned loss_ = 0;  ///< percent
+  unsigned loss_ = 0;  ///< percent of the messages
   Random random_{42};
   Value none_ = 0;
   Value several_ = 0;

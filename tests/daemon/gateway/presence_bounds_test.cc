@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Of gateways side by side one forwards but for bounded times, whatever fails and whenever.
+// Tests that exactly one of several equivalent gateways forwards, except for bounded times,
+// whatever fails and whenever.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +13,7 @@
 namespace mlcca::test::presence {
 namespace {
 
-/// Daemons and programs die at any time and come back, and messages are lost, two in a row at most.
+/// Daemons and programs die at any time and come back, and messages are lost, at most two in a row.
 TEST_F(PresenceTest, AtRandomOneForwardsButForBoundedTimes) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     random_.seed(seed);
@@ -30,22 +31,22 @@ TEST_F(PresenceTest, AtRandomOneForwardsButForBoundedTimes) {
         one.kill();
       else if (!last)
         one.program = false;
-      // The times are those after each event.
+      // The bounds hold after each single event.
       none_ = several_ = 0;
       run((100 + below(random_, 8'000)) * kMs);
       ASSERT_LE(longest_several_, kLasts) << "seed " << seed;
       ASSERT_LE(longest_none_, kLasts + kInterval) << "seed " << seed;
-      // A gateway that nobody announces does not learn who is back, so systemd starts its program
-      // again; what others know then has to be true before the next one fails.
+      // A gateway that nobody announces does not learn which gateway is back, so systemd starts its
+      // program again. What others know must be true before the next one fails.
       if (!std::exchange(one.program, true)) run(kLasts);
     }
   }
 }
 
-/// What ends an announcer that stalls: systemd, after WatchdogSec, TimeoutAbortSec and RestartSec
-/// of mlcca-famouso.service, and a start.
+/// The longest time until a stalled announcer is back. systemd ends and restarts it: WatchdogSec,
+/// TimeoutAbortSec and RestartSec of mlcca-famouso.service, and the time of a start.
 constexpr Value kBack = 13'000 * kMs;
-/// With two failures at once.
+/// The bound for two failures at once.
 constexpr Value kBound = kBack + kInterval;
 static_assert(kBack > kLasts);
 
@@ -67,7 +68,7 @@ TEST_F(PresenceTest, WhoseAnnouncerStallsWhileTheOtherOneDiesForwardsOnceItIsBac
   }
 }
 
-/// One announcer stalls, and the others die and come back before and meanwhile.
+/// One announcer stalls, and the other gateways die and come back before and meanwhile.
 TEST_F(PresenceTest, AtRandomOneForwardsAlsoWhenTwoFailAtOnceButForBoundedTimes) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     random_.seed(seed);
@@ -93,7 +94,7 @@ TEST_F(PresenceTest, AtRandomOneForwardsAlsoWhenTwoFailAtOnceButForBoundedTimes)
           other.kill();
         else
           other.start();
-        // The times are those after each event.
+        // The bounds hold after each single event.
         none_ = several_ = 0;
       }
       stalls.program = true;

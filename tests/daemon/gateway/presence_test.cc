@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Gateways side by side that announce themselves: one of them forwards, whatever fails.
+// Tests that one of several gateways that can replace each other forwards, whatever fails.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -88,7 +88,7 @@ TEST_F(PresenceTest, GatewaysThatAreCutOffFromEachOtherBothForward) {
 TEST_F(PresenceTest, WhoIsNotReceivedAnywhereGivesWay) {
   set_up(2);
   run(3'000 * kMs);
-  // Frames of the first one do not reach the second one; the other way they do.
+  // Messages of the first gateway do not reach the second one; those of the second one arrive.
   control::PresenceRequest from_b{.network = system_.networks[0].name,
                                   .gateway = "b",
                                   .lasts_ns = kLasts,
@@ -123,7 +123,7 @@ TEST_F(PresenceTest, WhoCannotForwardSaysSoAndTheNextOneDoesAtOnce) {
   nodes_[0]->plug(1, true);
   run(kInterval + kStep);
   EXPECT_EQ(forwarders(), "a");
-  // Nobody can: that is as it was without a second one.
+  // No gateway can forward, as it would be without a second gateway.
   nodes_[0]->plug(1, false);
   nodes_[1]->plug(1, false);
   run(kInterval + kStep);
@@ -211,7 +211,8 @@ TEST_F(PresenceTest, TimesThatNoGatewayCanStateAreRefused) {
   EXPECT_FALSE(receive(~Value{0}));
 }
 
-/// A whole daemon: what takes another way is reported, so that programs ask where they send now.
+/// A complete daemon reports deliveries whose route has changed, so that programs ask where to
+/// send.
 TEST(PresenceOfADaemon, ReportsWhatTakesAnotherWay) {
   core::System system = side_by_side(2);
   for (core::Port& port : system.gateways[0].ports) port.control_uid = 991;

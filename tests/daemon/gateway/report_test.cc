@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a program reads of a delivery and of a network is a field, and need not be found in a line.
+// Tests that programs can read every property of a delivery and of a network from a field, without
+// parsing a line.
 #include "daemon/gateway/report.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +15,7 @@
 namespace mlcca {
 namespace {
 
-/// A heart-beat from one bus to another over a gateway that may lose as many events as is stated.
+/// A heart-beat from one bus to another, over a gateway with the stated Omission.
 core::State heart_beat_state(const std::string& omission, const std::string& bus,
                              const std::string& latency = "5ms") {
   auto system = description::read_memory(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Events that stay out, for subscribers that do not all wait equally long, in a whole gateway among
+// Tests of missing events for subscribers with different timeouts, in a complete gateway with
 // fakes.
 #include <gtest/gtest.h>
 
@@ -15,8 +15,8 @@
 namespace mlcca::test {
 namespace {
 
-/// c0 every 50 ms from can0 to can1, where up to six events may be lost, and to eth0, where none
-/// may.
+/// Channel c0 has events every 50 ms from can0 to can1, where up to six events may be lost, and to
+/// eth0, where none may be.
 core::System with_two_subscribers() {
   core::System system = small_system();
   for (core::Network& n : system.networks) n.provision.set(Attribute::omission, 0);
@@ -30,7 +30,7 @@ core::System with_two_subscribers() {
   return system;
 }
 
-constexpr std::size_t kPatient = 1;  // networks
+constexpr std::size_t kPatient = 1;  // index of the network whose subscriber waits longer
 constexpr std::size_t kStrict = 2;
 
 class Silence : public ::testing::Test {
@@ -44,7 +44,7 @@ class Silence : public ::testing::Test {
         said_.push_back(event.kind + " " + event.network);
     });
   }
-  /// How long the subscribers there wait for the next event.
+  /// The timeout of the subscribers on a network.
   [[nodiscard]] Value patience(std::size_t network) const {
     for (const core::Verdict& v : bench_.state().decisions()[0].verdicts)
       if (v.to.index == network) return core::silence_of(v);
@@ -60,7 +60,7 @@ class Silence : public ::testing::Test {
     bench_.control().events.push_back(event);
     bench_.daemon().gates_reported();
   }
-  /// The latest event came so long ago.
+  /// Sets the age of the latest event.
   void is_silent_for(std::uint64_t ns) {
     bench_.gates().watched = control::Watch{};
     bench_.gates().watched->period_ns = 50 * kMs;
@@ -73,7 +73,7 @@ class Silence : public ::testing::Test {
     return std::exchange(said_, {});
   }
 
-  /// What `channels` has of how the events of the delivery to that network come.
+  /// What `channels` reports about the arrival of the delivery's events on that network.
   [[nodiscard]] control::Watch shown(std::size_t network) {
     const auto answer = bench_.ask(control::ExplainRequest{"c0"});
     for (const control::Channel& one : std::get<control::Channels>(answer.reply.body).channels)
@@ -113,7 +113,7 @@ TEST_F(Silence, ThatIsOverInTimeIsNotReportedToWhoWaitsLonger) {
   EXPECT_EQ(after(1'000 * kMs), Said{});
 }
 
-/// The gate says that they come again when they have for a while.
+/// The gate reports the end of a silence only after events have come for a while.
 TEST_F(Silence, IsMeasuredFromTheLatestEvent) {
   gate_says(GATE_E_MISSING, patience(kStrict));
   said_.clear();
@@ -123,7 +123,8 @@ TEST_F(Silence, IsMeasuredFromTheLatestEvent) {
   EXPECT_EQ(after(patience(kPatient) - 20 * kMs), Said{"missing can1"});
 }
 
-/// Between the two the gate was closed and opened, and reports no end of the first one.
+/// Between the two silences the gate was closed and opened again, so it does not report the end of
+/// the first one.
 TEST_F(Silence, ThatBeginsAnewIsReportedAgain) {
   for (int i = 0; i < 2; ++i) {
     gate_says(GATE_E_MISSING, patience(kStrict));
@@ -133,7 +134,7 @@ TEST_F(Silence, ThatBeginsAnewIsReportedAgain) {
   }
 }
 
-/// As long as the end of its silence has not been reported, whichever event has come meanwhile.
+/// As long as the end of a silence is not reported, even if events have come meanwhile.
 TEST_F(Silence, IsShownForWhoWaitsLongerUntilItsEndIsReported) {
   gate_says(GATE_E_MISSING, patience(kStrict));
   EXPECT_FALSE(is_shown(kPatient)) << "its own time is not over";
@@ -147,8 +148,8 @@ TEST_F(Silence, IsShownForWhoWaitsLongerUntilItsEndIsReported) {
   EXPECT_FALSE(is_shown(kPatient));
 }
 
-/// Of whom is granted again nothing has ever come: its own exception says so, whatever was reported
-/// before. A gate that gets another subscriber says it once more.
+/// A delivery that is granted again has had no event yet. Its own exception says so, whatever was
+/// reported before. A gate that gets another subscriber reports the silence once more.
 TEST_F(Silence, IsReportedToWhoIsGrantedOrAdmittedMeanwhile) {
   const auto never = [this] {
     gate_event event{};

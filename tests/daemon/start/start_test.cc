@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A daemon that comes after one that was killed: what holds while it starts, and what does not.
+// Tests of a daemon that starts after another one was killed: what stays in force while it starts.
 #include <gtest/gtest.h>
 #include <sys/mount.h>
 #include <sys/socket.h>
@@ -20,7 +20,8 @@
 namespace mlcca::test {
 namespace {
 
-/// A babeld that takes connections and says nothing: the daemon waits for its first word.
+/// A babeld that accepts connections and sends nothing, so that the daemon waits for its first
+/// report.
 class MuteSource {
  public:
   explicit MuteSource(const std::string& path)
@@ -43,14 +44,14 @@ class MuteSource {
   std::string path_;
 };
 
-/// One more than those whose status is made by the daemon itself: a child process makes it.
+/// With one port more than this the daemon makes its status in a child process.
 constexpr int kManyPorts = 17;
 
 class StartTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { make_links(kManyPorts); }
 
-  /// Runs one until its gates are in force, and kills it.
+  /// Runs a daemon until its gates are in force, and kills it.
   void let_one_die() {
     Process before(gateway_.command(), gateway_.path("log"));
     ASSERT_TRUE(before.ready()) << gateway_.log();
@@ -61,7 +62,7 @@ class StartTest : public ::testing::Test {
     ASSERT_EQ(word_[0].open, 1U);
   }
 
-  /// The times of heart-beats that are seen until its gates are in force.
+  /// The times of the heart-beats that are seen until the gates of the daemon are in force.
   std::set<std::uint64_t> beats_of(Process& daemon) {
     std::set<std::uint64_t> seen;
     EXPECT_TRUE(daemon.ready([&] {
@@ -79,7 +80,7 @@ TEST_F(StartTest, BeatsBeforeItHasReadEverything) {
   let_one_die();
   gateway_.describe(described(1, source.network()));
   Process after(gateway_.command(), gateway_.path("log"));
-  EXPECT_GE(beats_of(after).size(), 5U);  // the former one's, and more than the one at the end
+  EXPECT_GE(beats_of(after).size(), 5U);  // the former daemon's, and more than one at the end
 }
 
 TEST_F(StartTest, BeatsNotBeforeItHasReadEverythingWhereThatIsNotWanted) {
@@ -166,10 +167,10 @@ TEST_F(StartTest, GoesOnBeatingWhileTheDiskTakesNothing) {
 
 // --- a user database that never answers ----------------------------------------------------------
 
-/// For this process and those that it runs.
+/// Makes look-ups of users hang in this process and in those that it starts.
 class HangingUsers {
  public:
-  /// `database`: passwd or group.
+  /// `database` is passwd or group.
   HangingUsers(const Gateway& gateway, const std::string& database) {
     const std::string file = gateway.path("nsswitch.conf");
     std::ofstream(file) << database << ": hang\n";
@@ -292,7 +293,7 @@ TEST_F(StartTest, WaitsNeitherForSystemdNorForWhoeverReadsItsLines) {
     beats.insert(__atomic_load_n(&word_[0].heartbeat, __ATOMIC_ACQUIRE));
     return beats.size() > 8;
   }));
-  // Once a reader is there, it reports that it is ready.
+  // The relay reports that it is ready as soon as it has a reader.
   EXPECT_TRUE(after.ready());
   after.signal(SIGTERM);
   EXPECT_EQ(after.end(), 0);
@@ -306,8 +307,8 @@ TEST_F(StartTest, ClosesEveryInterfaceWithoutAReaderOfItsOutput) {
   EXPECT_EQ(closing.end(), 0);
 }
 
-/// lan0 is named in gate.conf, lan1 in conf.d, lan2 nowhere. They may have a gate of an earlier
-/// test.
+/// Three interfaces: lan0 is named in gate.conf, lan1 in conf.d, and lan2 nowhere. They may have
+/// gates from an earlier test.
 class NamedInterfaces {
  public:
   explicit NamedInterfaces(const Gateway& gateway) : gateway_(gateway) {
@@ -318,13 +319,13 @@ class NamedInterfaces {
   void make_a_mistake() const {
     std::ofstream(gateway_.path("etc/conf.d/05.conf")) << "\nMLCCA_INTERFACE=lan3\n";
   }
-  /// The exit status; what it says is the log.
+  /// The exit status of --close; its messages are in the log.
   [[nodiscard]] int close(std::vector<std::string> more) const {
     std::filesystem::remove(gateway_.path("log"));
     more.insert(more.begin(), {"--named-in", gateway_.path("etc"), "--close"});
     return Process(gateway_.command(std::move(more)), gateway_.path("log")).end();
   }
-  /// Of lan0, lan1 and lan2 those that have a gate now, by what it says.
+  /// Those of lan0, lan1 and lan2 that have a gate now, according to the log.
   [[nodiscard]] std::set<std::string> closed() const {
     std::set<std::string> names;
     for (const char* name : {"lan0", "lan1", "lan2"})
@@ -385,8 +386,8 @@ TEST_F(StartTest, TheReaderOfUntrustedInputEndsWithoutAReaderOfItsOutput) {
 
 // --- mlcca-awds ----------------------------------------------------------------------------------
 
-/// Connects, shuts its writing side down, and is served: the owner of the socket closes the
-/// connection.
+/// Connects, and shuts the writing side down. The result is true if the owner of the socket then
+/// closes the connection.
 bool is_served(const std::string& path) {
   const Fd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
   const auto address = unix_address(path);
@@ -403,7 +404,7 @@ TEST_F(StartTest, TheRelayOfAwdsWaitsNeitherForSystemdNorForWhoeverReadsItsLines
   const std::string socket = gateway_.path("awds");
   Process relay({"mlcca-awds", "lan0", socket}, gateway_.path("log"), Readers::none);
   EXPECT_TRUE(is_served(socket));
-  // Once a reader is there, it reports that it is ready.
+  // It reports that it is ready as soon as it has a reader.
   EXPECT_TRUE(relay.ready());
   relay.signal(SIGTERM);
   EXPECT_TRUE(relay.ends());

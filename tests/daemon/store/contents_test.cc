@@ -133,7 +133,7 @@ TEST(Contents, ListAdmissionsOldestFirst) {
   EXPECT_EQ(contents.next_id, 4U);
 }
 
-/// The definition, bit by bit, of the polynomial as it is published (not reflected).
+/// CRC-64 by its definition, bit by bit, with the published polynomial (not reflected).
 std::uint64_t crc64_by_definition(std::string_view bytes) {
   std::uint64_t rest = ~std::uint64_t{0};
   for (const char c : bytes) {

@@ -38,7 +38,7 @@ Admitted admitted(std::uint64_t id, const std::string& channel) {
 
 namespace {
 
-/// The contents kept in another way than the code keeps them: lists that are searched.
+/// A second implementation of the contents, in another way: lists that are searched.
 class Model {
  public:
   explicit Model(std::uint32_t seed, std::size_t largest) : random_(seed), largest_(largest) {}
@@ -150,7 +150,7 @@ class Model {
     return contradicted_.back();
   }
 
-  /// Another one each time.
+  /// Joins or leaves a cluster, with other values each time.
   Entry join() {
     const bool leaves = membership_.incarnation != 0 && pick(3) == 0;
     membership_ = leaves ? Membership{}

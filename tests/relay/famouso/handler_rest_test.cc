@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The handler while no descriptor is left for another connection.
+// Tests of the event channel handler while no descriptor is left for another connection.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -44,7 +44,8 @@ class HandlerRest : public ::testing::Test {
     pollfd waits{.fd = handler_->fd(), .events = POLLIN, .revents = 0};
     return ::poll(&waits, 1, milliseconds) > 0;
   }
-  /// Turns that it wants to make while no descriptor is left, at most `most`.
+  /// The number of turns for which the handler is ready while no descriptor is left, at most
+  /// `most`.
   int turns_without_descriptors(int most) {
     rlimit before{};
     EXPECT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
@@ -92,7 +93,7 @@ TEST_F(HandlerRest, WithoutDescriptorsItTriesAgainWhenAConnectionEnds) {
   EXPECT_EQ(handler_->connections(), 1U);
   one.reset();
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  // The number is the same again: what the other one says is taken.
+  // The descriptor has the same number again; what the other connection says must be read.
   constexpr std::string_view wrong = "QDistance";
   ASSERT_EQ(::send(other.get(), wrong.data(), wrong.size(), MSG_NOSIGNAL),
             static_cast<ssize_t>(wrong.size()));

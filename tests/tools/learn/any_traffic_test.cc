@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Whatever is seen, a draft is a description of which a check refuses nothing, or a note says what
-// it cannot describe.
+// Tests that for any traffic the draft is a description in which a check finds no errors, or a note
+// says what could not be described.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,8 +32,8 @@ bool is_noted(const Draft& draft, std::string_view text) {
                              [&](const std::string& note) { return note.contains(text); });
 }
 
-/// Diagnostic messages of so many control units, of which the first ones send more often, and what
-/// says that it is J1939.
+/// Diagnostic messages of `units` control units, the first of which send more often, and traffic by
+/// which J1939 is recognised.
 std::vector<Sent> trucks(std::uint32_t units) {
   Traffic traffic(units);
   traffic.periodic(0, 0x0cf00400 | kExtended, 20 * kMs, kMs, 8, 20)
@@ -99,7 +99,7 @@ TEST(AnyTraffic, ABusThatTheAssumedBitRateCannotCarryIsAssumedToBeFaster) {
   const Draft draft = drafted(traffic.sent(), {}, {"can0"});
   EXPECT_TRUE(draft.xml.contains("<Bus bitrate=\"1000000\"/>")) << draft.xml;
   EXPECT_TRUE(draft.xml.contains("as 500 kbit/s cannot carry this: state the real one"));
-  // One that is stated is taken, and what it cannot carry is said.
+  // A stated bit rate is used, and a note says what it cannot carry.
   Observer observer;
   for (const Sent& one : traffic.sent()) observer.add(one.frame());
   observer.finish(1);
@@ -175,11 +175,11 @@ std::string name_of_interface(Random& random) {
   return names[random.below(names.size())] + std::string(random.below(3), 'x');
 }
 
-/// An identifier as frames of a profile, or of none, have it.
+/// An identifier that frames of a profile, or of none, have.
 std::uint32_t identifier(Random& random, core::Profile profile) {
   const std::uint32_t any = random.below(1U << 29U);
   switch (profile) {
-    case core::Profile::j1939:  // of few PGNs, and any address
+    case core::Profile::j1939:  // few PGNs, any source address
       return kExtended | (any & 0x1c000000U) | (0xfec0U + random.below(4)) << 8U | (any & 0xffU);
     case core::Profile::cyphal:
       return kExtended | (any & 0x1c000000U) | 0x600000U | random.below(40) << 8U | (any & 0x7fU);
@@ -245,7 +245,7 @@ TEST_P(AnyTrafficTest, IsADraftOfWhichACheckRefusesNothing) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, AnyTrafficTest, ::testing::Range(1U, 121U));
-// A longer event than those that were seen to cross.
+// Here an event is longer than those that were seen to cross.
 INSTANTIATE_TEST_SUITE_P(Found, AnyTrafficTest, ::testing::Values(2517U));
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Recordings as people have them: packed by gzip, through a pipe, with a byte-order mark, cut off,
-// and logs of Vector tools with names.
+// Tests of recordings in the forms in which users have them: compressed by gzip, through a pipe,
+// with a byte-order mark, cut off; and logs of Vector tools with names.
 #include <gtest/gtest.h>
 #include <zlib.h>
 
@@ -57,7 +57,7 @@ Unpacked unpack(const std::string& text) {
   return unpack(input);
 }
 
-/// So many bytes at a time, as a pipe may give them.
+/// Reads a recording in pieces of `size` bytes, as a pipe may give them.
 Unpacked unpack_in_pieces(const std::string& text, std::size_t size) {
   std::size_t at = 0;
   Input input([&](std::span<std::uint8_t> to) -> Result<std::size_t> {
@@ -94,7 +94,7 @@ std::string log_of(unsigned frames) {
   return out;
 }
 
-/// A pcap file of so many frames.
+/// A pcap file with `frames` frames.
 std::string trace_of(unsigned frames) {
   test::PcapFile file(227);
   for (unsigned i = 0; i < frames; ++i)
@@ -122,10 +122,10 @@ TEST(Packed, WhatGzipHasPackedIsRead) {
     const std::string packed = gzip(text);
     EXPECT_LT(packed.size(), text.size());
     expect_same(unpack(packed), plain);
-    // Parts behind each other, as cat puts them.
+    // Several gzip members, as cat joins them.
     const auto half = text.find('\n', text.size() / 2) + 1;
     expect_same(unpack(gzip(text.substr(0, half)) + gzip(text.substr(half))), plain);
-    // Blocks of a tape are filled up.
+    // The last block of a tape is filled with zeros.
     expect_same(unpack(packed + std::string(512, '\0')), plain);
   }
 }

@@ -202,7 +202,7 @@ TEST(Recording, OfALogInBinaryThatIsCutOffWhatIsCompleteIsRead) {
                       i);
   for (const bool compressed : {false, true}) {
     const std::string whole = blf_of({all, all}, compressed);
-    // Within the second container, and within the only one.
+    // Cut within the second container, and within the only one.
     const auto later = read(whole.substr(0, whole.size() - 500), "x.blf");
     EXPECT_EQ(later.error, "");
     EXPECT_GT(later.sent.size(), 500U);

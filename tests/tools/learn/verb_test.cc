@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlccactl learn as a user runs it, on recordings.
+// Tests of `mlccactl learn` on recordings, as a user runs it.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -13,7 +13,8 @@
 namespace mlcca::test {
 namespace {
 
-/// `count` frames of an identifier, one every 100 ms, of so many bytes.
+/// `count` lines of candump with frames of one identifier, one every 100 ms, with `bytes` bytes
+/// each.
 std::string frames(const std::string& interface, const std::string& id, unsigned bytes,
                    unsigned count) {
   std::string out;
@@ -31,7 +32,8 @@ using learn::test::kDistance;
 using learn::test::kMs;
 using learn::test::station;
 
-/// 60 events of a subject on an Ethernet, one every 100 ms; the file is named by the interface.
+/// A capture with 60 events of a subject on an Ethernet, one every 100 ms. The file is named like
+/// the interface.
 std::string datagrams(std::uint64_t subject, std::uint8_t sender, std::size_t bytes) {
   learn::test::PcapFile file(1);
   for (std::uint64_t i = 0; i < 60; ++i) {
@@ -43,7 +45,7 @@ std::string datagrams(std::uint64_t subject, std::uint8_t sender, std::size_t by
 }
 
 struct LearnVerb : ::testing::Test {
-  /// A description drafted from 60 frames of 0x123.
+  /// The path of a description drafted from 60 frames with identifier 0x123.
   std::string drafted() {
     const auto log = folder.write("first.log", frames("can0", "123", 4, 60));
     const auto path = folder.path("system.xml");
@@ -108,7 +110,7 @@ TEST_F(LearnVerb, WhatIsNewIsAPatchThatMakesADescription) {
   EXPECT_EQ(run({"learn", log, "--merge", path}).status, 0) << "it is all described now";
 }
 
-/// `text` with something instead of what stands there.
+/// `text` with `other` in place of `instead_of`.
 std::string with(std::string text, const std::string& instead_of, const std::string& other) {
   const auto at = text.find(instead_of);
   EXPECT_NE(at, std::string::npos) << instead_of << " in " << text;
@@ -138,7 +140,7 @@ TEST_F(LearnVerb, WhatIsProposedForAChannelThatIsThereIsADescriptionThatCheckAcc
       {otherwise,
        {"+  <EventChannel name=\"can0-2F0-2\">", "+    <Binding channel=\"can0-2F0-2\">",
         "+  <Publisher name=\"can0-2F0-2\" channel=\"can0-2F0-2\""}},
-      // Of the same name with another subject, and of another name with the same.
+      // The same name with another subject, and another name with the same subject.
       {std::string(otherwise).replace(subject_at + 12, 4, "0x1f"), {"name=\"can0-2F0-2\""}},
       {with(with(with(otherwise, "<EventChannel name=\"can0-2F0\"", "<EventChannel name=\"other\""),
                  "<Binding channel=\"can0-2F0\"", "<Binding channel=\"other\""),
@@ -179,7 +181,7 @@ TEST_F(LearnVerb, WhatIsNotAsItIsDescribedIsSaid) {
       << unknown.error;
 }
 
-/// The first `shorter` of the lines have one byte, the others what they had.
+/// The lines, of which the first `shorter` have one byte and the others are unchanged.
 std::string shortened(std::string lines, int shorter) {
   std::size_t at = 0;
   for (int i = 0; i < shorter; ++i) {
@@ -205,7 +207,7 @@ TEST_F(LearnVerb, AFewEventsThatAreShorterThanTheOthersAreSaid) {
   EXPECT_TRUE(
       differs(4).contains("4 of 400 events have fewer bytes than the others (1 at least, "
                           "not 4)"));
-  // Of a length that varies nothing is said.
+  // No note about an event length that varies.
   EXPECT_FALSE(differs(5).contains("fewer bytes"));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlccactl export: what other tools make of it.
+// Tests of `mlccactl export`, with the tools that read its output.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -35,8 +35,8 @@ std::string channel(const char* name, const char* subject, const std::string& wi
       name, subject, name, with);
 }
 
-/// Two CAN buses and a gateway that loses events: beat and moved cross it, strict does not; wide
-/// has FD frames and stays.
+/// Two CAN buses and a gateway that loses events: the channels beat and moved cross it, strict does
+/// not; wide has FD frames and does not leave its bus.
 std::string robot() {
   return "<System name=\"robot\">\n" + channel("beat", "0x11", attributes("50", "8")) +
          channel("strict", "0x12", attributes("50", "8", kOmission)) +
@@ -77,7 +77,7 @@ std::string robot() {
 class ExportTest : public ::testing::Test {
  protected:
   test::Ran run(const std::string& text, std::vector<std::string> options) {
-    // A file keeps what a test has given it last.
+    // The file keeps the text of the latest run.
     options.insert(options.begin(), {"export", folder_.write("robot.xml", text), "--format"});
     return test::run(std::move(options));
   }
@@ -92,7 +92,7 @@ class ExportTest : public ::testing::Test {
   }
 
   test::Folder folder_;
-  std::string said_;  ///< on standard error
+  std::string said_;  ///< output on standard error
 };
 
 TEST_F(ExportTest, ADbcFileHasWhatIsAdmittedOnTheNetwork) {
@@ -188,7 +188,7 @@ std::string big(std::uint64_t number, int bytes) {
   return out;
 }
 
-/// A capture of frames of one link type, in the form of pcap.
+/// A pcap file of frames of one link type.
 std::string capture(unsigned link_type, const std::vector<std::string>& frames) {
   const auto little = [](std::uint32_t n) {
     auto text = big(n, 4);
@@ -213,7 +213,7 @@ std::string datagram(const std::string& payload) {
                               big(0x01110000, 4) + big(0x0a000001, 4) + big(0xef000001, 4) + udp);
 }
 
-/// AWDS by flooding: type, source, what the mesh needs, kind.
+/// A flooded AWDS packet: type, source, fields for the mesh, kind.
 std::string flooded(unsigned kind, const std::string& body) {
   return ethernet(0x8334,
                   big(1, 1) + big(0x020000000007, 6) + std::string(9, '\0') + big(kind, 1) + body);
@@ -225,7 +225,7 @@ std::string can_frame(std::uint32_t id, const std::string& data) {
 
 class WiresharkTest : public ExportTest {
  protected:
-  /// The fields of each frame, a line each, separated by bars.
+  /// The fields of each frame as tshark shows them, one line for each frame, separated by bars.
   std::string dissected(unsigned link_type, const std::vector<std::string>& frames,
                         const std::vector<std::string>& fields) {
     const auto script = folder_.write("names.lua", exported({"wireshark"}));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlccactl import of DBC files, as a user and a script see it.
+// Tests of `mlccactl import` of DBC files, as a user and a script see it.
 #include <fmt/format.h>
 #include <sys/resource.h>
 
@@ -12,7 +12,7 @@ namespace {
 
 using DbcImportTest = ImportTest;
 
-/// A bus of three nodes, with what most files have around their messages.
+/// A bus of three nodes, with the sections that most files have in addition to messages.
 constexpr const char* kBus = R"(VERSION "1.0"
 
 NS_ :
@@ -56,7 +56,7 @@ BA_ "GenMsgILSupport" BO_ 256 0;
 VAL_ 256 Speed 0 "off" 1 "on" ;
 )";
 
-/// One message with these attributes, each a line of definitions and values.
+/// A bus with one message, and lines of attribute definitions and values.
 std::string bus_with(const std::string& lines, const std::string& message = "BO_ 256 A: 8 N") {
   return "BU_: N M\n" + message + "\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" M\n" + lines;
 }
@@ -211,7 +211,7 @@ TEST_F(DbcImportTest, ImportingAgainGivesTheSameSubjects) {
   const auto before = draft_;
   json("bus.dbc", kBus);
   EXPECT_EQ(draft_, before);
-  // Neither a new message in front nor another name of the message changes them.
+  // Neither another message before it nor another name of the message changes subjects.
   std::string other = kBus;
   other.replace(other.find("BO_ 256 EngineSpeed"), 19, "BO_ 1 First: 1 Dash\n\nBO_ 256 Renamed");
   json("bus.dbc", other);
@@ -227,7 +227,7 @@ struct PeriodRow {
   const char* name;
   const char* lines;
   const char* milliseconds;
-  const char* kind;  ///< what is listed of it; empty: nothing
+  const char* kind;  ///< the kind under which it is listed; empty: it is not listed
 };
 struct DbcPeriodTest : DbcImportTest, ::testing::WithParamInterface<PeriodRow> {};
 
@@ -377,7 +377,7 @@ TEST_F(DbcImportTest, NothingIsOverwritten) {
 struct WrongRow {
   const char* name;
   const char* text;
-  const char* error;  ///< part of it
+  const char* error;  ///< a part of the error
 };
 struct DbcWrongTest : DbcImportTest, ::testing::WithParamInterface<WrongRow> {};
 
@@ -401,7 +401,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongRow{"Numbers", "BO_ 1 A: 8 N\n7 7 7\n", "w.dbc:2: \"7\": must be a statement"}),
     [](const auto& row) { return row.param.name; });
 
-/// Seconds of the processor, of programs that have ended.
+/// Processor time in seconds of child processes that have ended.
 double time_of_children() {
   rusage used{};
   ::getrusage(RUSAGE_CHILDREN, &used);
@@ -424,7 +424,7 @@ TEST_F(DbcImportTest, AThousandMessagesTakeLessThanAFifthOfASecond) {
   }
   for (int i = 0; i < 1000; ++i)
     text += fmt::format("BA_ \"GenMsgCycleTime\" BO_ {} {};\n", i + 1, 1000);
-  // Processor time of the fastest of some: others use the machine as well.
+  // The fastest of several runs, because other programs use the machine as well.
   double best = 1;
   for (int run = 0; run < 3; ++run) {
     const double before = time_of_children();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlccactl new: by options, and by questions on a terminal.
+// Tests of `mlccactl new`, with options and with questions on a terminal.
 #include <gtest/gtest.h>
 
 #include <ostream>
@@ -94,7 +94,7 @@ TEST_F(NewTest, ADryRunWritesNothing) {
 struct NewRow {
   const char* name;
   std::vector<std::string> options;
-  const char* error;  ///< part of it
+  const char* error;  ///< a part of the error
 };
 void PrintTo(const NewRow& row, std::ostream* out) { *out << row.name; }
 struct NewWrongTest : NewTest, ::testing::WithParamInterface<NewRow> {};
