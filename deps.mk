@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# Installs what the tree needs: Build-Depends of debian/control, and the kernel package for the guest.
-# What make computes when it reads the fragments (pkg-config) is empty before that, so a target that
-# must work on a bare machine starts make again:
+# Installs what the tree needs: the Build-Depends of debian/control, and the kernel package for the
+# guest. Until then, what make computes while it reads the fragments (pkg-config) is empty, so a
+# target that must work on a bare machine starts make again:
 #   test: ensure-deps
 #   	$(Q)$(MAKE) test-all
 
-# One package name a line; of alternatives the first, without version, architecture and profile. What
-# builds packages has build-essential anyway, and dh-sequence-… are parts of debhelper.
+# Prints one package name on each line: of alternatives the first one, without version, architecture
+# and profile. build-essential is added, because Build-Depends need not state it; dh-sequence-… are
+# left out, because they are parts of debhelper.
 DEPS_LIST = { echo build-essential; awk '/^[^ \#]/ { on = sub(/^Build-Depends:/, "") } \
 	on && !/^\#/ { gsub(/\([^)]*\)|<[^>]*>|\[[^]]*\]|\|[^,]*/, ""); gsub(/,/, "\n"); print }' \
 	debian/control; } | sed 's/[[:space:]]//g; s/^debhelper-compat$$/debhelper/; /^dh-sequence-/d; /^$$/d'

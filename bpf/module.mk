@@ -1,12 +1,14 @@
-# The gate: BPF object -> skeleton header. The shared header gate.h is a prerequisite of both sides.
-# v3: atomic operations that return a value; every kernel since 5.12 has them.
-# BTF names source files by the folder of compilation; with "." the object is the same wherever it is built.
+# The gate: each BPF object becomes a skeleton header. Both sides depend on the shared header
+# gate.h.
+# CPU v3 has atomic operations that return a value, which every kernel since 5.12 supports.
+# BTF names source files relative to the folder of the compilation. With "." the object is the same
+# wherever it is built.
 BPF_CFLAGS := -target bpf -mcpu=v3 -O2 -g -fdebug-compilation-dir=. -Wall -Werror -I. -I/usr/include/$(shell gcc -print-multiarch 2>/dev/null)
-# Kept between runs of make.
+# The skeletons are kept, although make considers them intermediate files.
 .PRECIOUS: $O/bpf/%.bpf.o
 BPF_SKELETONS := $O/gen/gate.skel.h $O/gen/deadman.skel.h $O/gen/watch.skel.h $O/gen/ether.skel.h $O/gen/ether_watch.skel.h $O/gen/roster.skel.h \
 	$O/gen/ether_closed.skel.h $O/gen/gate_closed.skel.h
-# The same bodies for BPF_PROG_TEST_RUN (bpf/test_skb.bpf.h): tests alone load these.
+# The same programs for BPF_PROG_TEST_RUN (bpf/test_skb.bpf.h), which only tests load.
 BPF_TEST_SKELETONS := $O/gen/gate_test.skel.h $O/gen/ether_test.skel.h $O/gen/gate_closed_test.skel.h
 
 $O/bpf/%.bpf.o: bpf/%.bpf.c $(wildcard bpf/*.h)

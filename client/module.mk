@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# libmlcca: what applications link with. It shows mlcca::client alone; whatever else it is made of, the
-# control protocol with the standard library, is hidden in it.
+# libmlcca, with which applications are linked. It exports only mlcca::client; the control protocol
+# and everything else in it is hidden.
 $(eval $(call library,client,$(wildcard client/*.cc)))
 
-# Before 1.0 a program that was linked with one minor version does not run with the next one.
+# Before version 1.0 the ABI changes with each minor version, so that is part of the soname.
 CLIENT_VERSION := $(shell sed -n 's/.*kVersion\[\] = "\(.*\)";/\1/p' control/version.hpp)
 CLIENT_ABI := $(basename $(CLIENT_VERSION))
 CLIENT_LIBRARY := $O/libmlcca.so.$(CLIENT_VERSION)
-# With what it has in common with the relay: the sockets that events go by.
+# The sources include the socket code that the relay uses as well.
 CLIENT_SOURCES := $(wildcard client/*.cc control/*.cc relay/layers/*.cc) relay/afp.cc relay/cyphal.cc relay/j1939.cc
 CLIENT_OBJECTS := $(if $(BUNDLE),$(foreach folder,$(sort $(dir $(CLIENT_SOURCES))),$(call bundle,$O/bundle/pic/$(subst /,-,$(patsubst \
 	%/,%,$(folder))),$(call in_folder,$(folder),$(CLIENT_SOURCES)))),$(patsubst %.cc,$O/pic/%.o,$(CLIENT_SOURCES)))
@@ -25,7 +25,7 @@ $(CLIENT_LIBRARY): $(CLIENT_OBJECTS) client/exports.map
 	$(Q)ln -sf $(@F) $O/libmlcca.so.$(CLIENT_ABI) && ln -sf libmlcca.so.$(CLIENT_ABI) $O/libmlcca.so
 PROGRAMS += $(CLIENT_LIBRARY)
 
-# Where Debian has the libraries of a machine; elsewhere `make LIBDIR=…`.
+# The folder in which Debian has libraries of the architecture; elsewhere use `make LIBDIR=…`.
 LIBDIR ?= $(PREFIX)/lib$(if $(filter /usr,$(PREFIX)),/$(shell $(CXX) -print-multiarch))
 install-client: $(CLIENT_LIBRARY) ## libmlcca for applications, with what pkg-config and CMake need
 	$(Q)install -d $(DESTDIR)$(LIBDIR)/pkgconfig $(DESTDIR)$(LIBDIR)/cmake/mlcca $(DESTDIR)$(PREFIX)/include/mlcca/client
@@ -43,7 +43,8 @@ install-client: $(CLIENT_LIBRARY) ## libmlcca for applications, with what pkg-co
 PARTS += install-client
 .PHONY: install-client
 
-# The same in Python, with what protoc makes of the protocol. Debian's Python looks there.
+# The Python package, with the protocol as protoc generates it. The folder is one that Debian's
+# Python searches.
 PYTHON_DIR ?= $(PREFIX)/lib/$(if $(filter /usr,$(PREFIX)),python3,$(shell python3 -c \
 	'import sys; print("python%d.%d" % sys.version_info[:2])'))/dist-packages
 install-python: ## the package mlcca for Python 3

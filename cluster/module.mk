@@ -1,8 +1,9 @@
-# mlcca-cluster, the connection to the store that gateways share; only it has libcurl and the key.
+# mlcca-cluster, which connects mlccad to the store of a cluster. Only this program has libcurl and
+# the key.
 CURL_LIBS := $(shell $(PKG_CONFIG) --libs libcurl 2>/dev/null)
-# mlccad's end of the socket between the two, and the messages that both use.
+# mlccad's end of the socket between both programs, and the messages that both use.
 $(eval $(call library,clusterlink,daemon/cluster/wire.cc daemon/cluster/link.cc))
-# The meaning of the values in the store, for mlccad alone.
+# The encoding of the values in the store, which only mlccad needs.
 $(eval $(call library,clustercodec,daemon/cluster/codec.cc))
 $(eval $(call library,cluster,$(filter-out cluster/main.cc,$(wildcard cluster/*.cc))))
 CLUSTER_ARCHIVES := $O/libcluster.a $O/libclusterlink.a $O/libsources.a

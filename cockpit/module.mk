@@ -1,4 +1,4 @@
-# The page of Cockpit: files as they are, no build step.
+# The page for Cockpit: the files are installed as they are, without a build step.
 COCKPIT_FILES := $(filter-out %.mk,$(wildcard cockpit/*))
 install-cockpit:
 	$(call say,INSTALL,the page of Cockpit)

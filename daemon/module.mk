@@ -1,11 +1,11 @@
-# Everything but main.cc is a library, so that tests link the same objects.
+# All files except main.cc are in a library, so that tests link the same objects.
 NL_CFLAGS := $(shell $(PKG_CONFIG) --cflags libnl-3.0 libnl-route-3.0 libnl-genl-3.0 2>/dev/null | sed 's/-I/-isystem /g')
 NL_LIBS := $(shell $(PKG_CONFIG) --libs libnl-genl-3.0 libnl-route-3.0 libnl-3.0 2>/dev/null)
 DAEMON_LIBS := $(NL_LIBS) -lsystemd -lsqlite3 -lbpf $(XML_LIBS) -lfmt
 
 $(eval $(call library,enforce,$(wildcard daemon/gates/*.cc)))
 $(enforce_objects): $(BPF_SKELETONS)
-# Adapters of what knows the state of links: an archive of their own, so that tests link them alone.
+# The adapters of link sources are in a separate archive, so that tests can link them alone.
 $(eval $(call library,sources,$(wildcard daemon/net/sources/*.cc)))
 $(sources_objects): CPPFLAGS += $(NL_CFLAGS)
 SOURCES_LIBS := $(NL_LIBS) -lsystemd

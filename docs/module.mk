@@ -1,4 +1,4 @@
-# The pages, as they refer to each other: below share/doc/mlcca beside examples/.
+# Installs the pages below share/doc/mlcca, beside examples/, so that the links between them work.
 PAGES := README.md CHANGELOG.md $(wildcard docs/*.md docs/*/*.md docs/drawings/*.svg docs/reference/bench/*)
 install-docs:
 	$(call say,INSTALL,$(words $(PAGES)) pages)

@@ -1,5 +1,5 @@
-# The stage is what a package would install, without debug information; the guest copies it over its
-# root, which is in its memory.
+# The stage has everything that a package would install, without debug information. The guest copies
+# it over its root file system, which is in memory.
 STAGE := $O/stage
 stage: all
 	$(Q)rm -rf $(STAGE) && $(MAKE) install DESTDIR=$(abspath $(STAGE)) PREFIX=/usr V=$V >/dev/null && \

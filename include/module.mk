@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# The attribute core: headers for every compiler, from an 8-bit node to the daemon.
+# The attribute core: headers for every compiler, on an 8-bit node as in the daemon.
 AVR_CXX ?= avr-g++
 ARM_CXX ?= arm-none-eabi-g++
 CLANG14 ?= clang-14
@@ -9,7 +9,7 @@ MCU_COMPILERS := $(CXX) $(CLANG14) $(CLANG) $(AVR_CXX) $(ARM_CXX)
 FREESTANDING := -std=c++14 -ffreestanding -fno-exceptions -fno-rtti -fsyntax-only -Iinclude \
 	-Wall -Wextra -Wpedantic -Wconversion -Werror
 
-# $(call check_freestanding,COMPILER): each header alone, and the laws
+# $(call check_freestanding,COMPILER) compiles each header alone, and the tests of the laws.
 define check_freestanding
 $(Q)for header in $(CORE_HEADERS:include/%=%) $(FAMOUSO_HEADERS:include/%=%); do \
 	echo "#include \"$$header\"" | $1 $(FREESTANDING) -x c++ - || \

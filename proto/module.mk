@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# The structs of the control protocol and of the journal's entries, made of their schemas.
+# Generates the structs of the control protocol, the journal and the store of a cluster from their
+# schemas.
 PROTO_FILES := $(wildcard proto/mlcca/v1/*.proto)
 CONTROL_HEADERS := $(foreach folder,control daemon/store daemon/cluster,$(addprefix $O/made/$(folder)/,messages.hpp oneofs.inc fields.hpp))
 # $(call schema,FOLDER,FILE)
@@ -14,7 +15,7 @@ $(eval $(call schema,control,control))
 $(eval $(call schema,daemon/store,journal))
 $(eval $(call schema,daemon/cluster,cluster))
 
-# What protobuf itself makes of it: tests hold ours against that.
+# The code that protobuf itself generates, with which tests compare ours.
 $O/gen/%.pb.cc $O/gen/%.pb.h: proto/%.proto
 	$(call say,PROTOC,$<)
 	$(Q)mkdir -p $(@D) && $(PROTOC) -Iproto --cpp_out=$O/gen $<

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# What carries events between networks, and the protocols of FAMOUSO.
+# The relay, which forwards events between networks, and the protocols of FAMOUSO.
 $(eval $(call library,relay,$(wildcard relay/*.cc relay/layers/*.cc relay/famouso/*.cc)))
 $(eval $(call program,mlcca-relay,relay/program/main.cc daemon/manager.cc,$O/librelay.a $O/libcontrol.a,-lfmt))
 PROGRAMS += $O/mlcca-relay

@@ -1,4 +1,5 @@
-# Where the system looks for these does not depend on PREFIX; the programs they start do.
+# The folders where the system expects these files do not depend on PREFIX, but the programs that
+# the units start do.
 UNITDIR ?= /usr/lib/systemd/system
 UDEVDIR ?= /usr/lib/udev/rules.d
 SYSUSERSDIR ?= /usr/lib/sysusers.d

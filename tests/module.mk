@@ -1,5 +1,6 @@
 TEST_FOLDERS := $(sort $(dir $(wildcard tests/*/module.mk tests/*/*/module.mk tests/*/*/*/module.mk)))
-# Files of a test program that agree are compiled as one, too. Nothing else needs the list of them.
+# The files of a test program are compiled as one as well, if they can be. Only builds need their
+# list.
 TEST_BUNDLES := $(if $(BUNDLE),$(if $(filter run-demo install uninstall clean help,$(MAKECMDGOALS)),,$O/bundle/tests.mk))
 -include $(TEST_BUNDLES)
 include $(addsuffix module.mk,$(TEST_FOLDERS))
@@ -7,7 +8,7 @@ bundled_files := $(foreach name,$(BUNDLED_TESTS),$($(name)_bundled))
 $O/bundle/tests.mk: tests/support/bundle-tests $(bundled_files) $(call parts,$O/bundle/tests.mk,$(bundled_files))
 	$(Q)mkdir -p $(@D) && $< $@ $(foreach name,$(BUNDLED_TESTS),$(name)= $($(name)_bundled))
 TEST_OBJECTS := $(patsubst %.cc,$O/%.o,$(wildcard tests/*/*.cc tests/*/*/*.cc tests/*/*/*/*.cc))
-# What is tested is optimised; the tests themselves would cost most of the time of a build.
+# The tests are optimised less than the tested code, because they take most of the time of a build.
 $(filter-out $O/tests/bench/%,$(TEST_OBJECTS)): CXXFLAGS := $(patsubst -O2,-O1,$(CXXFLAGS))
 
 check: $(UNIT_TESTS) ## unit tests: no root, seconds
@@ -22,19 +23,21 @@ $O/bundle/tests/%.o: $O/bundle/tests/%.cc | $(BPF_SKELETONS) $(BPF_TEST_SKELETON
 	$(call say,CXX,tests/$* ($(words $(filter-out $(hash)include,$(shell cat $<))) files))
 	$(Q)$(CXX) $(STD) $(WARN) -Wno-subobject-linkage $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c $< -o $@
 
-# CI runs each test once: these under AddressSanitizer and UBSan, all others as they are installed.
-# They parse what comes from outside or manage the memory of gates, sessions and journals.
+# CI runs each test once: these with AddressSanitizer and UBSan, all others as they are installed.
+# They parse untrusted input, or manage the memory of gates, sessions and journals.
 SANITIZED := requests_test leases_test bus_load_test bypass_test drops_test turns_test server_test control_test \
 	rtnl_test forwarding_test slots_test readback_test drift_test vanish_test gates_lock_test full_disk_test \
 	radio_test relay_test
-# Too long for CI, but sound: attach_test and store_test take minutes (journal_fuzz and control_fuzz go through the
-# same code), bus_sim_test has fewer sets there, those of the core, of descriptions and of tools compile for minutes (description_fuzz, replies_fuzz).
+# These are free of errors as well but take too long for CI: attach_test and store_test take minutes
+# (journal_fuzz and control_fuzz run the same code), bus_sim_test has fewer sets there, and those of
+# the core, of descriptions and of tools compile for minutes (description_fuzz, replies_fuzz).
 SANITIZED_ALL := $(SANITIZED) attach_test store_test wire_live_test ether_table_test bus_sim_test can_test core_test \
 	description_test mesh_test doctor_test cluster_test
-# Never: they run programs that are not instrumented (analyse_bus, bandwidth, check, describe, generate, proto,
-# sources_live, start, tools, twin), code that a generator made (der), literals that must be constants to be linked
-# (include), or frames through the kernel, where nothing is to be instrumented (gate_frames, ether_frames, ether_sockets).
-# What mlcca-sources reads goes through sources_texts_fuzz and sources_packets_fuzz.
+# All others are never run so: they run programs that are not instrumented (analyse_bus, bandwidth,
+# check, describe, generate, proto, sources_live, start, tools, twin), use generated code (der) or
+# literals that must be constants to be linked (include), or pass frames through the kernel, where
+# nothing can be instrumented (gate_frames, ether_frames, ether_sockets). sources_texts_fuzz and
+# sources_packets_fuzz cover the input of mlcca-sources.
 check-sanitized: $(addprefix $O/fuzz/tests/,$(SANITIZED)) | $(PROGRAMS) ## tests with ASan and UBSan (root): SANITIZED="store_test …"
 	$(Q)tests/support/run-tests $^
 check-sanitized-all: $(addprefix $O/fuzz/tests/,$(SANITIZED_ALL)) | $(PROGRAMS) ## and those that take too long for CI (root)

@@ -1,5 +1,5 @@
-# mlccactl is linked statically so that it starts fast, as it is used interactively, and runs where
-# our libraries are not installed. MLCCACTL_STATIC= links the shared libraries instead.
+# mlccactl is linked statically, so that it starts fast in interactive use and runs where our
+# libraries are not installed. MLCCACTL_STATIC= links the shared libraries instead.
 MLCCACTL_STATIC ?= $(if $(SAN),,-static)
 TOOLS_SOURCES := $(filter-out tools/main.cc,$(wildcard tools/*.cc tools/top/*.cc))
 # Debian has no static libfmt.

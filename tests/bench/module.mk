@@ -1,4 +1,4 @@
-# Each bench prints its ratios to a named floor that it measures in the same run. Root.
+# Each bench prints its ratios to a named baseline that it measures in the same run. Needs root.
 BENCHES ?=
 
 $(eval $(call program,bench/gate_bench,tests/bench/gate_bench.cc tests/bpf/loaded_gate.cc,$O/libenforce.a,-lbpf -lfmt))
@@ -26,7 +26,8 @@ BENCHES += $O/bench/mesh_bench
 $(eval $(call program,bench/journal_bench,tests/bench/journal_bench.cc,$(patsubst %.cc,$O/%.o,$(wildcard daemon/store/*.cc)) $O/libcontrol.a,-lsqlite3 -lfmt))
 BENCHES += $O/bench/journal_bench
 
-# The journal against SQLite, with its crash tests: a prototype on the fakes of tests/daemon/store.
+# The journal compared with SQLite, with its crash tests: a prototype on the fakes of
+# tests/daemon/store.
 $(eval $(call program,bench/store_bench,$(wildcard tests/bench/store/*.cc) $(addprefix tests/daemon/store/,fake_disk.cc worlds.cc),$(patsubst %.cc,$O/%.o,$(wildcard daemon/store/*.cc)) $O/libcontrol.a $O/libcore.a,-lsqlite3 -lfmt -lgtest -lpthread))
 BENCHES += $O/bench/store_bench
 run-bench-store: $O/bench/store_bench
@@ -39,7 +40,7 @@ BENCHES += $O/bench/can_bench
 $(eval $(call program,bench/reservation_bench,tests/bench/reservation_bench.cc,$O/libcore.a,-lfmt))
 BENCHES += $O/bench/reservation_bench
 
-# Cyclone DDS, the peer: its types are made by its own compiler.
+# Cyclone DDS, the peer. Its own compiler generates the types.
 $O/gen/bench/dds/pair.h: tests/bench/dds/pair.idl
 	$(call say,IDLC,$<)
 	$(Q)mkdir -p $(@D) && idlc -o $(@D) $<
@@ -51,7 +52,7 @@ $O/bench/dds_peer: $O/tests/bench/dds_peer.o
 OBJECTS += $O/tests/bench/dds_peer.o
 BENCHES += $O/bench/dds_peer
 
-# Real frames need CAN: these run in the guest.
+# Benches with real frames need CAN, so they run in the guest.
 $(eval $(call program,bench/frames,tests/bench/frames/frames.cc,$O/libenforce.a,-lbpf -lfmt))
 run-bench-frames: all $O/bench/frames $(GUEST_READY)
 	$(Q)tests/bench/frames/run $O
@@ -63,7 +64,7 @@ run-bench: all $(BENCHES)
 $(eval $(call program,bench/start_bench,tests/bench/start_bench.cc tests/daemon/start/daemon.cc tests/daemon/gates/sandbox.cc,$O/libenforce.a,-lbpf -lfmt))
 BENCHES += $O/bench/start_bench
 
-# Events through mlcca-relay and between programs, each with a peer.
+# Events through mlcca-relay and between programs, each with a peer for comparison.
 $(eval $(call program,bench/probe,tests/bench/relay/probe.cc,$O/libclient.a $O/librelay.a $O/libcontrol.a,-lfmt -lpthread))
 BENCHES += $O/bench/probe
 $(eval $(call program,bench/bus-probe,tests/bench/relay/bus_probe.cc,,-lpthread))
@@ -73,19 +74,20 @@ run-bench-relay: all $O/bench/probe $O/bench/bus-probe $(GUEST_READY)
 	$(Q)tests/bench/relay/run-bus $O
 .PHONY: run-bench-relay
 
-# What it takes to learn from a log of MIB mebibytes, and from four live buses, beside candump.
+# The cost of learning from a log of MIB mebibytes, and from four live buses beside candump.
 run-bench-learn: run-bench-learn-log all $(GUEST_READY)
 	$(Q)tests/bench/learn/run $O
 run-bench-learn-log: $O/mlccactl $O/mlcca-design
 	$(Q)tests/bench/learn/log $O
 .PHONY: run-bench-learn run-bench-learn-log
 
-# The way to the store of gateways, beside libcurl alone.
+# The connection to the store of a cluster, compared with libcurl alone.
 $(eval $(call program,bench/cluster_bench,tests/bench/cluster_bench.cc $(addprefix tests/cluster/,gateway.cc processes.cc store.cc),$(CLUSTER_ARCHIVES),$(CLUSTER_LIBS) -lfmt))
 $O/bench/cluster_bench: | $O/mlcca-cluster
 BENCHES += $O/bench/cluster_bench
 
-# Several gateways on one store: an admission beside its transaction, many gateways, and who takes over.
+# Several gateways on one store: an admission compared with its transaction, many gateways, and
+# taking over.
 $(eval $(call program,bench/gateways_bench,$(wildcard tests/bench/gateways/*.cc) $(addprefix tests/cluster/,gateway.cc processes.cc store.cc),$(CLUSTER_ARCHIVES) $O/libclustercodec.a $O/libcontrol.a $O/libdescription.a $O/libcore.a,$(CLUSTER_LIBS) $(XML_LIBS) -lfmt -lpthread))
 $O/bench/gateways_bench: | $O/mlccad $O/mlcca-cluster $O/mlcca-relay
 BENCHES += $O/bench/gateways_bench

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 $(eval $(call unit_test,client_test,tests/client/client_test.cc tests/client/exceptions_test.cc tests/client/events_test.cc tests/client/local_source_test.cc tests/client/local_queue_test.cc tests/client/idle_memory_test.cc tests/control/server.cc,$O/libclient.a $O/librelay.a $O/libcontrol.a,-lfmt))
 
-# Installed as a package would, and used by a program that knows nothing of this tree.
+# libmlcca is installed as a package would do it, and used by a program that does not know this
+# tree.
 check-client: $O/mlccad $O/mlccactl $O/mlcca-design $(CLIENT_LIBRARY) ## libmlcca, installed, against a real mlccad: root
 	$(call say,TEST,a program outside of the tree)
 	$(Q)rm -rf $O/client-installed

@@ -1,5 +1,6 @@
-# The commands of the documentation are run and what they print is compared: here those that need no
-# gateway, by the guest test `documents` the others. NOT_RUN: blocks that say why they are not run.
+# Runs the commands in the documentation and compares their output. This target runs those that need
+# no gateway, and the guest test `documents` the others. NOT_RUN names blocks that say why they are
+# not run.
 NOT_RUN := 9
 check-docs: $O/mlccactl $O/mlcca-design $O/mlcca-doctor $O/mlcca-system.5 ## links, drawings and form of the documentation, and its commands
 	$(Q)tests/docs/form

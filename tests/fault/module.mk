@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# A library for LD_PRELOAD: the n-th call kills the process, or fails (nth_call.h).
+# A library for LD_PRELOAD which lets the n-th call fail, or kills the process in it (nth_call.h).
 $O/tests/nth_call.so: tests/fault/nth_call.c tests/fault/nth_call.h
 	$(call say,CC,$@)
 	$(Q)mkdir -p $(@D) && $(CC) -std=gnu17 -O1 -fPIC -shared $(filter-out -Wpedantic,$(WARN)) -o $@ $<
 
-# mlccad on real devices, each call of a class failing in its turn: a sample, and all of them.
+# Runs mlccad on real devices while each call of a class fails in turn: a sample of them, or all.
 FAULT_SAMPLE ?= 34
 FAULT_SEED ?= 1
 FAULT_NEEDS := $O/tests/nth_call.so $O/mlccad $O/mlcca-awds $O/mlccactl $O/mlcca-readback

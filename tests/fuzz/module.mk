@@ -3,24 +3,26 @@
 #
 #   $(eval $(call fuzz_target,NAME,ARCHIVES,CORPUS,MAX_LEN,LIBS))
 #
-# ARCHIVES: of ours (relay client core control description enforce sources untrusted daemon cluster clusterlink clustercodec tools
-# design learn), built once with instruments for all targets; a name with a slash is one more source (tests/tools/sources/proto_emulated).
-# CORPUS: folders below tests/corpus; what they hold is replayed whole, whatever MAX_LEN says.
+# ARCHIVES: archives of this tree (relay client core control description enforce sources untrusted
+# daemon cluster clusterlink clustercodec tools design learn), built once with instrumentation for
+# all targets. A name with a slash is a further source (tests/tools/sources/proto_emulated).
+# CORPUS: folders below tests/corpus. Their inputs are replayed completely, whatever MAX_LEN is.
 #
-# `make check-fuzz` replays every corpus and goes on for FUZZ_SECONDS=10 a target; `make fuzz` goes on
-# for FUZZ_SECONDS=3600 with a corpus that grows below $O/fuzz/corpus. FUZZ="a b" names the targets.
+# `make check-fuzz` replays every corpus and then fuzzes each target for FUZZ_SECONDS=10. `make
+# fuzz` does so for FUZZ_SECONDS=3600, with a corpus that grows below $O/fuzz/corpus. FUZZ="a b"
+# selects targets.
 FUZZ_CXX ?= $(filter %ccache,$(firstword $(CXX))) clang++-19
 FUZZ_FLAGS := -std=c++23 -Wno-deprecated-declarations -gline-tables-only -fno-omit-frame-pointer
-# What is instrumented; the tests that are built of the same objects are not, which takes half the
-# time. Half the time of the compiler with -O0, half the inputs a second: `make test` takes it
-# (Makefile).
+# The optimisation of instrumented code. Tests that are built from the same objects are not
+# instrumented, which saves half of the time. -O0 halves the time of the compiler, and the number of
+# inputs per second: `make test` uses it (Makefile).
 FUZZ_OPT ?= -O1
 FUZZ_INTO := $(FUZZ_OPT) -fsanitize=fuzzer-no-link
 FUZZ_SANITIZERS := address,undefined -fno-sanitize-recover=all
 FUZZERS :=
 FUZZ_OBJECTS :=
 
-# What an object is compiled with by g++ differs by folder; here all of it is given to all.
+# g++ compiles the objects of each folder with different flags; here all objects get all of them.
 $O/fuzz/obj/%.o: CPPFLAGS += $(XML_CFLAGS) $(NL_CFLAGS)
 $(addprefix $O/fuzz/obj/,tools/%.o bundle/tools/%.o bundle/design/%.o bundle/doctor/%.o bundle/learn/%.o): CPPFLAGS += $(TOOLS_CPPFLAGS)
 $O/fuzz/obj/tests/%.o $O/fuzz/obj/bundle/tests/%.o: FUZZ_INTO := -O0
@@ -82,7 +84,7 @@ $(eval $(call fuzz_target,sources_packets_fuzz,untrusted sources,sources_packets
 $(eval $(call fuzz_target,netlink_fuzz,daemon sources core,netlink,2048,$(NL_LIBS) -lsystemd -lfmt))
 $(eval $(call fuzz_target,cluster_wire_fuzz,daemon/cluster/wire,cluster_wire,4096,))
 $(eval $(call fuzz_target,cluster_grpc_fuzz,$(addprefix cluster/,etcd grpc outcome),cluster_grpc,2048,))
-# The whole gateway, on gates of the kernel: root.
+# The complete gateway, with gates in the kernel. Needs root.
 $(eval $(call fuzz_target,control_fuzz,$(addprefix tests/,fuzz/gateway_under_test fuzz/surroundings daemon/gates/sandbox) tools/readback/differences daemon clustercodec clusterlink sources enforce control description core,control,2048,$(DAEMON_LIBS)))
 
 FUZZ ?= $(FUZZERS)

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# Tests on Debian's kernel in QEMU, each in a guest of its own.
-# GUEST_TESTS run from init, GUEST_SYSTEMD_TESTS as a service of systemd. What they need built is a
-# prerequisite of check-guest. Those that take longest run first, so that at the end no processor waits
-# for one of them.
+# Tests on Debian's kernel in QEMU, each in a separate guest. GUEST_TESTS are run by init,
+# GUEST_SYSTEMD_TESTS as a service of systemd. What they need is a prerequisite of check-guest. The
+# longest ones run first, so that no processor has to wait for one of them at the end.
 GUEST_TESTS :=
 GUEST_SYSTEMD_TESTS :=
 GUEST_LONGEST = $(addprefix tests/guest/cases/,kills nth-call subscriptions-travel)
@@ -22,7 +21,8 @@ check-guest: all $(GUEST_READY) $O/tests/nth_call.so $O/tests/speak ## the produ
 		$O/guest/log --systemd $(GUEST_SYSTEMD_TESTS) --init $(GUEST_LONGEST) \
 		$(filter-out $(GUEST_LONGEST),$(GUEST_TESTS))
 
-# Of what is built: no file is compiled for them. The pages that they carry may be older than those of the tree.
+# Packages of what is already built; nothing is compiled for them. Their pages may be older than
+# those of the tree.
 PACKAGES_READY := $O/packages/ready
 $(PACKAGES_READY): tests/guest/build-packages tests/guest/dpkg-database $(wildcard debian/* systemd/*) $(PROGRAMS) $(MADE_PAGES)
 	$(call say,DEB,$(@D))

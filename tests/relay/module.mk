@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 $(eval $(call unit_test,relay_test,$(filter-out %_live_test.cc %/handler_rest_test.cc,$(wildcard tests/relay/*.cc tests/relay/famouso/*.cc)) tests/control/server.cc,$O/librelay.a $O/libclient.a $O/librelay.a $O/libcontrol.a,-lfmt))
-# While no descriptor is left UBSan cannot examine an object, and takes it for a wrong one: a program of its own, which
-# runs without sanitizers.
+# Without free descriptors UBSan cannot examine an object, and reports a wrong one. So these tests
+# are a separate program, which runs without sanitizers.
 $(eval $(call unit_test,handler_rest_test,tests/relay/famouso/handler_rest_test.cc,$O/librelay.a $O/libclient.a $O/librelay.a $O/libcontrol.a,-lfmt))
-# Tests named *_live_test.cc need root and a namespace of their own.
+# Tests named *_live_test.cc need root and their own namespace.
 $(eval $(call kernel_test,relay_live_test,$(wildcard tests/relay/*_live_test.cc),$O/librelay.a $O/libcontrol.a,-lfmt))

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# Numbered traffic while the daemon is killed and what it lives on is torn away: harness.py says how.
-# Of a random harness CI runs a stated sample (CI_SEED), `make soak` as much as ROUNDS and KILLS say.
+# Numbered traffic while the daemon is killed and its surroundings are taken away (see harness.py).
+# CI runs a fixed sample (CI_SEED) of this random test, `make soak` as much as ROUNDS and KILLS say.
 $(eval $(call program,tests/traffic,tests/torn/traffic.cc,,-lfmt -lpthread))
 TORN_READY := $O/tests/traffic $O/tests/nth_call.so
 CI_SEED ?= 1

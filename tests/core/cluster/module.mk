@@ -1,4 +1,4 @@
-# The protocol of a cluster, and a checker that goes through its states: CLUSTER_STATES of each scenario.
+# The protocol of a cluster, and a checker that explores CLUSTER_STATES states of each scenario.
 $(eval $(call unit_test,cluster_member_test,$(wildcard tests/core/cluster/*.cc),$O/libcore.a,))
 CLUSTER_STATES ?= 20000000
 soak-cluster: $O/tests/cluster_member_test

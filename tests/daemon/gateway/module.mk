@@ -18,7 +18,7 @@ $(eval $(call unit_test,requests_test,tests/daemon/gateway/requests_test.cc test
 $(eval $(call unit_test,tags_test,tests/daemon/gateway/tags_test.cc,$O/daemon/gateway/tags.o $O/daemon/store/contents.o $O/daemon/store/oneofs.o $O/libcontrol.a $O/libcore.a,-lfmt))
 $(eval $(call unit_test,event_log_test,tests/daemon/gateway/event_log_test.cc tests/daemon/store/worlds.cc,$O/daemon/gateway/event_log.o $O/daemon/system_log.o $O/daemon/manager.o $(patsubst %.cc,$O/%.o,$(wildcard daemon/store/*.cc)) $O/libcontrol.a $O/libcore.a,-lsqlite3 -lfmt))
 $(eval $(call unit_test,meshes_test,tests/daemon/gateway/meshes_test.cc,$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
-# A whole controller among fakes.
+# Tests of a complete Controller with fakes.
 GATEWAY_BENCH := $(addprefix tests/daemon/,gateway/bench.cc gateway/fakes.cc store/fake_disk.cc)
 $(eval $(call unit_test,state_machine_test,tests/daemon/gateway/state_machine_test.cc $(GATEWAY_BENCH),$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
 $(eval $(call unit_test,membership_test,$(wildcard tests/daemon/gateway/member*_test.cc) $(GATEWAY_BENCH),$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))

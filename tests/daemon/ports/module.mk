@@ -1,5 +1,5 @@
 $(eval $(call unit_test,bypass_test,tests/daemon/ports/bypass_test.cc,$O/daemon/ports/bypass.o,))
-# The classes of daemon/ports among gates that are plain values.
+# Tests of daemon/ports with gates that are plain values.
 $(eval $(call unit_test,gate_set_test,$(addprefix tests/daemon/ports/,gate_set_test.cc vanished_gates_test.cc former_gates_test.cc),$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
 $(eval $(call unit_test,gated_ports_test,$(addprefix tests/daemon/ports/,described_port_test.cc interface_hold_test.cc gated_ports_test.cc delivery_frames_test.cc),$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
 $(eval $(call kernel_test,drift_test,tests/daemon/ports/drift_test.cc tests/daemon/gates/sandbox.cc,$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))

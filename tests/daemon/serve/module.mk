@@ -1,7 +1,7 @@
 $(eval $(call unit_test,turns_test,tests/daemon/serve/turns_test.cc,$O/daemon/serve/turns.o,))
 $(eval $(call unit_test,places_test,tests/daemon/serve/places_test.cc,$O/daemon/serve/places.o,))
 $(eval $(call unit_test,arrivals_test,tests/daemon/serve/arrivals_test.cc,$O/daemon/serve/arrivals.o $O/daemon/serve/turns.o,))
-# Root: its clients are of several users.
+# Needs root, because the clients belong to several users.
 $(eval $(call kernel_test,server_test,tests/daemon/serve/server_test.cc tests/daemon/serve/events_test.cc,$(patsubst %.cc,$O/%.o,$(wildcard daemon/serve/*.cc)) $O/libcontrol.a,-lsystemd))
 
 $O/tests/turn_times.so: tests/daemon/serve/turn_times.c

@@ -1,4 +1,5 @@
-# The recogniser of a schema that has more than system.xsd, from the same C++: its table comes first.
+# A recogniser generated from a schema that has more than system.xsd, from the same C++ code. The
+# include path of its table comes first.
 GROWN := $O/gen/grown
 $(GROWN)/system.xsd: tests/description/grown/grow.xsl description/system.xsd
 	$(call say,XSLT,$@)

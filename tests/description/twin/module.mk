@@ -1,2 +1,2 @@
-# xsltproc runs description/check.xsl and reference.xsl as they are; the tests stand at the source root.
+# Tests of description/check.xsl and reference.xsl with xsltproc. They run at the source root.
 $(eval $(call unit_test,twin_test,$(wildcard tests/description/twin/*.cc),$O/libdescription.a $O/libcore.a,$(XML_LIBS) -lfmt))

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# The run-time representation and the narrow values, alone and against other implementations of the
-# notation: the C code that asn1c makes from proto/mlcca.asn1, and openssl.
+# Tests of the run-time representation and of narrow values, alone and compared with other
+# implementations of the notation: the C code that asn1c generates from proto/mlcca.asn1, and
+# openssl.
 ASN1C ?= asn1c
 ASN1_LIBRARY := $O/asn1/libasn1.a
 $(ASN1_LIBRARY): proto/mlcca.asn1

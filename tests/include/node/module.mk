@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# The attribute core on simulated nodes: ATmega under simavr, Cortex-M3 under QEMU.
+# The attribute core on simulated nodes: ATmega with simavr, Cortex-M3 with QEMU.
 AVR_CXX ?= avr-g++
 ARM_CXX ?= arm-none-eabi-g++
 NODE_COMPILERS = $(CXX) clang++-14 clang++-19 $(AVR_CXX) $(ARM_CXX)
@@ -34,7 +34,7 @@ $(eval $(call node_board,atmega328p,$$(AVR_CXX) -mmcu=atmega328p $(AVR_FLAGS),te
 $(eval $(call node_board,atmega128,$$(AVR_CXX) -mmcu=atmega128 $(AVR_FLAGS),tests/include/node/avr/board.cc))
 $(eval $(call node_board,cortex-m3,$$(ARM_CXX) $(ARM_FLAGS),tests/include/node/arm/board.cc,tests/include/node/arm/board.cc))
 
-# What holds at compile time, and what must not compile.
+# Checks what holds at compile time, and what must not compile.
 NODE_PROOF = -std=c++14 -ffreestanding -fno-exceptions -fno-rtti -fsyntax-only -Iinclude -Wall -Wextra \
 	-Werror tests/include/der/static_proof.cc
 check-node-proof:
@@ -52,7 +52,7 @@ check-node: check-node-proof $(NODE_PROGRAMS) ## the attribute core on simulated
 	$(Q)tests/include/node/check $O/node
 	$(Q)tests/include/node/costs $O/node
 
-# The bench shows the costs, too.
+# The bench shows the costs as well.
 run-bench: $(NODE_PROGRAMS)
 
 .PHONY: check-node check-node-proof
