@@ -33,8 +33,8 @@ class Member {
     std::uint64_t session = 0;  ///< a random number, different in each process
     Value lease = 0;            ///< duration of the lease in ns
     Journalled was = {};        ///< what the previous process had written to the journal
-    Value first_wait =
-        Admissions::kFirstWait;  ///< longest wait after a first conflict, ns; see Admissions
+    /// Longest wait after a first conflict, ns; see Admissions.
+    Value first_wait = Admissions::kFirstWait;
   };
   enum class Standing : std::uint8_t {
     off,  ///< it has left, or has no state of the store yet
@@ -169,8 +169,8 @@ class Member {
   /// The store refused to delete entries of this kind; not tried again before this time.
   std::array<Value, kUnused> clean_from_{};
   std::int64_t applied_ = 0, said_applied_ = 0;
-  std::int64_t ask_applied_ =
-      0;  ///< other gateways wait until this revision is reported as applied
+  /// Other gateways wait until this revision is reported as applied.
+  std::int64_t ask_applied_ = 0;
   Role said_role_ = Role::standby;
   bool said_draining_ = false;
   std::vector<Event> events_;

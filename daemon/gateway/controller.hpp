@@ -229,8 +229,8 @@ class Controller {
   Rounds rounds_{[this] { return outside_.clock.monotonic_ns(); }};
   int at_gate_ = 0;  ///< ifindex of the gate that a job of the rounds has handled last
   std::optional<store::History> history_;
-  bool writes_much_history_ =
-      false;  ///< the latest round had more than one slice of history to write
+  /// The latest round had more than one slice of history to write.
+  bool writes_much_history_ = false;
   std::optional<Context> context_;  ///< set by start()
   bool reads_for_ever_ = false;
   std::uint64_t started_ = 0;  ///< Unix time in seconds

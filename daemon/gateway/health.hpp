@@ -26,10 +26,10 @@ struct Passage {
   bool leaves = false;
   bool is_shared = false;  ///< the gate cannot distinguish the publisher from others of the channel
   Frames frames;           ///< since the slot was created
-  std::uint64_t passed_before =
-      0;  ///< part of `frames`: those from before the latest change of the decision
-  std::uint64_t event_frames =
-      1;  ///< frames of one event there that may come before the event is complete
+  /// Part of `frames`: those from before the latest change of the decision.
+  std::uint64_t passed_before = 0;
+  /// Frames of one event there that may come before the event is complete.
+  std::uint64_t event_frames = 1;
   std::optional<LatestLeft> latest =
       {};                             ///< leaves: as of the latest poll; nullopt: not polled yet
   RecentDrops excess = {};            ///< frames in excess of the admitted traffic
@@ -41,8 +41,8 @@ struct Passage {
 /// Everything that this gateway knows about a granted delivery.
 struct Observed {
   std::optional<control::Watch> watch = {};
-  std::string not_supervised =
-      {};  ///< why nothing reports its silence; empty: it is reported, or no subscriber requires it
+  /// Why nothing reports its silence; empty: it is reported, or no subscriber requires it.
+  std::string not_supervised = {};
   std::vector<Passage> passages = {};
   std::string not_forwarded = {};  ///< why no rule of can-gw forwards it; empty: none has to
   std::string late = {};     ///< says that the forwarding program took too long; empty: it did not

@@ -105,8 +105,8 @@ class Recorder {
   Patience& patience_;
   std::function<void()> pulse_;
   std::optional<store::Journal> journal_;
-  core::AdmissionId beyond_aside_ =
-      0;  ///< larger than every id that was reserved by set_id_aside()
+  /// Larger than every id that was reserved by set_id_aside().
+  core::AdmissionId beyond_aside_ = 0;
   std::vector<core::AdmissionId> uncommitted_;  ///< granted, but not on disk yet
   std::vector<store::Contradicted> contradicted_;
   Problem trouble_;

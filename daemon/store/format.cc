@@ -90,8 +90,8 @@ Result<std::uint64_t> read_file_head(std::string_view bytes) {
 
 std::string encode(const Entry& entry) {
   std::string message;
-  const auto number =
-      static_cast<std::uint32_t>(entry.index() + 1);  // numbered as in journal.proto
+  // Numbered as in journal.proto.
+  const auto number = static_cast<std::uint32_t>(entry.index() + 1);
   std::visit([&](const auto& one) { control::ProtobufWriter(message).put_always(number, one); },
              entry);
   std::string out;

@@ -20,8 +20,8 @@
 namespace mlcca::relay {
 namespace {
 
-constexpr int kBacklog =
-    512;  // connections that wait to be accepted; if the list is full, clients wait for seconds
+/// Connections that wait to be accepted; if the list is full, clients wait for seconds.
+constexpr int kBacklog = 512;
 constexpr int kMostAccepted = 16;  // connections that are accepted before other work
 constexpr std::uint64_t kRefusalPause = 1'000'000'000;
 constexpr std::size_t kRead = std::size_t{64} << 10U;

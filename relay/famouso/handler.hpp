@@ -129,8 +129,8 @@ class EventChannelHandler {
   std::optional<std::uint64_t> rests_since_;  ///< since when no connection can be accepted
   std::uint64_t refused_ = 0;
   std::uint64_t refused_at_ = 0;  ///< when refusals were logged last
-  std::map<int, std::string>
-      ended_;  ///< descriptors to close at the end of the turn, with the reason
+  /// Descriptors to close at the end of the turn, with the reason.
+  std::map<int, std::string> ended_;
 };
 
 }  // namespace mlcca::relay

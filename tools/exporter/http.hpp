@@ -49,8 +49,8 @@ class Http {
   int listening_ = -1;
   std::uint64_t accepted_ = 0;                ///< number of accepted connections so far
   std::optional<std::uint64_t> rests_since_;  ///< since when none can be accepted, monotonic ns
-  std::map<int, std::uint64_t>
-      since_;  ///< time at which each connection was accepted, monotonic ns, by socket
+  /// Time at which each connection was accepted, monotonic ns, by socket.
+  std::map<int, std::uint64_t> since_;
   std::unique_ptr<MHD_Daemon, FreeWith<MHD_stop_daemon>> daemon_;
 };
 

@@ -24,8 +24,8 @@ constexpr std::uint32_t kObject = 0x4a424f4c;  // "LOBJ"
 constexpr std::uint32_t kNothing = 0;
 constexpr std::uint32_t kLongestObject = 1U << 20U;      // longest object that may be a frame
 constexpr std::uint32_t kLargestContainer = 64U << 20U;  // uncompressed; tools write 128 KiB
-constexpr std::uint32_t kLargestObject =
-    kLargestContainer + (1U << 16U);  // longest object in the file
+/// Longest object in the file.
+constexpr std::uint32_t kLargestObject = kLargestContainer + (1U << 16U);
 constexpr std::uint32_t kLargestHeader = 1U << 16U;
 constexpr std::size_t kHeader = 16;            // length of the header that all objects have
 constexpr std::size_t kBefore = 32;            // length of a container before its data

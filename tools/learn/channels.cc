@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kRegular = 0.9;      // share of gaps near the median from which a flow is periodic
 constexpr std::uint64_t kBurst = 32;  // most events of a burst of an aperiodic flow
-constexpr std::uint64_t kFarApart =
-    10;  // longest gap over the median from which a flow is aperiodic
+/// Longest gap over the median from which a flow is aperiodic.
+constexpr std::uint64_t kFarApart = 10;
 
 }  // namespace
 

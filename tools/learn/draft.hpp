@@ -19,13 +19,13 @@ struct DraftOptions {
   std::string system = "learned";
   std::string gateway = "gateway";
   std::map<std::string, std::uint32_t> bitrates = {};  ///< bit/s, by interface
-  std::map<std::string, std::uint32_t> data_bitrates =
-      {};  ///< bit/s in the data phase of FD frames, by interface
+  /// Bit/s in the data phase of FD frames, by interface.
+  std::map<std::string, std::uint32_t> data_bitrates = {};
   /// Interfaces without a stated bit rate for which the rates of a fast bus are assumed.
   std::set<std::string> fast = {};
   std::set<std::string> made_up = {};  ///< names of interfaces that do not come from a recording
-  std::map<std::string, std::uint32_t> queue_lengths =
-      {};  ///< number of frames that fit the queue, by interface
+  /// Number of frames that fit the queue, by interface.
+  std::map<std::string, std::uint32_t> queue_lengths = {};
   /// Number of frames that may wait, by interface, where more than a default queue can hold.
   std::map<std::string, std::uint32_t> waiting = {};
   /// Names of networks that a description already has, by interface.

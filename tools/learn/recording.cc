@@ -67,8 +67,8 @@ Result<Reader> known_reader_of(Bytes head) {
 /// Reads input that is not compressed.
 Result<Left> read_plain(Input& input, const std::string& stem, Interfaces& interfaces,
                         const OnFrame& on_frame, const std::string& remark) {
-  constexpr std::string_view mark =
-      "\xef\xbb\xbf";  // the byte order mark of UTF-8 texts on Windows
+  // The byte order mark of UTF-8 texts on Windows.
+  constexpr std::string_view mark = "\xef\xbb\xbf";
   if (text_of(input.from(0, mark.size())).starts_with(mark)) input.begin_at(mark.size());
   Bytes head = input.from(0, Lines::kLongest);
   head = head.first(std::min(head.size(), Lines::kLongest));

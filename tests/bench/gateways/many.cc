@@ -26,8 +26,9 @@ constexpr std::size_t kWatched = 1000;  // reservations that are made while they
 constexpr std::size_t kFollowed =
     1000;                              // reservations that are made while the real gateway follows
 constexpr std::size_t kAdmitted = 50;  // admissions of the real gateway
-constexpr Value kSimulatedLease =
-    3'600'000'000'000;  // ns; long, so that gateways beat only when the bench asks for it
+/// The lease of simulated gateways in ns: long, so that gateways beat only when the bench asks for
+/// it.
+constexpr Value kSimulatedLease = 3'600'000'000'000;
 constexpr std::chrono::minutes kLongest{10};
 
 std::size_t number_of(const char* variable, std::size_t otherwise) {

@@ -23,8 +23,8 @@ namespace mlcca::core::cluster::test {
 inline constexpr Value kLease = 4'000'000'000;
 /// The network that all gateways share.
 inline constexpr std::size_t kBus = 0;
-inline constexpr Value kStep =
-    kLease / 4;  ///< the length of a step of time, as long as kQueued
+/// The length of a step of time, as long as kQueued.
+inline constexpr Value kStep = kLease / 4;
 
 /// Wrong protocols. A checker must find each of them.
 enum class Mutant : std::uint8_t {

@@ -249,11 +249,11 @@ class FakeGates final : public GateDriver {
   std::map<std::string, std::vector<Refusals>> refused;            ///< by interface
   std::map<std::string, std::vector<Refusals>> misfitting;         ///< by interface
   std::map<core::Subject, Frames> counted;  ///< the result of frames() for the rules of a subject
-  std::map<core::Direction, std::uint64_t>
-      passed;  ///< the result of frames() for a single rule, if there is one
+  /// The result of frames() for a single rule, if there is one.
+  std::map<core::Direction, std::uint64_t> passed;
   std::optional<control::Watch> watched;  ///< the result of watch()
-  std::vector<std::unique_ptr<gate_table>>
-      tables;  ///< by port, for FAMOUSO; empty: there are no tags
+  /// By port, for FAMOUSO; empty if there are no tags.
+  std::vector<std::unique_ptr<gate_table>> tables;
 
  private:
   struct PortState {

@@ -179,8 +179,8 @@ class PresenceTest : public ::testing::Test {
   FakeClock clock_;
   core::System system_;
   std::vector<std::unique_ptr<Node>> nodes_;
-  std::vector<std::vector<bool>>
-      cut_;  ///< by gateway and network: it is cut off, with others that are
+  /// By gateway and network: the gateway is in the part of the network that is cut off.
+  std::vector<std::vector<bool>> cut_;
   std::vector<std::size_t> losses_;
   unsigned loss_ = 0;  ///< percent of the messages
   Random random_{42};
