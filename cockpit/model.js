@@ -4,7 +4,7 @@ import { inWords } from "./place.js";
 
 export const key = (c) => [c.subject, c.publisher, c.admission, c.from, c.to].join("\n");
 
-/** The worst state of a delivery: withdrawn, refused, silent, trouble, degraded or granted. */
+/** The state of a delivery: the first of withdrawn, refused, silent, trouble, degraded and granted that holds. */
 export function stateOf(c) {
   if (c.withdrawn) return "withdrawn";
   if (!c.granted) return "refused";
