@@ -27,7 +27,7 @@
 namespace mlcca {
 namespace {
 
-using Body = Aside::Body;
+using ReplyBody = Aside::Body;
 
 constexpr uid_t kAnna = 1000;
 constexpr uid_t kBert = 1001;
@@ -105,7 +105,7 @@ class AsideTest : public ::testing::Test {
   void turn() { ASSERT_GT(sd_event_run(loop_.get(), kPatience), 0) << "nothing happens any more"; }
 
   /// Everything that comes, joined, as the server takes it.
-  Body whole(const serve::NextSlice& next, std::uint64_t session) {
+  ReplyBody whole(const serve::NextSlice& next, std::uint64_t session) {
     std::optional<control::Reply> whole;
     while (!HasFatalFailure()) {
       auto slice = next();
@@ -133,7 +133,7 @@ class AsideTest : public ::testing::Test {
     while (forks.made < made && !HasFatalFailure()) turn();
   }
   /// As its client reads it.
-  static Body body_of(serve::Slice slice) {
+  static ReplyBody body_of(serve::Slice slice) {
     if (slice.encoded.empty()) return std::move(slice.body);
     control::Buffer wire;
     wire.append(control::with_id(1, slice.encoded));
@@ -143,7 +143,7 @@ class AsideTest : public ::testing::Test {
     EXPECT_EQ((*reply)->more, slice.more);
     return std::move((*reply)->body);
   }
-  static std::string text(const Body& body) {
+  static std::string text(const ReplyBody& body) {
     if (const auto* done = std::get_if<control::Done>(&body)) return done->message;
     if (const auto* error = std::get_if<control::Error>(&body)) return "error: " + error->message;
     return "neither";
@@ -427,10 +427,10 @@ TEST_F(AsideTest, OnlyAUserWhoseBudgetIsUsedUpWaits) {
 }
 
 TEST_F(AsideTest, AChildThatDiesIsAnError) {
-  const auto next = ask(kAnna, 1, []() -> Body { std::_Exit(3); });
+  const auto next = ask(kAnna, 1, []() -> ReplyBody { std::_Exit(3); });
   EXPECT_EQ(text(whole(next, 1)),
             "error: the report cannot be made: the process that makes it has ended");
-  const auto killed = ask(kAnna, 2, []() -> Body {
+  const auto killed = ask(kAnna, 2, []() -> ReplyBody {
     ::kill(::getpid(), SIGKILL);
     return control::Done{};
   });

@@ -12,23 +12,23 @@
 namespace mlcca::relay {
 namespace {
 
-using Octets = std::vector<std::uint8_t>;
+using Stream = std::vector<std::uint8_t>;
 using Role = LocalSession::Role;
 
 constexpr std::uint64_t kDistance = 0x44697374616e6365;
 
-Octets from_hex(std::string text) {
+Stream from_hex(std::string text) {
   std::erase(text, ' ');
-  Octets out;
+  Stream out;
   for (std::size_t i = 0; i < text.size(); i += 2)
     out.push_back(static_cast<std::uint8_t>(std::stoi(text.substr(i, 2), nullptr, 16)));
   return out;
 }
-std::string text_of(const Octets& octets) { return {octets.begin(), octets.end()}; }
+std::string text_of(const Stream& octets) { return {octets.begin(), octets.end()}; }
 
 class LocalProtocol : public ::testing::Test {
  protected:
-  void take(const Octets& octets) { session_.take(octets, events_); }
+  void take(const Stream& octets) { session_.take(octets, events_); }
   void take(const std::string& hex) { take(from_hex(hex)); }
 
   LocalSession session_;
@@ -58,9 +58,9 @@ TEST_F(LocalProtocol, TheSubjectOfAnEventMeansNothingAndItMayBeEmpty) {
 }
 
 TEST_F(LocalProtocol, MessagesComeInAnyPieces) {
-  Octets stream = from_hex("56 44 69 73 74 61 6E 63 65");
+  Stream stream = from_hex("56 44 69 73 74 61 6E 63 65");
   for (std::uint8_t i = 0; i < 20; ++i) {
-    const Octets head = from_hex("52 44 69 73 74 61 6E 63 65 00 00 00");
+    const Stream head = from_hex("52 44 69 73 74 61 6E 63 65 00 00 00");
     stream.insert(stream.end(), head.begin(), head.end());
     stream.push_back(i);
     stream.insert(stream.end(), i, i);
@@ -75,7 +75,7 @@ TEST_F(LocalProtocol, MessagesComeInAnyPieces) {
       at += piece;
     }
     ASSERT_EQ(events.size(), 20U);
-    for (std::uint8_t i = 0; i < 20; ++i) ASSERT_EQ(events[i], Octets(i, i));
+    for (std::uint8_t i = 0; i < 20; ++i) ASSERT_EQ(events[i], Stream(i, i));
   }
 }
 
@@ -96,9 +96,9 @@ TEST_F(LocalProtocol, WhatIsNoMessageEndsTheChannel) {
 
 TEST_F(LocalProtocol, TheLongestEventHas65535Octets) {
   take("56 44 69 73 74 61 6E 63 65 52 44 69 73 74 61 6E 63 65 00 00 FF FF");
-  take(Octets(65'534, 1));
+  take(Stream(65'534, 1));
   EXPECT_TRUE(events_.empty());
-  take(Octets(1, 2));
+  take(Stream(1, 2));
   ASSERT_EQ(events_.size(), 1U);
   EXPECT_EQ(events_[0].size(), 65'535U);
   EXPECT_EQ(session_.kept(), 0U);
@@ -110,29 +110,29 @@ TEST_F(LocalProtocol, TheLongestEventHas65535Octets) {
 TEST_F(LocalProtocol, ASubscriberThatDoesNotReadLosesEventsAndNotTheirOrder) {
   take("50 44 69 73 74 61 6E 63 65");
   std::size_t sent = 0;
-  while (session_.send(Octets(987, static_cast<std::uint8_t>(sent)))) ++sent;
+  while (session_.send(Stream(987, static_cast<std::uint8_t>(sent)))) ++sent;
   EXPECT_EQ(sent, 100U);
   EXPECT_EQ(session_.lost(), 1U);
   EXPECT_EQ(session_.waiting().size(), 100'000U);
   session_.written(1'500);
   EXPECT_EQ(session_.waiting().size(), 98'500U);
-  EXPECT_TRUE(session_.send(Octets(987, 77)));
-  EXPECT_FALSE(session_.send(Octets(987, 78)));
+  EXPECT_TRUE(session_.send(Stream(987, 77)));
+  EXPECT_FALSE(session_.send(Stream(987, 78)));
   session_.written(session_.waiting().size());
   EXPECT_TRUE(session_.waiting().empty());
-  EXPECT_FALSE(session_.send(Octets(65'536, 0)));
+  EXPECT_FALSE(session_.send(Stream(65'536, 0)));
 }
 
 TEST_F(LocalProtocol, OnlyASubscriberIsSentEvents) {
-  EXPECT_FALSE(session_.send(Octets(1, 1)));
+  EXPECT_FALSE(session_.send(Stream(1, 1)));
   take("56 44 69 73 74 61 6E 63 65");
-  EXPECT_FALSE(session_.send(Octets(1, 1)));
+  EXPECT_FALSE(session_.send(Stream(1, 1)));
   EXPECT_TRUE(session_.waiting().empty());
 }
 
 TEST_F(LocalProtocol, NoMoreThanOneMessageIsKept) {
   take("56 44 69 73 74 61 6E 63 65 52 44 69 73 74 61 6E 63 65 00 00 FF FF");
-  take(Octets(200'000, 0x52));
+  take(Stream(200'000, 0x52));
   EXPECT_EQ(events_.size(), 1U) << "what follows it is an event of 0x52525252 octets";
   EXPECT_EQ(session_.role(), Role::ended);
   EXPECT_EQ(session_.kept(), 0U);
