@@ -72,7 +72,9 @@ class LinkTable {
   [[nodiscard]] std::optional<std::uint32_t> node(const std::string& address) const;
   /// What keeps a source from knowing all links, as text; empty if nothing does.
   [[nodiscard]] const std::string& problem(std::size_t source) const;
-  /// All reports that are kept, also stale and withdrawn ones, as of the last take() or expire().
+  /// All reports that are kept, as of the last take() or expire(). Withdrawn ones (sample.rate 0)
+  /// are among them: a report names the links that carry nothing, and a reload keeps the loss that
+  /// a source has warned of.
   [[nodiscard]] std::vector<Known> links() const;
   /// The number of entries of links().
   [[nodiscard]] std::size_t size() const;

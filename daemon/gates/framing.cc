@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Asks by index over netlink. An ioctl asks by name; if the interface has gone, the kernel runs
-// modprobe for that name, and the caller waits for it.
+// modprobe for that name, and the caller waits for it. net::Rtnl is not used: the programs that
+// close gates in early boot are linked without libnl, which daemon/net alone may use.
 #include <fmt/format.h>
 #include <linux/netlink.h>
 #include <linux/rtnetlink.h>
