@@ -67,7 +67,7 @@ extern const ValueType kAttributeName, kDecimal, kName, kNodeAddress, kSafeSide,
     kSubject, kText;
 }  // namespace type
 
-/// All types of the table.
+/// All types of the table. Tests compare each of them with the schema.
 std::span<const ValueType* const> value_types();
 
 /// Whether the schema accepts `value`, whose white space must be collapsed.

@@ -40,7 +40,6 @@ struct Form {
 };
 inline constexpr Form kCan{.payload = 8, .numbered = false};
 inline constexpr Form kUdp{.payload = 8183, .numbered = true};
-inline constexpr Form kAwds{.payload = 1392, .numbered = true};
 
 inline constexpr std::size_t kMostFragments = 4096;
 inline constexpr std::size_t kMostOctets = 65'535;  ///< length of an event

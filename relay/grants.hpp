@@ -34,8 +34,6 @@ class Grants {
   [[nodiscard]] int fd() const { return link_.fd(); }
   void turn() { link_.turn(); }
   [[nodiscard]] bool is_connected() const { return link_.is_connected(); }
-  /// Whether the daemon has ever answered with a list.
-  [[nodiscard]] bool has_answer() const { return has_answer_; }
   /// Reports late events to the daemon, if it is connected and has answered. The reply is ignored.
   void report(control::DelayRequest delay);
   /// Asks for all transfers again after a short pause, because an interface has appeared or
@@ -53,7 +51,7 @@ class Grants {
   std::optional<std::uint64_t> of_subject_;  ///< subject of that request; nullopt: it is for all
   bool all_due_ = false;
   std::set<std::uint64_t> due_;  ///< subjects to ask for
-  bool has_answer_ = false;
+  bool has_answer_ = false;      ///< the daemon has answered with a list
   DaemonLink link_;
 };
 

@@ -84,7 +84,6 @@ class Member {
   /// The description that is coming into force cannot be put in force here, so the rollout is to be
   /// undone.
   void cannot_switch(std::string reason) { rollouts_.cannot_switch(view_, std::move(reason)); }
-  [[nodiscard]] const Rollouts& rollouts() const { return rollouts_; }
 
   // Output. The caller takes and handles the events before it takes transactions.
   [[nodiscard]] std::vector<Event> take_events();

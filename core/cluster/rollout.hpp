@@ -34,7 +34,6 @@ class Rollouts {
   /// Continues to wait for a rollout that a former Member of this process staged; it ends as in
   /// stage().
   void resume(const Digest& digest) { pending_ = digest; }
-  [[nodiscard]] bool stages() const { return staged_.has_value(); }
   /// Whether the present proposal gives way to one for the gateways without `without`. If no
   /// description is in force, gateways propose theirs on their own and call nobody off; such a
   /// proposal gives way to one that calls gateways off.

@@ -27,9 +27,11 @@ inline constexpr std::size_t kMostChunks = 256;
 inline constexpr std::size_t kMostChunkBytes = 32768;
 /// Chunks of all descriptions: the present, the former and the next one, and remainders.
 inline constexpr std::size_t kMostBlobs = 4 * kMostChunks;
-/// Networks of one admission, and puts of one transaction.
+/// Networks of one admission, and puts of one transaction: etcd allows 128 operations.
 inline constexpr std::size_t kMostNetworks = 32;
 inline constexpr std::size_t kMostPuts = 120;
+static_assert(2 * kMostNetworks + 2 <= kMostPuts,
+              "two for each network, the own request, and the beat of the member");
 
 /// Whether a gateway carries what another one could carry as well.
 enum class Role : std::uint8_t {

@@ -124,7 +124,6 @@ class Domains::Builder {
     const auto index = static_cast<std::uint32_t>(domains_.size());
     for_each_link(links, [&](std::uint32_t link) {
       members_of_[link].push_back(index);
-      ++domain.links;
       domain.busy = std::max(domain.busy, graph_.links[link].busy * (kFullTime / kWhole));
     });
     domains_.push_back(std::move(domain));

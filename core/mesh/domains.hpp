@@ -30,8 +30,6 @@ class Domains {
   [[nodiscard]] std::size_t count() const { return domains_.size(); }
   /// The domains of which a link (index into Graph::links) takes time, rising; at least one.
   [[nodiscard]] std::span<const std::uint32_t> of_link(std::uint32_t link) const;
-  /// The number of links in a domain.
-  [[nodiscard]] std::size_t links_in(std::size_t domain) const { return domains_[domain].links; }
   /// The name of a domain: "all links", "channel 2412", the described name, or "around a > b".
   /// `node` returns the name of a node of the graph.
   [[nodiscard]] std::string name(std::size_t domain,
@@ -48,7 +46,6 @@ class Domains {
     std::uint32_t from = 0;  ///< ends of the link that it is around
     std::uint32_t to = 0;
     std::string name;
-    std::size_t links = 0;
     Value busy = 0;  ///< ps/s
   };
   class Builder;
@@ -61,12 +58,6 @@ class Domains {
 /// The ps per second that may be taken of each domain.
 [[nodiscard]] constexpr Value limit_of(const Mesh& mesh) {
   return Value{mesh.limit} * (kFullTime / kWhole);
-}
-
-/// The load of others in ps/s, at least 0: the measured time without what is known to have been
-/// sent by us in the same time.
-[[nodiscard]] constexpr Value background_of(Value busy, Value own_measured) {
-  return busy > own_measured ? busy - own_measured : 0;
 }
 
 }  // namespace mlcca::core::mesh

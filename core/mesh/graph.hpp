@@ -76,8 +76,4 @@ struct Graph {
   }
 };
 
-/// The graph of the described links alone, each carrying what it states (of several for one
-/// direction the first). Decisions at design time use it.
-[[nodiscard]] Graph described_graph(const Mesh& mesh);
-
 }  // namespace mlcca::core::mesh

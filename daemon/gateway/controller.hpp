@@ -153,7 +153,7 @@ class Controller {
   void on_slice(const Aside::Ready& ready);
   /// Sets the function that says whether a client has disconnected. No report is begun for it then.
   void on_begin(Aside::Gone gone) { aside_.on_begin(std::move(gone)); }
-  /// Replaces ForkBudget::kUsual.
+  /// Replaces ForkBudget::kUsual. Fuzzing, which asks more often, needs this.
   void set_report_rates(ForkBudget::Rates rates) { aside_.set_rates(rates); }
   /// Keeps the lock of lock_gates() as long as this object lives.
   void hold(Fd lock) { safeguards_.keep(std::move(lock)); }

@@ -444,9 +444,6 @@ std::string Membership::why_closed() const {
 bool Membership::waits_for(const std::string& key) const {
   return !key.empty() && reserving_ && reserving_->waits_for(key);
 }
-std::size_t Membership::waiting_keys(const std::string& beginning) const {
-  return reserving_ ? reserving_->count_of_keys(beginning) : 0;
-}
 bool Membership::refuse(const std::string& key, const std::string& why) {
   return !key.empty() && reserving_ && reserving_->refuse(key, why);
 }

@@ -114,7 +114,6 @@ class Membership {
   [[nodiscard]] std::string why_closed() const;
   void ask(Reserving::Job job);
   [[nodiscard]] bool waits_for(const std::string& key) const;
-  [[nodiscard]] std::size_t waiting_keys(const std::string& beginning) const;
   /// Refuses the job that waits with this key. False if there is none.
   bool refuse(const std::string& key, const std::string& why);
   void admissions_gone(const std::vector<core::AdmissionId>& gone);

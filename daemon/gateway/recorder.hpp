@@ -54,13 +54,12 @@ class Recorder {
   [[nodiscard]] std::shared_ptr<const core::AdmissionId> set_id_aside();
   /// An id for an admission that is in the journal of another gateway.
   [[nodiscard]] core::AdmissionId new_id();
-  /// Notes an admission for the next commit(). Until then it is in uncommitted().
+  /// Notes an admission for the next commit(). Until then it is uncommitted.
   Result<void> admit(const control::Request& request, std::uint32_t user);
   /// Removes a noted admission that was not granted after all.
   void take_back(core::AdmissionId id);
-  [[nodiscard]] const std::vector<core::AdmissionId>& uncommitted() const { return uncommitted_; }
   [[nodiscard]] bool is_uncommitted(core::AdmissionId id) const;
-  /// Writes the entries to disk at once, all of them or none. uncommitted() must be empty.
+  /// Writes the entries to disk at once, all of them or none. No admission may be uncommitted.
   Result<void> write_at_once(const std::vector<store::Entry>& entries);
 
   // The state in force, which is on disk after the next commit():
@@ -87,7 +86,7 @@ class Recorder {
   /// Whether something waits for commit().
   [[nodiscard]] bool dirty() const { return journal_ && journal_->dirty(); }
   /// Writes to disk what was noted and admitted. After an error nothing of it is on disk, and the
-  /// admissions in uncommitted() were never granted; `lost` is called with them.
+  /// uncommitted admissions were never granted; `lost` is called with them.
   Result<void> commit(const std::function<void(const std::vector<core::AdmissionId>&)>& lost);
   /// Writes the journal again if another program has removed or replaced the file, because what was
   /// granted must outlive this daemon. Also undoes on disk a refused batch that could not be undone

@@ -55,12 +55,6 @@ bool Reserving::waits_for(const std::string& key) const {
       jobs_, [&](const Open& open) { return !open.abandoned && open.job.key == key; });
 }
 
-std::size_t Reserving::count_of_keys(const std::string& beginning) const {
-  return static_cast<std::size_t>(std::ranges::count_if(jobs_, [&](const Open& open) {
-    return !open.abandoned && open.job.key.starts_with(beginning);
-  }));
-}
-
 bool Reserving::refuse(const std::string& key, const std::string& why) {
   const auto it = std::ranges::find_if(
       jobs_, [&](const Open& open) { return !open.abandoned && open.job.key == key; });

@@ -60,8 +60,6 @@ class Reserving {
   [[nodiscard]] std::string bar(uid_t user) const;
   /// Whether a job waits with this key.
   [[nodiscard]] bool waits_for(const std::string& key) const;
-  /// The number of waiting jobs whose keys have this beginning.
-  [[nodiscard]] std::size_t count_of_keys(const std::string& beginning) const;
   /// Refuses the job that waits with this key. False if there is none.
   bool refuse(const std::string& key, const std::string& why);
   void ask(Job job, Value now);

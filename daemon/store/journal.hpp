@@ -84,7 +84,8 @@ class Journal {
   /// Why the latest rewriting of a too large file failed; nullopt if it succeeded.
   [[nodiscard]] const std::optional<std::string>& trouble() const { return trouble_; }
 
-  /// The bytes of the file, and those of its live content.
+  /// The bytes of the file, by which tests and benchmarks observe when it is rewritten, and those
+  /// of its live content.
   [[nodiscard]] std::uint64_t file_bytes() const { return end_; }
   [[nodiscard]] std::uint64_t live_bytes() const { return live_; }
   [[nodiscard]] const std::string& path() const { return path_; }

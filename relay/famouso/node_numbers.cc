@@ -9,14 +9,10 @@ namespace {
 constexpr unsigned kFirstStage = 15;
 constexpr unsigned kStageShift = 18;
 constexpr std::uint32_t kNibble = 0xf;
-constexpr std::uint64_t kNever = ~std::uint64_t{0};
 
 /// Stage 15 is the high half of the first octet, stage 0 the low half of the last one.
 unsigned octet_of(unsigned stage) { return (kFirstStage - stage) / 2; }
 unsigned shift_of(unsigned stage) { return stage % 2 == 1 ? 4 : 0; }
-std::uint8_t nibble_of(const Uid& uid, unsigned stage) {
-  return uid[octet_of(stage)] >> shift_of(stage) & kNibble;
-}
 
 bool is_request(const Frame& frame) {
   return has_normal_priority(frame) && tag_of(frame) == kNodeRequest;
@@ -33,8 +29,6 @@ Frame answer(unsigned stage, std::uint32_t node, const Uid& data) {
 }
 
 }  // namespace
-
-// --- broker --------------------------------------------------------------------------------------
 
 NodeBroker::NodeBroker(const Uid& own, std::span<const Dealt> before)
     : dealt_(before.begin(), before.end()) {
@@ -96,63 +90,6 @@ std::optional<Frame> NodeBroker::expire(std::uint64_t now) {
   if (!when || now < *when) return std::nullopt;
   begin();
   return answer(0, kBrokerNode, Uid{});
-}
-
-// --- node ----------------------------------------------------------------------------------------
-
-Frame NodeClient::request() const {
-  return {.id = kNormalPriority | stage_ << kStageShift |
-                static_cast<std::uint32_t>(nibble_of(uid_, stage_)) << kNodeShift | kNodeRequest,
-          .length = 0,
-          .data = {}};
-}
-
-Frame NodeClient::start(std::uint64_t now) {
-  wait_ = kFirstWait;
-  return restart(now);
-}
-
-Frame NodeClient::restart(std::uint64_t now) {
-  stage_ = kFirstStage;
-  silent_ = false;
-  due_ = now + wait_;
-  return request();
-}
-
-/// Whether the UID in the answer agrees with ours as far as it was sent.
-bool NodeClient::agrees(const Frame& answer) const {
-  if ((answer.data[7] & kNibble) != stage_) return false;
-  for (unsigned s = kFirstStage; s >= stage_ && s <= kFirstStage; --s)
-    if (s != 0 && nibble_of(answer.data, s) != nibble_of(uid_, s)) return false;
-  return true;
-}
-
-std::optional<Frame> NodeClient::take(const Frame& frame, std::uint64_t now) {
-  if (number_ || due_ == kNever || !has_normal_priority(frame) || tag_of(frame) != kNodeAnswer ||
-      frame.length != 8)
-    return std::nullopt;
-  if (node_of(frame) != kBrokerNode) {
-    if (frame.data == uid_) {
-      number_ = static_cast<NodeNumber>(node_of(frame));
-      due_ = kNever;
-      return std::nullopt;
-    }
-    return restart(now);
-  }
-  if (frame.data == Uid{}) return restart(now);
-  due_ = now + wait_;
-  if (silent_ || !agrees(frame) || stage_ == 0) {
-    silent_ = true;
-    return std::nullopt;
-  }
-  --stage_;
-  return request();
-}
-
-std::optional<Frame> NodeClient::expire(std::uint64_t now) {
-  if (number_ || now < due_) return std::nullopt;
-  wait_ = std::min(wait_ * 2, kLongestWait);
-  return restart(now);
 }
 
 }  // namespace mlcca::relay

@@ -15,7 +15,8 @@ namespace {
 using namespace mlcca::relay::afp;
 using mlcca::fuzz::demand;
 
-constexpr Form kForms[] = {kCan, kAwds, {.payload = 16, .numbered = true}};
+constexpr Form kForms[] = {
+    kCan, {.payload = 1392, .numbered = true}, {.payload = 16, .numbered = true}};
 constexpr Reassembly::Limits kLimits{.begun = 8, .octets = 8'000, .remembered = 8};
 constexpr std::uint64_t kStep = 16'000'000;
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// FAMOUSO's protocols: what a local client sends, frames to brokers and to a node, and messages
-// about subscriptions and of gateways. The first octet says which. A frame is its time since the
-// one before it in 16 ms, its identifier (4 octets), its length, and its octets. A message is its
-// time since the one before it in s, an octet with network, source and the daemon's answer, its
-// length, and its octets.
+// FAMOUSO's protocols: what a local client sends, frames to brokers, and messages about
+// subscriptions and of gateways. The first octet says which. A frame is its time since the one
+// before it in 16 ms, its identifier (4 octets), its length, and its octets. A message is its time
+// since the one before it in s, an octet with network, source and the daemon's answer, its length,
+// and its octets.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -66,18 +66,6 @@ void node_broker(Octets rest) {
     demand(!answer || (tag_of(*answer) == kNodeAnswer && answer->length == 8), "no answer of it");
     demand(broker.dealt().size() <= 127, "more numbers than there are");
     demand(broker.number_of({1}) == kHighestNode, "its own number has changed");
-  });
-}
-
-void node(Octets rest) {
-  NodeClient client({0x6e, 0x6f, 0x64, 0x65, 0x30, 0x30, 0x30, 0x31});
-  static_cast<void>(client.start(0));
-  frames(rest, [&](const Frame& frame, std::uint64_t now) {
-    const auto before = client.number();
-    for (const auto& sent : {client.expire(now), client.take(frame, now)})
-      demand(!sent || tag_of(*sent) == kNodeRequest, "no request");
-    demand(!before || client.number() == before, "a number has changed");
-    demand(client.number() || client.due() > now, "it waits for ever");
   });
 }
 
@@ -181,8 +169,8 @@ void announcements(Octets rest) {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size == 0) return 0;
-  constexpr void (*kParts[])(Octets) = {local_protocol, node_broker,   node,
-                                        tag_broker,     subscriptions, announcements};
+  constexpr void (*kParts[])(Octets) = {local_protocol, node_broker, tag_broker, subscriptions,
+                                        announcements};
   kParts[data[0] % std::size(kParts)](Octets(data + 1, size - 1));
   return 0;
 }

@@ -15,6 +15,7 @@ namespace mlcca::relay::afp {
 namespace {
 
 constexpr std::uint64_t kSecond = 1'000'000'000;
+constexpr Form kMesh{.payload = 1392, .numbered = true};  // as FAMOUSO's for AWDS
 
 /// Octet i is i, modulo 256.
 Event event_of(std::size_t size) {
@@ -91,7 +92,7 @@ TEST(Afp, EventsWithANumberAreCutAsByFamouso) {
   EXPECT_EQ(hex(udp[1], 6), "400000000000");
   EXPECT_EQ(udp[0].size(), 8183U);
   EXPECT_EQ(udp[1].size(), 6 + 1823U);
-  const auto awds = cut(kAwds, event_of(3'000), 2);
+  const auto awds = cut(kMesh, event_of(3'000), 2);
   ASSERT_EQ(awds.size(), 3U);
   EXPECT_EQ(hex(awds[0], 6), "620000000002");
   EXPECT_EQ(hex(awds[1], 6), "410000000002");
@@ -113,7 +114,7 @@ TEST(Afp, TheLongestEventIsTheLongestThatFamousoTakes) {
 // --- both ways -----------------------------------------------------------------------------------
 
 TEST(Afp, WhatIsCutIsPutTogether) {
-  for (const Form& form : {kCan, kUdp, kAwds, Form{.payload = 64, .numbered = true}}) {
+  for (const Form& form : {kCan, kUdp, kMesh, Form{.payload = 64, .numbered = true}}) {
     Reassembly reassembly(form);
     std::uint32_t number = 7;
     for (const std::size_t size : {0, 1, 7, 8, 9, 224, 225, 1'000, 6'000, 24'608}) {
@@ -129,10 +130,10 @@ TEST(Afp, WhatIsCutIsPutTogether) {
 
 TEST(Afp, NumberedFragmentsComeInAnyOrderAndTwice) {
   std::mt19937 random(1);
-  Reassembly reassembly(kAwds);
+  Reassembly reassembly(kMesh);
   for (std::uint32_t number = 0; number < 200; ++number) {
     const Event event = event_of(1'000 + random() % 8'000);
-    auto fragments = cut(kAwds, event, number);
+    auto fragments = cut(kMesh, event, number);
     fragments.push_back(fragments[random() % fragments.size()]);
     std::ranges::shuffle(fragments, random);
     EXPECT_EQ(put_together(reassembly, fragments), event) << number;
@@ -143,34 +144,34 @@ TEST(Afp, NumberedFragmentsComeInAnyOrderAndTwice) {
 
 /// What is late is missing: a subscriber sees events in their order.
 TEST(Afp, AnEventThatIsOvertakenIsLostAndCountedOnce) {
-  Reassembly reassembly(kAwds);
+  Reassembly reassembly(kMesh);
   const Event event = event_of(3'000);
-  const auto first = cut(kAwds, event, 0xfffffffe);
+  const auto first = cut(kMesh, event, 0xfffffffe);
   ASSERT_EQ(first.size(), 3U);
   EXPECT_FALSE(reassembly.take(1, first[0], 0));
-  EXPECT_EQ(put_together(reassembly, cut(kAwds, event, 0xffffffff)), event);
+  EXPECT_EQ(put_together(reassembly, cut(kMesh, event, 0xffffffff)), event);
   EXPECT_FALSE(put_together(reassembly, {first[1], first[2], first[0]}));
   EXPECT_EQ(reassembly.losses().late, 1U);
   EXPECT_EQ(reassembly.begun(), 0U);
   EXPECT_EQ(reassembly.octets(), 0U);
   // After the highest number 0 comes.
-  EXPECT_EQ(put_together(reassembly, cut(kAwds, event, 1)), event);
-  EXPECT_FALSE(put_together(reassembly, cut(kAwds, event, 0)));
-  EXPECT_FALSE(put_together(reassembly, cut(kAwds, event, 0xfffffff0)));
+  EXPECT_EQ(put_together(reassembly, cut(kMesh, event, 1)), event);
+  EXPECT_FALSE(put_together(reassembly, cut(kMesh, event, 0)));
+  EXPECT_FALSE(put_together(reassembly, cut(kMesh, event, 0xfffffff0)));
   EXPECT_EQ(reassembly.losses().late, 3U);
-  EXPECT_EQ(put_together(reassembly, cut(kAwds, event, 0), 2), event) << "another source";
+  EXPECT_EQ(put_together(reassembly, cut(kMesh, event, 0), 2), event) << "another source";
   // A sender that begins again has other numbers; 3 s later nothing is remembered.
-  EXPECT_EQ(put_together(reassembly, cut(kAwds, event, 0xfffff000)), event);
-  EXPECT_EQ(put_together(reassembly, cut(kAwds, event, 0), 1, 3 * kSecond), event);
+  EXPECT_EQ(put_together(reassembly, cut(kMesh, event, 0xfffff000)), event);
+  EXPECT_EQ(put_together(reassembly, cut(kMesh, event, 0), 1, 3 * kSecond), event);
   EXPECT_EQ(reassembly.losses().late, 3U);
 }
 
 TEST(Afp, EventsOfANetworkThatReordersComeInTheirOrder) {
   std::mt19937 random(2);
-  Reassembly reassembly(kAwds);
+  Reassembly reassembly(kMesh);
   std::vector<std::pair<std::uint32_t, Event>> sent;
   for (std::uint32_t number = 0; number < 300; ++number)
-    for (Event& fragment : cut(kAwds, event_of(2'000), number)) {
+    for (Event& fragment : cut(kMesh, event_of(2'000), number)) {
       sent.emplace_back(number, fragment);
       if (random() % 10 == 0) sent.emplace_back(number, std::move(fragment));
     }
@@ -220,7 +221,7 @@ TEST(Afp, WithoutNumbersAGapEndsTheEventAndTheNextOneComesWhole) {
 }
 
 TEST(Afp, AnEventThatIsNotCompleteInThreeSecondsIsGivenUp) {
-  for (const Form& form : {kCan, kAwds}) {
+  for (const Form& form : {kCan, kMesh}) {
     Reassembly reassembly(form);
     const auto fragments = cut(form, event_of(2'000), 9);
     EXPECT_FALSE(reassembly.take(1, fragments[0], 0));
@@ -288,11 +289,11 @@ TEST(Afp, FragmentsThatContradictEachOtherEndTheEvent) {
 // --- bounds --------------------------------------------------------------------------------------
 
 TEST(Afp, WhoBeginsMostLosesFirst) {
-  Reassembly reassembly(kAwds);
-  const auto honest = cut(kAwds, event_of(2'000), 77);
+  Reassembly reassembly(kMesh);
+  const auto honest = cut(kMesh, event_of(2'000), 77);
   EXPECT_FALSE(reassembly.take(1, honest[0], 0));
   for (std::uint32_t number = 0; number < 10'000; ++number)
-    EXPECT_FALSE(reassembly.take(2, cut(kAwds, event_of(2'000), number)[0], number));
+    EXPECT_FALSE(reassembly.take(2, cut(kMesh, event_of(2'000), number)[0], number));
   EXPECT_EQ(reassembly.begun(), 64U);
   EXPECT_LE(reassembly.octets(), std::size_t{1} << 20);
   EXPECT_EQ(reassembly.take(1, honest[1], 10'000), event_of(2'000));

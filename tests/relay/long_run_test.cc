@@ -17,6 +17,7 @@
 #include "relay/cyphal.hpp"
 #include "relay/famouso/node_numbers.hpp"
 #include "relay/famouso/subscriptions.hpp"
+#include "tests/relay/famouso/node_client.hpp"
 
 namespace mlcca::relay {
 namespace {

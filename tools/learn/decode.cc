@@ -48,7 +48,6 @@ void Decoder::take(const Frame& frame, const OnEvent& on_event) {
   const bool subscribes =
       profile_ == core::Profile::famouso && parts && parts->number == subscribe_tag_;
   if (is_control(frame) || subscribes) {
-    ++control_;
     event.control = profile_ == core::Profile::canopen && is_heart_beat(frame);
     if (event.control)
       on_event(event);
@@ -96,12 +95,10 @@ void Decoder::take_j1939(const Frame& frame, Event event, const OnEvent& on_even
     event.bytes = data[1] | std::uint32_t{data[2]} << 8U;
     event.frame_bytes = 8;
     event.head = {};
-    ++control_;
     on_event(event);
     return;
   }
   if (is_control(frame)) {
-    ++control_;
     ++lost_control_;
     return;
   }

@@ -52,9 +52,7 @@ class Decoder {
   void take(const Frame& frame, const OnEvent& on_event);
 
   [[nodiscard]] core::Profile profile() const { return profile_; }
-  /// The number of frames of the profile's own control traffic, which need no channel.
-  [[nodiscard]] std::uint64_t control_frames() const { return control_; }
-  /// How many of them are not reported as events.
+  /// The number of frames of the profile's own control traffic that are not reported as events.
   [[nodiscard]] std::uint64_t lost_control_frames() const { return lost_control_; }
   /// The number of frames that no channel of the profile can have, such as services of Cyphal.
   [[nodiscard]] std::uint64_t other_frames() const { return others_; }
@@ -87,7 +85,6 @@ class Decoder {
   /// FAMOUSO: tag of the subject SUBSCRIB; initially the one that a broker assigns first.
   std::uint32_t subscribe_tag_ = 0x3fff;
   std::uint32_t half_dealt_ = 0;  ///< a tag assigned to a subject with the same beginning
-  std::uint64_t control_ = 0;
   std::uint64_t lost_control_ = 0;
   std::uint64_t others_ = 0;
 };

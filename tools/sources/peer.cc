@@ -166,16 +166,6 @@ Result<void> check_peer(int socket) {
   return check_owner("the socket that listens there", *owner);
 }
 
-Listeners listeners_in(std::string_view text, const Endpoint& to) {
-  Reachable reachable(to);
-  while (!text.empty()) {
-    const auto end = std::min(text.find('\n'), text.size());
-    reachable.take(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  return reachable.listeners();
-}
-
 Result<Listeners> trusted_listeners(const Endpoint& at) {
   if (!place_of(at)) return Listeners{};
   Reachable reachable(at);

@@ -54,8 +54,6 @@ class Reachable {
   int rank_ = 0;
   Listeners best_;
 };
-/// The reachable listeners in a complete table.
-[[nodiscard]] Listeners listeners_in(std::string_view text, const Endpoint& to);
 /// The reachable listeners in this network namespace; none for a path. An error if one of them
 /// belongs to a user that is not trusted.
 [[nodiscard]] Result<Listeners> trusted_listeners(const Endpoint& at);

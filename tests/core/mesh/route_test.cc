@@ -158,22 +158,5 @@ TEST(RouteTest, IsTheLeastOfAllWays) {
   }
 }
 
-TEST(GraphTest, DescribedLinksAreTheGraph) {
-  Mesh mesh = bare_mesh();
-  mesh.nodes = {{"a", "", {}, {}}, {"b", "", {}, {}}, {"c", "", {}, {}}};
-  mesh.links = {{.from = 1, .to = 2, .rate = 11 * kMega, .origin = {}},
-                {.from = 0, .to = 1, .rate = 24 * kMega, .loss = 5, .channel = 6, .origin = {}},
-                {.from = 0, .to = 1, .rate = kMega, .origin = {}},
-                {.from = 2, .to = 0, .rate = 0, .origin = {}}};
-  const Graph graph = described_graph(mesh);
-  ASSERT_EQ(graph.links.size(), 2U);
-  EXPECT_EQ(graph.links[0].quality.rate, 24 * kMega);
-  EXPECT_EQ(graph.links[0].quality.loss, 5U);
-  EXPECT_EQ(graph.links[0].channel, 6U);
-  EXPECT_EQ(graph.find(1, 2), &graph.links[1]);
-  EXPECT_EQ(graph.find(2, 0), nullptr) << "no rate";
-  EXPECT_EQ(way(graph, 0, 2), (Nodes{0, 1, 2}));
-}
-
 }  // namespace
 }  // namespace mlcca::core::mesh

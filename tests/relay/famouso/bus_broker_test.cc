@@ -16,6 +16,7 @@
 
 #include "base/big_endian.hpp"
 #include "tests/control/server.hpp"
+#include "tests/relay/famouso/node_client.hpp"
 
 namespace mlcca::relay {
 namespace {

@@ -11,6 +11,7 @@
 
 #include "relay/famouso/node_numbers.hpp"
 #include "relay/famouso/tag_broker.hpp"
+#include "tests/relay/famouso/node_client.hpp"
 
 namespace mlcca::relay {
 namespace {

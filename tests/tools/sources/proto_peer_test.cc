@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <bit>
+#include <sstream>
+#include <string>
 
 #include "tools/sources/peer.hpp"
 
@@ -31,7 +33,10 @@ std::string one_v6() {
 }
 
 Listeners of(const std::string& text, const std::string& endpoint) {
-  return listeners_in(kHead + text, *parse_endpoint(endpoint));
+  Reachable reachable(*parse_endpoint(endpoint));
+  std::istringstream lines(kHead + text);
+  for (std::string line; std::getline(lines, line);) reachable.take(line);
+  return reachable.listeners();
 }
 
 TEST(Peer, TheSocketThatListensAtTheEndpointIsFound) {
