@@ -245,7 +245,7 @@ Result<void> join(std::optional<Reply>& whole, Reply slice) {
   return {};
 }
 
-std::vector<Reply> split(Reply whole, std::size_t rows) {
+std::vector<Reply> slices_of(Reply whole, std::size_t rows) {
   return std::visit(Slicer(whole.id, rows), whole.body);
 }
 

@@ -17,6 +17,6 @@ Result<void> join(std::optional<Reply>& whole, Reply slice);
 /// Divides a reply into slices of about `rows` rows each; returns at least one. A reply without a
 /// list, or one that was made in slices from the beginning, stays as it is. A gate or resource that
 /// continues in the next slice is repeated there with its name.
-std::vector<Reply> split(Reply whole, std::size_t rows);
+std::vector<Reply> slices_of(Reply whole, std::size_t rows);
 
 }  // namespace mlcca::control

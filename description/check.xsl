@@ -15,7 +15,7 @@
               what is said once for every description: identifiers, frames, and others who receive
     MLCCA038 to MLCCA041  notes on what is hardly meant
   The connection is the network that both sit on, or the Route that is declared between their
-  places. Left to "mlccactl check": routes as a whole, others who hear the events, capacity, bindings,
+  places. Left to "mlccactl check": routes as a whole, subscribers that overhear the events, capacity, bindings,
   frame lengths, and connections that are not declared (said in a note).
 
   Output: a line for each finding, in the order of channels, their publishers and subscribers, then
@@ -701,9 +701,9 @@
     <xsl:param name="binding"/>
     <xsl:variable name="profile" select="normalize-space($hop/Profile[1])"/>
     <xsl:variable name="to" select="normalize-space($binding/PGN/@destination)"/>
-    <xsl:variable name="everybody" select="$to = '' or $to = '255' or $to = '0xff' or $to = '0xFF'"/>
+    <xsl:variable name="broadcast" select="$to = '' or $to = '255' or $to = '0xff' or $to = '0xFF'"/>
     <xsl:if test="$binding and ($profile = 'famouso' or $profile = 'cyphal' or
-                  ($profile = 'j1939' and $everybody and not($binding/@format != 'classic')))">
+                  ($profile = 'j1939' and $broadcast and not($binding/@format != 'classic')))">
       <xsl:variable name="bytes">
         <xsl:call-template name="required-by">
           <xsl:with-param name="end" select="$publisher"/>

@@ -104,7 +104,7 @@ void check_form(const BindingDraft& b, const core::Network& network, Problems& p
   if (network.kind != NetworkKind::can)
     say(fmt::format("only a CAN network has bindings, and {} is none: remove it", network.name));
   if (b.destination && *b.destination > kLastAddress)
-    say(fmt::format("attribute destination: {} is not right: 0 to 255 (255 is everybody)",
+    say(fmt::format("attribute destination: {} is not right: 0 to 255 (255 is the global address)",
                     *b.destination));
   if (network.profile == Profile::none) return;
   const auto& traits = core::traits_of(network.profile);

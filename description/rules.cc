@@ -253,21 +253,21 @@ void check_twice(const core::System& system, Problems& problems) {
   // A publisher that is alone in its channel needs no comparison.
   std::vector<std::uint32_t> senders(system.channels.size(), 0);
   for (const auto& p : system.publishers) ++senders[p.channel];
-  std::vector<std::pair<core::Sender, const core::Publisher*>> told_apart;
+  std::vector<std::pair<core::Sender, const core::Publisher*>> identified;
   for (const auto& p : system.publishers)
     if (senders[p.channel] > 1)
-      if (const auto sender = core::sender_of(system, p)) told_apart.emplace_back(*sender, &p);
-  std::ranges::stable_sort(told_apart, {}, [](const auto& entry) { return entry.first; });
-  for (std::size_t i = 1, first = 0; i < told_apart.size(); ++i) {
-    if (told_apart[i].first != told_apart[first].first) {
+      if (const auto sender = core::sender_of(system, p)) identified.emplace_back(*sender, &p);
+  std::ranges::stable_sort(identified, {}, [](const auto& entry) { return entry.first; });
+  for (std::size_t i = 1, first = 0; i < identified.size(); ++i) {
+    if (identified[i].first != identified[first].first) {
       first = i;
       continue;
     }
-    const core::Publisher& p = *told_apart[i].second;
+    const core::Publisher& p = *identified[i].second;
     problems.add(p.origin, "Publisher",
                  fmt::format("nothing distinguishes it from the publisher of channel {} in {}: {}",
                              system.channels[p.channel].name,
-                             line_words(system, p.origin, told_apart[first].second->origin),
+                             line_words(system, p.origin, identified[first].second->origin),
                              core::way_to_differ(p)),
                  FindingId::sender_twice);
   }

@@ -15,7 +15,7 @@ constexpr std::uint32_t kPriority = 0x1c000000;
 constexpr unsigned kNumberShift = 8;
 constexpr unsigned kOctet = 8;
 constexpr std::uint32_t kPgn = 0x3ffff;
-constexpr std::uint32_t kEverybody = 0xff;
+constexpr std::uint32_t kGlobalAddress = 0xff;
 constexpr std::uint32_t kFirstOfPdu2 = 0xf000;
 
 constexpr std::uint8_t kBam = 32;
@@ -47,7 +47,7 @@ std::vector<Data> frames_of(Octets event, std::uint32_t id) {
   std::vector<Data> frames;
   if (event.size() < kLeast || event.size() > kMost) return frames;
   std::uint32_t pgn = id >> kNumberShift & kPgn;
-  if (has_destination(pgn)) pgn &= ~kEverybody;
+  if (has_destination(pgn)) pgn &= ~kGlobalAddress;
   const std::size_t packets = packets_of(event.size());
   frames.reserve(1 + packets);
   frames.push_back({kBam, octet_of(event.size(), 0), octet_of(event.size(), 1),
@@ -70,7 +70,7 @@ std::optional<std::uint32_t> Reassembly::announced(std::uint32_t id, Octets data
   const std::uint32_t pgn =
       data[5] | std::uint32_t{data[6]} << kOctet | std::uint32_t{data[7]} << 2 * kOctet;
   if (pgn > kPgn) return std::nullopt;
-  const std::uint32_t number = has_destination(pgn) ? pgn | kEverybody : pgn;
+  const std::uint32_t number = has_destination(pgn) ? pgn | kGlobalAddress : pgn;
   return (id & ~kNumber) | number << kNumberShift;
 }
 

@@ -178,7 +178,7 @@ void Member::begin(Value now) {
              incarnation == journal_.incarnation && own.fence < incarnation;
   // The time V applies to all gates, so what an earlier incarnation opened is closed before
   // there is a V.
-  if (!goes_on_) events_.emplace_back(Lost{.why = "this gateway joins anew"});
+  if (!goes_on_) events_.emplace_back(Lost{.why = "this gateway joins again"});
   // Members from before the store was restored may send until their leases have ended.
   if (!same_epoch()) take_from_ = view_.all_leases_end(now, identity_.lease);
   view_.forget_going_back();

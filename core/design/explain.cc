@@ -427,7 +427,7 @@ void Explainer::add_row(const Verdict& v, const Row& row, std::size_t subscriber
       f.text = publisher + " to " + name_of(system, v.to) + ": " + f.attribute + " " + f.required +
                " required by subscribers on " + name_of(system, row.place) +
                ", which lies on the way and is given " + numbers;
-      f.hint = "they would hear the events too: fulfil them, or let them subscribe elsewhere";
+      f.hint = "they receive the events too: fulfil them, or let them subscribe elsewhere";
       break;
     default:
       f.text = publisher + " to " + listener + ": " + asked + " required end to end by " +

@@ -140,7 +140,7 @@ class Planner {
     bool as_sent = true;
     for (std::size_t i = 0; i < v.route.size(); ++i) {
       if (v.route[i] != here_) {
-        as_sent = as_sent && !is_bus(v.route[i]) && !is_sent_anew(v.route, i);
+        as_sent = as_sent && !is_bus(v.route[i]) && !is_resent(v.route, i);
         continue;
       }
       const std::size_t in = i == 0 ? kLocal : port_on(v.route[i - 1].index);
@@ -155,7 +155,7 @@ class Planner {
   }
   /// Whether a program of the gateway at that index of the route sends the events in frames of its
   /// own.
-  [[nodiscard]] bool is_sent_anew(const std::vector<Place>& route, std::size_t at) const {
+  [[nodiscard]] bool is_resent(const std::vector<Place>& route, std::size_t at) const {
     return route[at].kind == Place::Kind::gateway && at > 0 && at + 1 < route.size() &&
            !are_joined_by_kernel(system_.gateways[route[at].index],
                                  system_.networks[route[at - 1].index],

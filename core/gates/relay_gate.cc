@@ -54,8 +54,8 @@ std::string relay_problem(const System& system, std::size_t network, std::size_t
 
 std::string relay_hint(const System& system, std::size_t network, std::size_t gateway) {
   if (relay_gate(system, network, gateway) == RelayGate::routed)
-    return "let other nodes relay: gateway " + system.gateways[gateway].name +
-           " cannot let through what it only routes on";
+    return "let other nodes relay: the gate of gateway " + system.gateways[gateway].name +
+           " drops what that gateway only routes";
   const auto& sources = system.networks[network].mesh->sources;
   // If the source names the device of AWDS itself, the source is wrong and the Port is right.
   const std::string& named = system.gateways[gateway].port_on(network)->identity.name;

@@ -49,8 +49,8 @@ std::string problem(const Binding& b) {
     return "is sent to an address, which is no part of it: write " + hexadecimal(b.id & ~0xffU) +
            ", with destination=\"" + hexadecimal(b.id & 0xff) + "\" where it is for that one alone";
   if (b.destination && !has_destination(b.id))
-    return "goes to everybody: remove attribute destination, which is for PGNs below 0xf000 of a "
-           "data page";
+    return "is broadcast: remove attribute destination, which is for PGNs below 0xf000 of a data "
+           "page";
   return {};
 }
 
@@ -81,7 +81,7 @@ FrameIdentity identity(const Publisher& p, const Binding& b, bool /*fragmented*/
 constexpr std::uint32_t kNumberAndDestination = 0x03ffff00;
 constexpr std::uint32_t kConnectionManagement = 0x00ecff00;
 constexpr std::uint32_t kDataTransfer = 0x00ebff00;
-constexpr std::uint8_t kEverybody = 0xff;
+constexpr std::uint8_t kGlobalAddress = 0xff;
 constexpr Value kPacket = 7;
 constexpr Value kMessage = 1785;
 constexpr Value kMillisecond = 1'000'000;
@@ -97,7 +97,7 @@ unsigned last_frame(Value /*bytes*/, unsigned /*frames*/, unsigned mtu) { return
 
 std::string_view obstacle(const Binding& b) {
   if (b.format != FrameFormat::classic) return "the transport protocol is for classic frames";
-  if (b.destination && *b.destination != kEverybody)
+  if (b.destination && *b.destination != kGlobalAddress)
     return "what is longer goes to an address by RTS and CTS, which no gate can judge: leave "
            "attribute destination out, or let it be 0xff";
   return {};

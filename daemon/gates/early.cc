@@ -38,13 +38,13 @@ Result<Fd> open_notes(const std::string& root) {
 }  // namespace
 
 std::uint32_t early_program(std::uint32_t ifindex) {
-  const Complaints unheard;
+  const Complaints silenced;
   std::uint32_t id = 0;
   return bpf_xdp_query_id(static_cast<int>(ifindex), XDP_FLAGS_DRV_MODE, &id) == 0 ? id : 0;
 }
 
 std::vector<std::uint32_t> other_early_programs(std::uint32_t ifindex, std::uint32_t ours) {
-  const Complaints unheard;
+  const Complaints silenced;
   LIBBPF_OPTS(bpf_xdp_query_opts, found);
   std::vector<std::uint32_t> others;
   if (bpf_xdp_query(static_cast<int>(ifindex), 0, &found) != 0) return others;
@@ -54,14 +54,14 @@ std::vector<std::uint32_t> other_early_programs(std::uint32_t ifindex, std::uint
 }
 
 bool put_early(std::uint32_t ifindex, int program_fd, bool replace) {
-  const Complaints unheard;
+  const Complaints silenced;
   const std::uint32_t how = replace ? 0 : XDP_FLAGS_UPDATE_IF_NOEXIST;
   return bpf_xdp_attach(static_cast<int>(ifindex), program_fd, XDP_FLAGS_DRV_MODE | how, nullptr) ==
          0;
 }
 
 void remove_early(std::uint32_t ifindex, int program_fd) {
-  const Complaints unheard;
+  const Complaints silenced;
   LIBBPF_OPTS(bpf_xdp_attach_opts, only, .old_prog_fd = program_fd);
   bpf_xdp_detach(static_cast<int>(ifindex), XDP_FLAGS_DRV_MODE, &only);
 }

@@ -27,7 +27,7 @@ bool is_station(std::uint64_t station) {
 Result<void> check_spec(const SlotSpec& s) {
   if (s.id != 0 || s.mask != 0) return fail(name(s) + ": an Ethernet frame has no identifier");
   if (s.formats == 0 || (s.formats & ~(ETHER_UNFRAGMENTED | ETHER_FRAGMENT)) != 0)
-    return fail(name(s) + ": neither whole events nor fragments of them");
+    return fail(name(s) + ": neither unfragmented events nor fragments");
   if (s.max_len > ETHER_MAX_PAYLOAD)
     return fail(
         fmt::format("{}: a datagram has at most {} bytes of payload", name(s), ETHER_MAX_PAYLOAD));

@@ -106,7 +106,7 @@ void write_report(int memory, control::Reply whole, bool may_slice) {
     return;
   }
   std::size_t written = 0;
-  for (const control::Reply& slice : control::split(std::move(whole), kRowsOfSlice)) {
+  for (const control::Reply& slice : control::slices_of(std::move(whole), kRowsOfSlice)) {
     const std::string encoded = control::encode_body(slice, Aside::kMostOfSlice);
     written += encoded.size();
     if (written > Aside::kMostBytes) {

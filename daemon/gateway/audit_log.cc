@@ -222,7 +222,7 @@ void AuditLog::poll(std::size_t port, const UnknownFrames& unknown, Reporting re
   if (fresh.dropped + fresh.would_drop != 0 || reporting == Reporting::no)
     // The mode does not change between two polls.
     poll_frames(port, last,
-                {.fate = fresh.dropped != 0 ? Fate::dropped : Fate::let_through, .span = span},
+                {.fate = fresh.dropped != 0 ? Fate::dropped : Fate::passed, .span = span},
                 reporting);
 }
 
@@ -237,7 +237,7 @@ void AuditLog::poll_reasons(std::size_t port, Polled& last, Reporting reporting)
                   .egress = counted.egress,
                   .reason = counted.reason};
     if (fresh.dropped != 0) note(key, {.fate = Fate::dropped, .frames = fresh.dropped});
-    if (fresh.would_drop != 0) note(key, {.fate = Fate::let_through, .frames = fresh.would_drop});
+    if (fresh.would_drop != 0) note(key, {.fate = Fate::passed, .frames = fresh.would_drop});
   }
 }
 
@@ -282,7 +282,7 @@ void AuditLog::note(const Key& key, const News& news) {
   if (news.frames == 1 && f.noted != 0) gap = now - f.noted;
   if (gap != 0 && (f.busy_gap == 0 || gap < f.busy_gap)) f.busy_gap = gap;
   f.noted = now;
-  if (news.fate == Fate::let_through) clean_since_ = now;
+  if (news.fate == Fate::passed) clean_since_ = now;
   has_news_ = true;
 }
 

@@ -225,7 +225,7 @@ void DeliveryEvents::excess(const std::vector<const core::Verdict*>& verdicts, F
                fmt::format("{} sent {} of {} ({}) more than was admitted{}: {} said {} {}",
                            fmt::join(who, " or "), many(frames, "frame"), channel.name,
                            core::format_subject(channel.subject),
-                           fate == Fate::let_through ? ", passed in audit mode" : "",
+                           fate == Fate::passed ? ", passed in audit mode" : "",
                            who.size() > 1 ? who.front() : "it", info(what).name,
                            core::format_value(what, said[what])),
                {.subject = channel.subject,

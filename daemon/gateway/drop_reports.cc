@@ -99,7 +99,7 @@ void DropReports::sample_entry(const core::GateRule& rule,
   const auto excess = sample(rule.entry, Drop::excess, user, frames);
   if (excess && reporting == Reporting::yes) deliveries_.excess(users, Fate::dropped, *excess);
   const auto passed = sample(rule.entry, Drop::would_exceed, user, frames);
-  if (passed && reporting == Reporting::yes) deliveries_.excess(users, Fate::let_through, *passed);
+  if (passed && reporting == Reporting::yes) deliveries_.excess(users, Fate::passed, *passed);
   sum.dropped += sample(rule.entry, Drop::misfit, user, frames).value_or(0);
   sum.would_drop += sample(rule.entry, Drop::would_be_misfit, user, frames).value_or(0);
 }
@@ -114,7 +114,7 @@ std::optional<std::uint64_t> DropReports::sample(const core::GateEntry& entry, D
   const bool is_excess = reason == Drop::excess || reason == Drop::would_exceed;
   if (grown == 0 || (reason == Drop::excess && frames.excess_dropped == 0)) return mention;
   const bool passed = reason == Drop::would_be_misfit || reason == Drop::would_exceed;
-  const Fate fate = passed ? Fate::let_through : Fate::dropped;
+  const Fate fate = passed ? Fate::passed : Fate::dropped;
   if (is_excess) {
     audit_.refused(user, entry, enforce::reason_text(GATE_R_EXCESS), fate, grown);
     return mention;
@@ -142,8 +142,7 @@ void DropReports::verdicts_changed(const core::Change& change) {
     }
   }
   if (sum.dropped != 0) deliveries_.dropped_before(change.channel, Fate::dropped, sum.dropped);
-  if (sum.would_drop != 0)
-    deliveries_.dropped_before(change.channel, Fate::let_through, sum.would_drop);
+  if (sum.would_drop != 0) deliveries_.dropped_before(change.channel, Fate::passed, sum.would_drop);
 }
 
 /// Samples each entry once, for the first verdict whose events come or leave by it; granted
@@ -170,7 +169,7 @@ void DropReports::poll(const core::Decision& decision, Reporting reporting) {
     for (const core::GateRule& rule : rules) sample_entry(rule, users[rule.entry], reporting, sum);
     if (reporting == Reporting::no) continue;
     if (sum.dropped != 0) deliveries_.dropped(*v, Fate::dropped, sum.dropped);
-    if (sum.would_drop != 0) deliveries_.dropped(*v, Fate::let_through, sum.would_drop);
+    if (sum.would_drop != 0) deliveries_.dropped(*v, Fate::passed, sum.would_drop);
   }
   if (!polled.verdicts.empty()) on_polled_(polled);
 }
@@ -192,7 +191,7 @@ void DropReports::poll_unknown(std::size_t port, Reporting reporting) {
                  {.network = network, .frames = *fresh});
   };
   poll(Fate::dropped, frames.dropped);
-  poll(Fate::let_through, frames.would_drop);
+  poll(Fate::passed, frames.would_drop);
 }
 
 }  // namespace mlcca

@@ -76,7 +76,7 @@ class DropReports {
   /// The frames without a slot that recently came to a port, dropped or passed.
   [[nodiscard]] RecentDrops recent_unknown(std::size_t port) const {
     const RecentDrops dropped = of_ports_.recent({port, Fate::dropped}, clock_.monotonic_s());
-    const RecentDrops passed = of_ports_.recent({port, Fate::let_through}, clock_.monotonic_s());
+    const RecentDrops passed = of_ports_.recent({port, Fate::passed}, clock_.monotonic_s());
     return {dropped.frames + passed.frames, std::max(dropped.seconds, passed.seconds)};
   }
 

@@ -8,9 +8,8 @@
 namespace mlcca {
 
 std::string dropped_line(Fate fate, std::uint64_t frames, const std::string& which) {
-  return fate == Fate::let_through
-             ? fmt::format("would be dropped: {} {}", many(frames, "frame"), which)
-             : fmt::format("{} dropped {}", many(frames, "frame"), which);
+  return fate == Fate::passed ? fmt::format("would be dropped: {} {}", many(frames, "frame"), which)
+                              : fmt::format("{} dropped {}", many(frames, "frame"), which);
 }
 
 }  // namespace mlcca

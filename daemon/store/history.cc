@@ -230,7 +230,7 @@ void History::set_aside(const std::string& why) {
   }
   for (const char* companion : {"-wal", "-shm"})
     static_cast<void>(std::rename((path_ + companion).c_str(), (name + companion).c_str()));
-  troubles_.push_back(why + ": the history begins anew, the damaged one is kept as " + name);
+  troubles_.push_back(why + ": a new history is begun, the damaged one is kept as " + name);
 }
 
 template <class Work>

@@ -243,8 +243,8 @@ Result<void> Journal::commit() {
     roll_back();
     const auto again = keep();
     return fail(path_ + ": another program removed or replaced it" +
-                (again ? "; it is written anew, ask again"
-                       : ", and it cannot be written anew: " + again.error().text));
+                (again ? "; it has been written again, repeat the request"
+                       : ", and it cannot be written again: " + again.error().text));
   }
   const std::string bytes = format::batch(salt_, sequence_ + 1, count_, batch_);
   if (const auto written = write_all(*disk_, file_.get(), bytes, end_, path_); !written) {
@@ -349,7 +349,7 @@ Result<void> Journal::find_named() {
 void Journal::compact_if_large() {
   if (end_ <= kCompactAtLeast || end_ / kCompactAbove <= live_ || end_ < retry_above_) return;
   if (const auto done = compact(); !done)
-    trouble_ = "the journal could not be written anew, it grows: " + done.error().text;
+    trouble_ = "the journal could not be written again, it grows: " + done.error().text;
   else
     trouble_.reset();
   retry_above_ = trouble_ ? end_ + kCompactAtLeast : 0;

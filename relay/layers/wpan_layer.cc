@@ -17,7 +17,7 @@
 namespace mlcca::relay {
 namespace {
 
-constexpr std::uint16_t kEverybody = 0xffff;
+constexpr std::uint16_t kBroadcast = 0xffff;
 constexpr std::uint16_t kFirstGroup = 0xfffe;  // short addresses from here on are not assignable;
                                                // 0xfffe: none is assigned
 
@@ -71,16 +71,16 @@ class DatagramSocket : public WpanSocket {
     to_.family = AF_IEEE802154;
     to_.type = kShort;
     to_.pan = pan;
-    to_.brief = kEverybody;
+    to_.brief = kBroadcast;
   }
 
   [[nodiscard]] int fd() const override { return socket_.get(); }
   Got receive(Frame& to) override;
   Sent send(Octets payload) override {
     // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
-    const auto* const everybody = reinterpret_cast<const sockaddr*>(&to_);
+    const auto* const broadcast = reinterpret_cast<const sockaddr*>(&to_);
     const ssize_t n = ::sendto(socket_.get(), payload.data(), payload.size(),
-                               MSG_DONTWAIT | MSG_NOSIGNAL, everybody, sizeof to_);
+                               MSG_DONTWAIT | MSG_NOSIGNAL, broadcast, sizeof to_);
     return n >= 0 ? Sent::sent : failure_of_send();
   }
   [[nodiscard]] std::uint64_t dropped() const override { return dropped_; }

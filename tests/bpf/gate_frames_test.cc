@@ -380,18 +380,18 @@ class GateFrames : public ::testing::TestWithParam<Row> {
     }
     enforce::ReasonCounters once{};
     once.at(row.expect.reason) = 1;
-    const bool let_through = counted_as_drop && !outcome.dropped;
+    const bool passed_by_audit = counted_as_drop && !outcome.dropped;
     const auto dropped = enforce::reason_counters(gate.cpus(), row.direction);
     const auto would_drop = enforce::would_drop_counters(gate.table(), row.direction);
-    EXPECT_EQ(let_through ? would_drop : dropped, once);
-    EXPECT_EQ(let_through ? dropped : would_drop, enforce::ReasonCounters{});
+    EXPECT_EQ(passed_by_audit ? would_drop : dropped, once);
+    EXPECT_EQ(passed_by_audit ? dropped : would_drop, enforce::ReasonCounters{});
 
     std::uint32_t counting = row.direction == kIn ? GATE_INGRESS : GATE_EGRESS;
     if (row.expect.slot != kOwn)
       counting = gate.slots().find(row.slots.at(static_cast<std::size_t>(row.expect.slot))).value();
     const auto count = enforce::slot_counters(gate.table(), gate.cpus(), counting);
     EXPECT_EQ(count.dropped, outcome.dropped ? 1U : 0U);
-    EXPECT_EQ(count.would_drop, let_through ? 1U : 0U);
+    EXPECT_EQ(count.would_drop, passed_by_audit ? 1U : 0U);
     EXPECT_EQ(count.passed, row.expect.reason == GATE_R_PASSED ? 1U : 0U);
     EXPECT_EQ(count.last_reason, counted_as_drop ? row.expect.reason : GATE_R_PASSED);
   }

@@ -77,7 +77,7 @@ TEST_F(Watch, CountsWhatIsMissingInBetween) {
   EXPECT_EQ(watch().missing, 11U);
 }
 
-TEST_F(Watch, BeginsAnewAfterASilence) {
+TEST_F(Watch, RestartsAfterASilence) {
   constexpr std::uint64_t period = 50'000'000;
   SlotSpec s = watched(period);
   s.silence = 3 * period;
@@ -155,7 +155,7 @@ TEST_F(Watch, WithoutAPeriodASlotIsNotSupervised) {
   EXPECT_EQ(gaps(), 0U);
 }
 
-TEST_F(Watch, AnotherPeriodBeginsAnew) {
+TEST_F(Watch, RestartsWithAnotherPeriod) {
   admit(watched(kPeriod));
   passes_after(3 * kPeriod);
   enforce::SlotChanges changes;

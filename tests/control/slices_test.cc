@@ -14,7 +14,7 @@ using control::Reply;
 TEST(SlicesTest, PutTogetherAreWhatWasSplit) {
   for (const NamedReply& named : all_replies())
     for (const std::size_t rows : {1UL, 2UL, 3UL, 1000UL}) {
-      const auto slices = control::split(named.reply, rows);
+      const auto slices = control::slices_of(named.reply, rows);
       ASSERT_FALSE(slices.empty()) << named.name;
       std::optional<Reply> whole;
       for (std::size_t i = 0; i < slices.size(); ++i) {
@@ -33,9 +33,9 @@ TEST(SlicesTest, ARowCountsWithItsNames) {
   control::Channels channels;
   channels.channels.resize(4);
   for (control::Channel& channel : channels.channels) channel.subscribers.resize(60, "name");
-  EXPECT_EQ(control::split({7, channels}, 100).size(), 2U);
+  EXPECT_EQ(control::slices_of({7, channels}, 100).size(), 2U);
   for (control::Channel& channel : channels.channels) channel.subscribers.clear();
-  EXPECT_EQ(control::split({7, channels}, 100).size(), 1U);
+  EXPECT_EQ(control::slices_of({7, channels}, 100).size(), 1U);
 }
 
 TEST(SlicesTest, AWayCountsWithItsNodes) {
@@ -44,11 +44,11 @@ TEST(SlicesTest, AWayCountsWithItsNodes) {
   control::Routes routes;
   routes.routes.resize(4);
   for (control::RouteReport& route : routes.routes) route.media = {use};
-  EXPECT_EQ(control::split({7, routes}, 100).size(), 2U);
+  EXPECT_EQ(control::slices_of({7, routes}, 100).size(), 2U);
   control::Channels channels;
   channels.channels.resize(4);
   for (control::Channel& channel : channels.channels) channel.media = {use};
-  EXPECT_EQ(control::split({7, channels}, 100).size(), 2U);
+  EXPECT_EQ(control::slices_of({7, channels}, 100).size(), 2U);
 }
 
 TEST(SlicesTest, AnErrorTakesThePlaceOfEverything) {

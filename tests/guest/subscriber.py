@@ -87,7 +87,7 @@ class Udp:
 
 class Wpan:
     """By a packet socket: the kernel has sockets of IEEE 802.15.4 in the first network namespace alone."""
-    PAN, EVERYBODY, HEADER = 0xBEEF, 0xFFFF, struct.Struct("<HBHHH")
+    PAN, BROADCAST, HEADER = 0xBEEF, 0xFFFF, struct.Struct("<HBHHH")
 
     def __init__(self, interface, short):
         self.socket = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(0xF6))
@@ -95,7 +95,7 @@ class Wpan:
         self.short = int(short, 0)
 
     def publish(self, subject, event):
-        self.socket.send(self.HEADER.pack(0x8841, 1, self.PAN, self.EVERYBODY, self.short) + subject + event)
+        self.socket.send(self.HEADER.pack(0x8841, 1, self.PAN, self.BROADCAST, self.short) + subject + event)
 
     def send(self, event):
         self.publish(OWN, event)

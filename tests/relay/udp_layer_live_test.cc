@@ -107,7 +107,7 @@ class BroadcastNode {
 
 /// As FAMOUSO has it: datagrams from port 8888 to 255.255.255.255:8888. The kernel hands an own
 /// broadcast back.
-TEST_F(UdpLayerLive, EventsOfABroadcastNetworkGoToEverybodyAndComeFromOthersAlone) {
+TEST_F(UdpLayerLive, EventsOfABroadcastNetworkAreBroadcastAndComeFromOthersAlone) {
   shell_command("ip addr add 192.0.2.2/24 dev far0");
   for (const char* name : {"all", "out0", "far0"}) {
     const std::string key = std::string("/proc/sys/net/ipv4/conf/") + name;

@@ -77,9 +77,9 @@ bool Crossings::is_inner(std::uint64_t ns) const {
 void Crossings::add(std::uint32_t flow, std::uint32_t interface, std::uint64_t ns,
                     std::uint64_t content) {
   constexpr std::uint64_t fewest = (std::uint64_t{1} << 24U) - 1;  // no more than one in so many
-  if (heard_.size() <= interface) heard_.resize(interface + 1);
-  heard_[interface].first = std::min(heard_[interface].first, ns);
-  heard_[interface].last = std::max(heard_[interface].last, ns);
+  if (observed_.size() <= interface) observed_.resize(interface + 1);
+  observed_[interface].first = std::min(observed_[interface].first, ns);
+  observed_[interface].last = std::max(observed_[interface].last, ns);
   if (!is_kept(ns / kSpan)) return;
   while (records_.size() >= most_ && mask_ < fewest) {
     mask_ = mask_ * 2 + 1;
@@ -122,18 +122,18 @@ void Crossings::compare(std::span<const Of> flows, std::size_t copy, std::size_t
 }
 
 void Crossings::count_comparable(std::span<const Of> flows) {
-  comparable_.assign(flows.size() * heard_.size(), 0);
+  comparable_.assign(flows.size() * observed_.size(), 0);
   for (const Record& record : records_) {
     if (!is_inner(record.ns)) continue;
-    for (std::size_t i = 0; i < heard_.size(); ++i)
-      if (record.ns + kWindow >= heard_[i].first && record.ns <= heard_[i].last + kWindow)
-        ++comparable_[record.flow * heard_.size() + i];
+    for (std::size_t i = 0; i < observed_.size(); ++i)
+      if (record.ns + kWindow >= observed_[i].first && record.ns <= observed_[i].last + kWindow)
+        ++comparable_[record.flow * observed_.size() + i];
   }
 }
 
 /// The number of events of the flow at times when the interface was observed, too.
 std::uint64_t Crossings::comparable(std::uint32_t flow, std::uint32_t interface) const {
-  return comparable_[flow * heard_.size() + interface];
+  return comparable_[flow * observed_.size() + interface];
 }
 
 // --- deciding ------------------------------------------------------------------------------------

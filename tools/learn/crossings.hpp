@@ -88,7 +88,7 @@ class Crossings {
     std::size_t used_copy = 0;    ///< the same for the copy
   };
   /// The times of the first and last event of an interface.
-  struct Heard {
+  struct Observed {
     std::uint64_t first = UINT64_MAX;
     std::uint64_t last = 0;
   };
@@ -106,8 +106,8 @@ class Crossings {
 
   std::size_t most_;
   std::vector<Record> records_;
-  std::uint64_t mask_ = 0;    ///< a span is kept if the bits of this mask are 0 in its hash
-  std::vector<Heard> heard_;  ///< by interface
+  std::uint64_t mask_ = 0;          ///< a span is kept if the bits of this mask are 0 in its hash
+  std::vector<Observed> observed_;  ///< by interface
   std::vector<std::uint32_t> comparable_;  ///< number of events, by flow and interface
   std::map<std::pair<std::uint32_t, std::uint32_t>, Pair> pairs_;  ///< by copy and origin
 };

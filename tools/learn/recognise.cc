@@ -149,8 +149,8 @@ Recognised Recogniser::of_groups() const {
   const Share share = larger(percent_of(broadcast_ + management_, extended_),
                              percent_of(known, parameters_.size()));
   const std::string seen =
-      fmt::format("29-bit identifiers, {} % of the {} of PGNs that go to everybody{}",
-                  share.percent, share.of, management_ == 0 ? "" : " or manage the network");
+      fmt::format("29-bit identifiers, {} % of the {} of broadcast PGNs{}", share.percent, share.of,
+                  management_ == 0 ? "" : " or manage the network");
   if (share.percent >= 70 && management_ != 0)
     return {Profile::j1939, std::min(70 + share.percent / 4, 98U),
             fmt::format("{} ({})", seen,

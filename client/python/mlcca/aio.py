@@ -183,8 +183,8 @@ class Client:
             except ProtocolError as wrong:
                 why = str(wrong)
             except OSError as error:
-                told = error.strerror or str(error)
-                why = told if self._writer else f"no daemon: {self._path}: {told}"
+                cause = error.strerror or str(error)
+                why = cause if self._writer else f"no daemon: {self._path}: {cause}"
             finally:
                 if self._writer:
                     self._writer.close()

@@ -237,10 +237,10 @@ class Session:
         self._in.clear()
         self._whole.clear()
         for part in self.parts:
-            told = part.answer.state not in (State.NO_DAEMON, State.UNANNOUNCED)
+            answered = part.answer.state not in (State.NO_DAEMON, State.UNANNOUNCED)
             part.asked, part.lost, part.outdated, part.failed = 0, True, False, False
             part.answer = Answer(State.NO_DAEMON, why)
-            if told:
+            if answered:
                 part.note(Cause.DAEMON_GONE, why)
 
     def ask(self, part: Part) -> None:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Times of events between a CAN bus and UDP, and the peer that carries them with nothing but the
 // system calls. Addresses and groups are those of the subject "B"; on a mesh the subject is "M",
-// and goes to everybody.
+// and is broadcast.
 //   bus-probe to-udp CAN-INTERFACE ADDRESS OUT-NAMESPACE COUNT GAP-US
 //       from the bus to UDP, through whoever carries them
 //   bus-probe to-bus ADDRESS CAN-INTERFACE OUT-NAMESPACE COUNT GAP-US

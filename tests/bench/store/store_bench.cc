@@ -161,7 +161,7 @@ void bench_open(const char* name, const std::string& folder, const Open& open) {
         return static_cast<double>(now.uordblks + now.hblkhd);
       };
       ::malloc_trim(0);
-      std::ofstream("/proc/self/clear_refs") << 5;  // the peak begins anew
+      std::ofstream("/proc/self/clear_refs") << 5;  // the peak is reset
       const double heap_before = heap();
       const auto before = static_cast<double>(number_in("/proc/self/status", "VmRSS:"));
       std::array<double, kFigures> out{};

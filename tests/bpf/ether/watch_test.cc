@@ -66,7 +66,7 @@ TEST_P(EtherWatch, CountsWhatIsMissingAndHowFarOffItCame) {
   EXPECT_LT(watch().deviation, 3 * kEighth + kSoon) << "on time, after nine";
 }
 
-TEST_P(EtherWatch, BeginsAnewAfterASilence) {
+TEST_P(EtherWatch, RestartsAfterASilence) {
   admit(watched(in()));
   ASSERT_TRUE(passes());
   passes_after(3 * kPeriod);
@@ -123,7 +123,7 @@ TEST_P(EtherWatch, WithoutAPeriodASlotIsNotSupervised) {
   EXPECT_EQ(watch().last, 0U);
 }
 
-TEST_P(EtherWatch, AnotherPeriodBeginsAnew) {
+TEST_P(EtherWatch, RestartsWithAnotherPeriod) {
   admit(watched(in()));
   passes_after(3 * kPeriod);
   enforce::SlotChanges changes;

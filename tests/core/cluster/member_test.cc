@@ -139,7 +139,7 @@ TEST_F(ClusterMember, ANewProcessGoesOnWithWhatTheStoreHas) {
   EXPECT_EQ(at(0).journalled().incarnation, was.incarnation);
 }
 
-TEST_F(ClusterMember, WithoutAJournalItBeginsAnewAndCleansUp) {
+TEST_F(ClusterMember, WithoutAJournalItJoinsAgainAndCleansUp) {
   in_force(1);
   start(0);
   at(0).reserve(unit(1), now);

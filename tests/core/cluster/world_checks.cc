@@ -30,7 +30,7 @@ void World::check() {
   check_views();
 }
 
-/// What is on the medium counts for everybody who has heard of it.
+/// What is on the medium counts for every gateway that knows of it.
 void World::check_views() {
   for (std::size_t g = 0; g < hosts_.size(); ++g) {
     if (!runs(g) || !hosts_[g].synced) continue;

@@ -100,7 +100,7 @@ TEST(RelayGate, WhereThereIsNoGateNoneIsInTheWay) {
 
 TEST(RelayGate, TheHintNamesWhatIsToBeDone) {
   EXPECT_EQ(relay_hint(with_mesh({{mesh::SourceKind::babel, ""}}, kMesh), 0, 0),
-            "let other nodes relay: gateway g cannot let through what it only routes on");
+            "let other nodes relay: the gate of gateway g drops what that gateway only routes");
   EXPECT_EQ(relay_hint(with_mesh({{mesh::SourceKind::batman, "bat7"}}, kRadio), 0, 0),
             "give the Port the mesh's own device: <Interface name=\"bat7\"/>");
   EXPECT_EQ(relay_hint(with_mesh({{mesh::SourceKind::awds, "wlan0"}}, kRadio), 0, 0),

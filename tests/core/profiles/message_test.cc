@@ -43,7 +43,7 @@ TEST(J1939Message, IsAnnouncedAndFollowsInPacketsOfSeven) {
   EXPECT_EQ(carriers[0].mask, kExtendedFlag | 0x03ffffff) << "the priority is open";
 }
 
-TEST(J1939Message, GoesToEverybodyInClassicFrames) {
+TEST(J1939Message, IsBroadcastInClassicFrames) {
   const auto network = truck_bus();
   auto b = bound(0xef00);
   EXPECT_EQ(event_bytes(network, b), 1785U);

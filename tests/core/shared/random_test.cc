@@ -71,7 +71,8 @@ Whose whose(const Flow& flow) {
   return whose(kGateways, {.publisher = flow.publisher, .admission = 0, .from = flow.from});
 }
 
-/// All that anybody may send on the shared bus: what is promised twice of one flow is sent once.
+/// All that the members may send on the shared bus: what is promised twice of one flow is sent
+/// once.
 std::vector<can::Message> promised(const cluster::Baseline& baseline, const Store& store) {
   std::map<Whose, can::Message> promises;
   const auto take = [&](const Whose& key, const can::Message& message) {

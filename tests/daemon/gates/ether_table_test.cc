@@ -136,7 +136,7 @@ TEST_F(EtherTableTest, WhatIsWrongChangesNothing) {
   };
   SlotSpec bad = slot(2);
   bad.formats = 0;
-  refused(adding({bad}), "neither whole events nor fragments");
+  refused(adding({bad}), "neither unfragmented events nor fragments");
   bad = slot(2);
   bad.id = 1;
   refused(adding({bad}), "no identifier");
@@ -287,7 +287,7 @@ TEST_F(EtherTableTest, WithoutAGracePeriodNothingIsUsedAgain) {
   EXPECT_TRUE(add({slot(0)}));
 }
 
-TEST_F(EtherTableTest, TheSieveHasTheSubjectsOfTheChainAndNoOthers) {
+TEST_F(EtherTableTest, ThePrefilterHasTheSubjectsOfTheChainAndNoOthers) {
   std::mt19937_64 random(3);
   std::vector<SlotSpec> all;
   for (int i = 0; i < 4000; ++i) all.push_back(slot(random()));

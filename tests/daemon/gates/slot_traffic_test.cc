@@ -98,7 +98,7 @@ TEST_F(SlotTraffic, KnowsWhichSlotsToWatchFromNowOn) {
   EXPECT_EQ(memory_->watches[first].last, 7U) << "it goes on";
   EXPECT_EQ(slots.take_newly_watched().size(), 2U);
 
-  // Closed and opened again it begins anew.
+  // Closed and opened again it starts at 0.
   SlotChanges close;
   SlotChanges open;
   close.close = open.open = {raw(1)};

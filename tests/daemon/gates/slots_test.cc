@@ -59,7 +59,8 @@ TEST_F(Slots, FlipChangesNothingButTheVerdict) {
   SlotChanges open;
   open.open = {raw(0x10)};
   ASSERT_TRUE(slots.apply(open));
-  EXPECT_GE(memory_->watches[slot].since, before.watches[slot].since) << "silence begins anew";
+  EXPECT_GE(memory_->watches[slot].since, before.watches[slot].since)
+      << "the silence timer restarts";
   memory_->watches[slot].since = before.watches[slot].since;
   EXPECT_EQ(std::memcmp(&before, memory_.get(), sizeof(before)), 0);
 }

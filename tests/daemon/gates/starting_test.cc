@@ -42,7 +42,7 @@ TEST_F(StartingTest, OneThatDiedAndOneThatTriesAgainHaveOneLimitTogether) {
   EXPECT_FALSE(at(200 * kSecond).beat(control_, 200 * kSecond));
 }
 
-TEST_F(StartingTest, AfterOneThatCameToItsEndTheLimitBeginsAnew) {
+TEST_F(StartingTest, AfterOneThatCameToItsEndTheLimitRestarts) {
   at(100 * kSecond).finish();
   auto next = at(200 * kSecond);
   EXPECT_TRUE(next.beat(control_, 229 * kSecond));

@@ -101,7 +101,7 @@ TEST_F(WatchAttached, WithoutATimeoutTheTimeSinceTheGrantIsKnownToo) {
   };
   EXPECT_GE(since_last(after + kPeriod), kPeriod);
   EXPECT_LE(since_last(after + kPeriod), after + kPeriod - before);
-  // The next daemon goes on, and only what is opened again begins anew.
+  // The next daemon goes on, and only what is opened again restarts.
   gate.reset();
   gate = attach(bus);
   ASSERT_TRUE(gate->reused());
@@ -169,7 +169,7 @@ TEST_F(WatchAttached, SilenceOfASlotThatDoesNotPassIsNotReported) {
   ASSERT_TRUE(gate.apply(changes));
   admit(gate, {heart_beat(5)});
   EXPECT_EQ(next().subject, 5U);
-  // Opened again, silence begins anew.
+  // Opened again, the silence timer restarts.
   changes = {};
   changes.open = {heart_beat(1)};
   const std::uint64_t before = monotonic_ns();

@@ -92,7 +92,7 @@ TEST_F(Announce, ASubscriberGetsTheDeliveriesToIt) {
   EXPECT_EQ(answer.follows, 1U);
 }
 
-TEST_F(Announce, NothingIsDecidedAnew) {
+TEST_F(Announce, NothingIsDecidedAgain) {
   const auto before = bench_.wanted();
   const std::size_t events = bench_.events.size();
   EXPECT_EQ(refusal({"c0", Role::publisher, "", {}}), "");

@@ -123,7 +123,7 @@ TEST(DropWatch, AwakeItMentionsTheRestAtOnce) {
 
 TEST(DropWatch, LineSaysWhatWouldBeInAuditMode) {
   EXPECT_EQ(dropped_line(Fate::dropped, 3, "of x"), "3 frames dropped of x");
-  EXPECT_EQ(dropped_line(Fate::let_through, 3, "of x"), "would be dropped: 3 frames of x");
+  EXPECT_EQ(dropped_line(Fate::passed, 3, "of x"), "would be dropped: 3 frames of x");
 }
 
 }  // namespace

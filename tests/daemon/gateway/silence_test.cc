@@ -125,7 +125,7 @@ TEST_F(Silence, IsMeasuredFromTheLatestEvent) {
 
 /// Between the two silences the gate was closed and opened again, so it does not report the end of
 /// the first one.
-TEST_F(Silence, ThatBeginsAnewIsReportedAgain) {
+TEST_F(Silence, ThatRecursIsReportedAgain) {
   for (int i = 0; i < 2; ++i) {
     gate_says(GATE_E_MISSING, patience(kStrict));
     said_.clear();

@@ -207,7 +207,7 @@ TEST_F(OnTheBench, AForwarderThatEndsIsReportedAfterItsLastFrame) {
   bench_.round();
   EXPECT_EQ(troubles(), Lines{"5 frames came in from can0 and none left to can1: nothing forwards "
                               "them"})
-      << "slots that were made anew";
+      << "slots that were made again";
 }
 
 /// Slots outlive a reload and a daemon, and what they have counted says nothing of a new grant.

@@ -158,7 +158,7 @@ TEST_F(DescribedPortTest, IsOutdatedByWhateverChangesOnItsInterfaceAlone) {
   EXPECT_TRUE(is_outdated());
 }
 
-TEST_F(DescribedPortTest, DescribedAnewItIsRaisedAgainOnlyForOtherBitRates) {
+TEST_F(DescribedPortTest, DescribedAgainItIsRaisedAgainOnlyForOtherBitRates) {
   system_.gateways[0].ports[0].managed = true;
   match();
   const DescribedPort former = port();

@@ -83,7 +83,7 @@ TEST_F(GateSetTest, WhatFailsOnTheWayBackDoesNotEndIt) {
   EXPECT_TRUE(gates_.hold(spec(2, 8)));
 }
 
-TEST_F(GateSetTest, AfterAChangeADisplacedGateIsMadeAnew) {
+TEST_F(GateSetTest, AfterAChangeADisplacedGateIsMadeAgain) {
   ASSERT_TRUE(change_to(9));
   ASSERT_TRUE(gates_.hold(spec(1, 9)));
   gates_.end_change();

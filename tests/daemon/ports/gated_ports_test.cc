@@ -58,7 +58,7 @@ TEST_F(GatedPortsTest, APortOfTheSameNameKeepsItsGateInTheNextDescription) {
   EXPECT_EQ(hooks_.loaded, 2U);
 }
 
-TEST_F(GatedPortsTest, OfAnotherNetworkTheInterfaceIsMatchedAnew) {
+TEST_F(GatedPortsTest, OfAnotherNetworkTheInterfaceIsMatchedAgain) {
   core::System renamed = test::two_ports(1);
   renamed.networks[0].name = "other";
   ports_.describe(renamed, 0);

@@ -233,7 +233,8 @@ TEST(Journal, RefusesWhatIsCommittedToAFileThatWasReplaced) {
   ASSERT_TRUE(journal.append(Released{"lost"}));
   const auto done = journal.commit();
   ASSERT_FALSE(done);
-  EXPECT_NE(done.error().text.find("removed or replaced it; it is written anew, ask again"),
+  EXPECT_NE(done.error().text.find(
+                "removed or replaced it; it has been written again, repeat the request"),
             std::string::npos)
       << done.error().text;
   EXPECT_EQ(journal.contents(), before);
@@ -279,7 +280,7 @@ TEST(Journal, NamesADirectoryThatIsNotThere) {
   EXPECT_EQ(journal.error().text, "/nonexistent/mlcca: No such file or directory");
 }
 
-// --- written anew --------------------------------------------------------------------------------
+// --- written again -------------------------------------------------------------------------------
 
 TEST(Compaction, KeepsTheFileWithinAMultipleOfWhatIsAlive) {
   MemoryDisk disk;

@@ -193,7 +193,7 @@ TEST_F(SubscriptionsTest, WhatTheDaemonDecidesLaterIsReportedToThePeer) {
   EXPECT_TRUE(asked_[4].end);
 }
 
-/// A question in vain is written down by the daemon, which reports that to everybody.
+/// A question in vain is recorded by the daemon, which reports that to all its clients.
 TEST_F(SubscriptionsTest, WhatWasRefusedIsNotAskedAgainAtOnceThoughItIsAdmittedAsItWasBefore) {
   come("0x12", wanted(5));
   answer(granted());

@@ -41,7 +41,7 @@ bool notes(const Draft& draft, std::string_view text) {
 
 // --- J1939 ---------------------------------------------------------------------------------------
 
-/// Announced to everybody, and three packets behind it.
+/// A broadcast announcement, and three packets behind it.
 void put_broadcast(std::vector<Sent>& to, std::uint64_t ns, std::uint8_t content) {
   to.push_back({ns, 0, 0x1cecff00U | kExtended, {0x20, 20, 0, 3, 0xff, 0xca, 0xfe, 0}});
   for (std::uint8_t packet = 1; packet <= 3; ++packet)

@@ -83,7 +83,7 @@ TEST(Recogniser, OfABusWithOneFastMessageToANodeTheIdentifiersCount) {
     repeat(id, 100);
   const auto is = recognised(sent);
   EXPECT_EQ(is.profile, Profile::j1939);
-  EXPECT_TRUE(is.why.contains("83 % of the identifiers of PGNs that go to everybody")) << is.why;
+  EXPECT_TRUE(is.why.contains("83 % of the identifiers of broadcast PGNs")) << is.why;
   repeat(0x18eafff9, 1);
   EXPECT_GE(recognised(sent).percent, 90U) << "and requests";
 }

@@ -122,7 +122,7 @@ void add_lack(ImportedNetwork& network, std::string_view kind, std::string_view 
 
 bool is_bindable(ImportedNetwork& network, const ImportedMessage& message) {
   constexpr Value frame = 8;
-  constexpr std::uint8_t everybody = 0xff;
+  constexpr std::uint8_t global_address = 0xff;
   core::Binding binding;
   binding.id = message.id;
   binding.extended = message.extended;
@@ -130,7 +130,7 @@ bool is_bindable(ImportedNetwork& network, const ImportedMessage& message) {
   binding.priority = message.priority;
   binding.destination = message.destination;
   auto problems = core::traits_of(network.profile).problems(binding);
-  if (message.destination.value_or(everybody) != everybody &&
+  if (message.destination.value_or(global_address) != global_address &&
       message.attributes[Attribute::max_payload] > frame)
     problems.emplace_back(
         "more than 8 bytes to one address need a connection, which no gate passes");
