@@ -69,7 +69,7 @@ static __always_inline __u64 judge_announcement(struct __sk_buff *skb, struct fr
 	if (found >> 32 != GATE_R_PASSED)
 		return found;
 	/* A request to send is answered by frames of other nodes, which no slot admits. */
-	if (data[0] != GATE_TP_BAM || destination != GATE_TP_EVERYBODY)
+	if (data[0] != GATE_TP_BAM || destination != GATE_TP_BROADCAST)
 		return packed(GATE_R_FORMAT, found);
 	if (size < GATE_TP_LEAST || size > GATE_TP_MOST ||
 	    data[3] != (size + GATE_TP_PACKET - 1) / GATE_TP_PACKET)
@@ -97,7 +97,7 @@ static __always_inline __u64 judge_packet(struct __sk_buff *skb, struct frame *f
 		return found >> 32 == GATE_R_UNKNOWN ? packed(GATE_R_FRAGMENT, direction) : found;
 	if ((__u32)found != slot)
 		return packed(GATE_R_SOURCE, found);
-	if (number != state >> 56 || (frame->can_id & GATE_TP_DESTINATION) != GATE_TP_EVERYBODY)
+	if (number != state >> 56 || (frame->can_id & GATE_TP_DESTINATION) != GATE_TP_BROADCAST)
 		return packed(GATE_R_FRAGMENT, found);
 	if (__sync_val_compare_and_swap(&session->state, state,
 					number == packets ? 0 : state + (1ULL << 56)) != state)

@@ -15,7 +15,7 @@
 #define GATE_TP_PGN_MASK    0x03ff0000U /* masks an identifier */
 #define GATE_TP_CM	    0x00ec0000U
 #define GATE_TP_DT	    0x00eb0000U
-#define GATE_TP_EVERYBODY   0x0000ff00U
+#define GATE_TP_BROADCAST   0x0000ff00U
 #define GATE_TP_DESTINATION 0x0000ff00U
 #define GATE_TP_SOURCE	    0x000000ffU
 #define GATE_TP_PRIORITY    0x1c000000U

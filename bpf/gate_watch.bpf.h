@@ -48,7 +48,7 @@ static __always_inline bool is_silence(const struct gate_watch *w, __u64 period,
  * Restarts the statistics with the event at `now` as the first one. Another CPU may still add a
  * gap.
  */
-static void begin_anew(struct gate_watch *w, __u64 now)
+static void restart_statistics(struct gate_watch *w, __u64 now)
 {
 	__u32 i;
 
@@ -81,7 +81,7 @@ static __always_inline void watch(struct gate_watch *w, __u64 period, __u64 now)
 	 */
 	gap = now > last ? now - last : 1;
 	if (is_silence(w, period, gap)) {
-		begin_anew(w, now);
+		restart_statistics(w, now);
 		return;
 	}
 	if (gap < 2 * period)

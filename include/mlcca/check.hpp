@@ -207,8 +207,8 @@ constexpr CheckResult check_traffic(const AttributeSet& traffic, const Attribute
 
 /// Check 4: a frame on a broadcast medium reaches all subscribers there, so the medium may be used
 /// only if all of them are fulfilled. Without subscribers it is fit.
-constexpr CheckResult check_everybody(const AttributeSet* requirements, size_t n,
-                                      const AttributeSet& provision) {
+constexpr CheckResult check_subscribers(const AttributeSet* requirements, size_t n,
+                                        const AttributeSet& provision) {
   return check_layer(strictest_of(requirements, n), provision);
 }
 

@@ -207,10 +207,10 @@ TEST(CheckAllSubscribersTest, LenientLoggerDoesNotOpenTheWayThatTheMotorIsRefuse
   const AttributeSet logger;
   const AttributeSet bridge = make_set<Period<10_ms>, Omission<5>>();
   const std::array<AttributeSet, 3> listeners = {logger, kSwitch, logger};
-  EXPECT_EQ(check_everybody(listeners.data(), 1, bridge).outcome, Outcome::fit);
-  EXPECT_EQ(check_everybody(listeners.data(), 2, bridge).outcome, Outcome::unfit);
-  EXPECT_EQ(check_everybody(listeners.data(), 3, bridge).outcome, Outcome::unfit);
-  EXPECT_EQ(check_everybody(listeners.data() + 2, 1, bridge).outcome, Outcome::fit);
+  EXPECT_EQ(check_subscribers(listeners.data(), 1, bridge).outcome, Outcome::fit);
+  EXPECT_EQ(check_subscribers(listeners.data(), 2, bridge).outcome, Outcome::unfit);
+  EXPECT_EQ(check_subscribers(listeners.data(), 3, bridge).outcome, Outcome::unfit);
+  EXPECT_EQ(check_subscribers(listeners.data() + 2, 1, bridge).outcome, Outcome::fit);
 }
 
 TEST(CheckCapacityTest, LastByteFitsAndOneMoreDoesNot) {

@@ -116,8 +116,8 @@ TEST(LawTest, OneMoreListenerNeverOpensANetwork) {
     const AttributeSet listeners[] = {world.set(3, 3), world.set(3, 3), world.set(3, 3)};
     const AttributeSet provision = world.set(12, 8);
     for (std::size_t n = 1; n <= 3; ++n) {
-      const int all = rank(check_everybody(listeners, n, provision).outcome);
-      ASSERT_LE(all, rank(check_everybody(listeners, n - 1, provision).outcome));
+      const int all = rank(check_subscribers(listeners, n, provision).outcome);
+      ASSERT_LE(all, rank(check_subscribers(listeners, n - 1, provision).outcome));
       for (std::size_t i = 0; i < n; ++i)
         ASSERT_LE(all, rank(check_layer(listeners[i], provision).outcome)) << "round " << round;
     }
