@@ -83,12 +83,31 @@ class DbcMeaning {
     ImportedNode next;
     next.name = node.long_name && !node.long_name->empty() ? *node.long_name : node.name;
     next.description = node.comment;
-    if (out_.profile == core::Profile::j1939 && node.address) {
-      const auto number = number_in<unsigned>(*node.address);
-      if (number && *number > 0 && *number < kNullAddress)
-        next.number = static_cast<std::uint8_t>(*number);
-    }
+    next.number = address_of(node);
     out_.nodes.push_back(std::move(next));
+  }
+
+  /// The address of a node of J1939. 0 is an address if it is stated for the node: as a default it
+  /// means that there is none. The null address is none, too.
+  std::optional<std::uint8_t> address_of(const DbcNode& node) {
+    if (!node.address) return std::nullopt;
+    const bool is_stated = node.address_line != 0;
+    const auto number = number_in<unsigned>(*node.address);
+    if (out_.profile != core::Profile::j1939) {
+      if (is_stated)
+        lack("address", "is of J1939, and no node of this network has one: left out",
+             node.address_line, fmt::format("{}: {}", node.name, cut(*node.address, 40)));
+      return std::nullopt;
+    }
+    if (number && *number == kNullAddress) return std::nullopt;
+    if (!number || *number > kNullAddress) {
+      if (is_stated)
+        lack("address", "is no address of J1939 (0 to 253): left out", node.address_line,
+             fmt::format("{}: {}", node.name, cut(*node.address, 40)));
+      return std::nullopt;
+    }
+    if (*number == 0 && !is_stated) return std::nullopt;
+    return static_cast<std::uint8_t>(*number);
   }
 
   /// Sets Period and size, and notes what was assumed.

@@ -37,6 +37,7 @@ struct DbcNode {
   std::string name;
   std::string comment;
   DbcValue address, long_name;
+  int address_line = 0;  ///< of the statement; 0: the address is not stated, or a default
 };
 
 /// The content of a file; `lacks` lists what was not understood.

@@ -390,8 +390,11 @@ class DbcReader {
     if (to.message != nullptr) place = place_of(*to.message, role);
     if (to.node != nullptr) place = place_of(*to.node, role);
     if (to.object == DbcObject::network) place = place_of(out_, role);
-    if (place != nullptr && (!*place || *place == "0" || (*place)->empty()))
-      *place = std::move(value);
+    // 0 stands for a time or rate that is not stated; of an address it is a value like others.
+    const bool is_address = role == DbcRole::address;
+    if (place == nullptr || (*place && !(*place)->empty() && (is_address || *place != "0"))) return;
+    *place = std::move(value);
+    if (is_address) to.node->address_line = name.line;
   }
 
   DbcScanner scan_;

@@ -312,8 +312,7 @@ constexpr const char* kTruck =
     "BA_DEF_ BU_ \"NmStationAddress\" INT 0 255;\n"
     "BA_DEF_ BO_ \"VFrameFormat\" ENUM \"StandardCAN\",\"ExtendedCAN\",\"reserved\",\"J1939PG\";\n"
     "BA_DEF_DEF_ \"VFrameFormat\" \"J1939PG\";\n"
-    "BA_ \"NmStationAddress\" BU_ Engine 0;\nBA_ \"NmStationAddress\" BU_ Other 33;\n"
-    "BA_ \"NmStationAddress\" BU_ Engine 3;\n";
+    "BA_ \"NmStationAddress\" BU_ Engine 3;\nBA_ \"NmStationAddress\" BU_ Other 33;\n";
 
 TEST_F(DbcImportTest, ParameterGroupsOfJ1939AreRecognised) {
   json("truck.dbc", kTruck);
@@ -328,7 +327,8 @@ TEST_F(DbcImportTest, ParameterGroupsOfJ1939AreRecognised) {
   EXPECT_TRUE(has("<Profile>raw</Profile>"));
 }
 
-TEST_F(DbcImportTest, ASenderWithoutAnAddressPublishesNothing) {
+/// Address 0 is that of the first engine.
+TEST_F(DbcImportTest, AnAddressOfZeroThatIsStatedIsOne) {
   std::string truck = kTruck;
   truck.replace(truck.find("BU_ Other 33"), 12, "BU_ Other 0");
   const auto out = json("truck.dbc", truck);
@@ -349,6 +349,31 @@ TEST_F(DbcImportTest, FilesOfWindowsAreRead) {
 }
 
 TEST_F(DbcImportTest, RemarksAndCommentsThatAreNotUnderstoodRefuseNothing) {
+  EXPECT_EQ(lacking(json("truck.dbc", truck), "no-address"), 0U);
+  EXPECT_TRUE(has(R"(<Component name="Other" network="truck" node="0">)")) << draft_;
+  EXPECT_TRUE(has("<Publisher channel=\"Long\"")) << draft_;
+}
+
+TEST_F(DbcImportTest, AnAddressOfZeroByDefaultIsNone) {
+  std::string truck = kTruck;
+  const std::string stated = "BA_ \"NmStationAddress\" BU_ Other 33;";
+  truck.replace(truck.find(stated), stated.size(), "BA_DEF_DEF_ \"NmStationAddress\" 0;");
+  EXPECT_EQ(lacking(json("truck.dbc", truck), "no-address"), 1U);
+  EXPECT_TRUE(has(R"(<Component name="Other" network="truck">)")) << draft_;
+}
+
+TEST_F(DbcImportTest, ANumberThatIsNoAddressIsListed) {
+  std::string truck = kTruck;
+  truck.replace(truck.find("BU_ Other 33"), 12, "BU_ Other 300");
+  EXPECT_EQ(lacking(json("truck.dbc", truck), "address"), 1U);
+  const auto said = import("truck.dbc", truck).error;
+  EXPECT_NE(said.find("truck.dbc:9: Other: 300\n"), std::string::npos) << said;
+  EXPECT_EQ(lacking(json("truck.dbc", kTruck, {"--profile", "raw"}), "address"), 2U);
+}
+
+TEST_F(DbcImportTest, ASenderWithoutAnAddressPublishesNothing) {
+  std::string truck = kTruck;
+  truck.replace(truck.find("BU_ Other 33"), 12, "BU_ Other 254");
   const auto out =
       json("a.dbc", "// made by hand\n" + bus_with("CM_ 145 \"no object\";\n// the end"));
   EXPECT_EQ(lacking(out, "comments"), 1U);
