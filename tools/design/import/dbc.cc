@@ -311,18 +311,22 @@ class DbcMeaning {
   }
 
   void finish() {
-    const auto rate = [&](const DbcValue& value) -> std::uint32_t {
-      auto number = value ? number_in<std::uint32_t>(*value).value_or(0) : 0;
-      if (number < kUpToKilobits) number *= 1000;
-      return number;
-    };
     constexpr std::uint32_t most = 1'000'000;
     constexpr std::uint32_t most_data = 8'000'000;
-    out_.bitrate = options_.bitrate != 0 ? options_.bitrate : rate(dbc_.baudrate);
-    if (out_.bitrate > most) out_.bitrate = 0;
-    out_.data_bitrate =
-        options_.data_bitrate != 0 ? options_.data_bitrate : rate(dbc_.data_baudrate);
-    if (out_.data_bitrate > most_data) out_.data_bitrate = 0;
+    out_.bitrate = rate_of(options_.bitrate, dbc_.baudrate, most);
+    out_.data_bitrate = rate_of(options_.data_bitrate, dbc_.data_baudrate, most_data);
+  }
+
+  /// The bit rate of an option or of the file; 0 if neither states one that CAN can have.
+  std::uint32_t rate_of(std::uint32_t option, const DbcValue& value, std::uint32_t most) {
+    if (!value || value->empty()) return option;
+    const auto number = number_in<std::uint32_t>(*value);
+    const std::uint32_t factor = number && *number < kUpToKilobits ? 1000 : 1;
+    if (!number || *number > most / factor) {
+      lack("no-bit-rate", "is no bit rate of CAN: left out", 0, std::string(cut(*value, 40)));
+      return option;
+    }
+    return option != 0 ? option : *number * factor;
   }
 
   DbcFile dbc_;

@@ -52,6 +52,8 @@ class DbcReader {
       return fail(fmt::format(
           "{}: there is no message in it: a DBC file has lines such as \"BO_ 256 Name: 8 Node\"",
           file_));
+    if (bit_timing_ && (!out_.baudrate || out_.baudrate->empty() || out_.baudrate == "0"))
+      out_.baudrate = bit_timing_;
     definitions_.complete(out_);
     for (const auto& message : out_.messages)
       if (message.signals != 0)
@@ -128,7 +130,8 @@ class DbcReader {
     if (token.is_word("BA_DEF_")) return definition();
     if (token.is_word("BA_DEF_DEF_")) return default_value();
     if (token.is_word("BA_")) return value();
-    if (token.is_word("VERSION") || token.is_word("BS_")) return scan_.skip_line();
+    if (token.is_word("BS_")) return bit_timing();
+    if (token.is_word("VERSION")) return scan_.skip_line();
     if (token.is_word("NS_")) {
       scan_.skip_line();
       scan_.skip_indented();
@@ -190,12 +193,30 @@ class DbcReader {
     return known->second;
   }
 
+  /// Reads "BS_: 500 : BTR1, BTR2": the bit rate, and the registers of a controller.
+  void bit_timing() {
+    const auto rate = [this] { return scan_.peek().kind == DbcToken::Kind::word; };
+    if (scan_.peek().is(':') && !scan_.peek().first) scan_.take();
+    if (scan_.peek().first) return;
+    const auto line = scan_.peek().line;
+    if (rate()) bit_timing_ = scan_.take().text;
+    if (!scan_.peek().first && scan_.peek().kind != DbcToken::Kind::end)
+      lack("bit-timing", "has no counterpart: only the bit rate is used", line, "BS_");
+    scan_.skip_line();
+  }
+
   void nodes() {
     mark(':', "':' behind BU_");
     // The names may continue in further lines, which then begin with a blank.
     while (error_.empty() && scan_.peek().kind == DbcToken::Kind::word &&
-           (!scan_.peek().first || (scan_.is_indented() && !is_keyword(scan_.peek().text))))
-      node_called(scan_.take());
+           (!scan_.peek().first || (scan_.is_indented() && !is_keyword(scan_.peek().text)))) {
+      const auto token = scan_.take();
+      const auto known = out_.nodes.size();
+      node_called(token);
+      if (error_.empty() && token.text != kNobody && out_.nodes.size() == known)
+        lack("repeated-nodes", "a node has this name already: they are one", token.line,
+             std::string(cut(token.text, 60)));
+    }
   }
 
   void signal() {
@@ -410,6 +431,7 @@ class DbcReader {
   std::map<std::string, Seen> unused_;
   std::map<std::string, Seen> other_;
   std::size_t receivers_ = 0;
+  DbcValue bit_timing_;                ///< bit rate of BS_
   std::vector<std::size_t> received_;  ///< by node, the latest message that it receives
 };
 

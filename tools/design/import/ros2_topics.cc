@@ -34,7 +34,7 @@ class TopicsReader {
       take(without_blanks(rest_.substr(0, size)));
       rest_.remove_prefix(std::min(size + 1, rest_.size()));
     }
-    end_of_endpoint();
+    end_of_topic();
     return ends_.take(file_, options, error_,
                       "there is no publisher or subscription in it: print it with \"ros2 topic "
                       "info --verbose\"");
@@ -71,28 +71,43 @@ class TopicsReader {
     if (at >= line.size() || line[at] != '/') return is_command;
     const auto name = line.substr(at, line.find(' ', at) - at);
     if (!is_command && name.size() != line.size()) return false;
-    end_of_endpoint();
+    if (name == next_topic_) return true;
+    end_of_topic();
     next_topic_ = name;
+    named_at_ = line_;
     return true;
   }
 
-  void begin_topic(std::string_view type) {
+  /// Lists a topic without a publisher and a subscription.
+  void end_of_topic() {
     end_of_endpoint();
+    if (next_topic_.empty() && !is_empty_) return;
+    ends_.lacks.add("no-ends", "has no publisher and no subscription: left out", named_at_,
+                    next_topic_.empty() ? topic_ : next_topic_);
+    next_topic_.clear();
+    is_empty_ = false;
+  }
+
+  void begin_topic(std::string_view type) {
+    if (next_topic_.empty()) end_of_topic();
     if (next_topic_.empty() && topics_ > 0)
       return wrong("which topic is this? Put its name on a line in front of \"Type:\"");
     topic_ = std::exchange(next_topic_, {});
     if (topic_.empty()) {
       topic_ = "/" + stem_of_file(file_);
+      named_at_ = line_;
       ends_.lacks.add("no-topic", "its name is not stated: that of the file is taken", line_,
                       topic_);
     }
     type_ = type;
+    is_empty_ = true;
     ++topics_;
   }
 
   void begin_endpoint(std::string_view name) {
     end_of_endpoint();
     if (topics_ == 0) begin_topic({});
+    is_empty_ = false;
     open_ = DdsEnd{};
     open_->line = line_;
     open_->topic = topic_;
@@ -151,6 +166,8 @@ class TopicsReader {
   DdsEnds ends_;
   std::size_t topics_ = 0;
   std::string next_topic_;
+  int named_at_ = 0;       ///< line of the latest topic
+  bool is_empty_ = false;  ///< topic_ has no endpoint yet
   std::string topic_;
   std::string type_;
   std::optional<DdsEnd> open_;

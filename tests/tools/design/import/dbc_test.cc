@@ -299,6 +299,24 @@ TEST_F(DbcImportTest, FdFollowsFromFormatAndSize) {
   EXPECT_EQ(lacking(out, "assumed-any"), 1U);
 }
 
+TEST_F(DbcImportTest, TheBitRateOfBsIsUsedWhereNoAttributeStatesOne) {
+  auto out = json("a.dbc", "BS_: 250\n" + bus_with(""));
+  EXPECT_TRUE(has(R"(<Bus bitrate="250000"/>)")) << draft_;
+  EXPECT_EQ(lacking(out, "bit-rate") + lacking(out, "bit-timing"), 0U);
+  out = json("a.dbc", "BS_: 250000 : 1,2\n" + bus_with(""));
+  EXPECT_TRUE(has(R"(<Bus bitrate="250000"/>)")) << draft_;
+  EXPECT_EQ(lacking(out, "bit-timing"), 1U);
+  json("a.dbc",
+       "BS_: 250\n" + bus_with("BA_DEF_ \"Baudrate\" INT 0 1000000;\nBA_ \"Baudrate\" 125000;\n"));
+  EXPECT_TRUE(has(R"(<Bus bitrate="125000"/>)")) << draft_;
+  EXPECT_EQ(lacking(json("a.dbc", "BS_: 9000000\n" + bus_with("")), "no-bit-rate"), 1U);
+}
+
+TEST_F(DbcImportTest, ANodeThatIsNamedTwiceIsListed) {
+  const auto out = json("a.dbc", "BU_: N M N Vector__XXX Vector__XXX\nBO_ 1 A: 8 N\n");
+  EXPECT_EQ(lacking(out, "repeated-nodes"), 1U);
+}
+
 TEST_F(DbcImportTest, AnIdentifierHasOneSender) {
   const auto out = json("a.dbc", bus_with("BO_TX_BU_ 256 : N,M;\n"));
   EXPECT_EQ(lacking(out, "further-senders"), 1U);
@@ -331,24 +349,6 @@ TEST_F(DbcImportTest, ParameterGroupsOfJ1939AreRecognised) {
 TEST_F(DbcImportTest, AnAddressOfZeroThatIsStatedIsOne) {
   std::string truck = kTruck;
   truck.replace(truck.find("BU_ Other 33"), 12, "BU_ Other 0");
-  const auto out = json("truck.dbc", truck);
-  EXPECT_EQ(lacking(out, "no-address"), 1U);
-  EXPECT_TRUE(has("<EventChannel name=\"Long\">"));
-  EXPECT_FALSE(has("<Publisher channel=\"Long\"")) << draft_;
-}
-
-TEST_F(DbcImportTest, FilesOfWindowsAreRead) {
-  const auto out = json("a.dbc", bus_with("CM_ BO_ 256 \"Gr\xfc\xdf Gott: 5 \x80\";"));
-  EXPECT_EQ(lacking(out, "encoding"), 1U);
-  EXPECT_TRUE(has("Gr\u00fc\u00df Gott: 5 \u20ac")) << draft_;
-  EXPECT_EQ(import("a.dbc", "\xef\xbb\xbf" + bus_with("")).status, 0);
-  std::string lines = bus_with("");
-  for (auto at = lines.find('\n'); at != std::string::npos; at = lines.find('\n', at + 2))
-    lines.replace(at, 1, "\r\n");
-  EXPECT_EQ(import("a.dbc", lines).status, 0);
-}
-
-TEST_F(DbcImportTest, RemarksAndCommentsThatAreNotUnderstoodRefuseNothing) {
   EXPECT_EQ(lacking(json("truck.dbc", truck), "no-address"), 0U);
   EXPECT_TRUE(has(R"(<Component name="Other" network="truck" node="0">)")) << draft_;
   EXPECT_TRUE(has("<Publisher channel=\"Long\"")) << draft_;
@@ -367,13 +367,31 @@ TEST_F(DbcImportTest, ANumberThatIsNoAddressIsListed) {
   truck.replace(truck.find("BU_ Other 33"), 12, "BU_ Other 300");
   EXPECT_EQ(lacking(json("truck.dbc", truck), "address"), 1U);
   const auto said = import("truck.dbc", truck).error;
-  EXPECT_NE(said.find("truck.dbc:9: Other: 300\n"), std::string::npos) << said;
+  EXPECT_NE(said.find("truck.dbc:10: Other: 300\n"), std::string::npos) << said;
   EXPECT_EQ(lacking(json("truck.dbc", kTruck, {"--profile", "raw"}), "address"), 2U);
 }
 
 TEST_F(DbcImportTest, ASenderWithoutAnAddressPublishesNothing) {
   std::string truck = kTruck;
   truck.replace(truck.find("BU_ Other 33"), 12, "BU_ Other 254");
+  const auto out = json("truck.dbc", truck);
+  EXPECT_EQ(lacking(out, "no-address"), 1U);
+  EXPECT_TRUE(has("<EventChannel name=\"Long\">"));
+  EXPECT_FALSE(has("<Publisher channel=\"Long\"")) << draft_;
+}
+
+TEST_F(DbcImportTest, FilesOfWindowsAreRead) {
+  const auto out = json("a.dbc", bus_with("CM_ BO_ 256 \"Gr\xfc\xdf Gott: 5 \x80\";"));
+  EXPECT_EQ(lacking(out, "encoding"), 1U);
+  EXPECT_TRUE(has("Gr\u00fc\u00df Gott: 5 \u20ac")) << draft_;
+  EXPECT_EQ(import("a.dbc", "\xef\xbb\xbf" + bus_with("")).status, 0);
+  std::string lines = bus_with("");
+  for (auto at = lines.find('\n'); at != std::string::npos; at = lines.find('\n', at + 2))
+    lines.replace(at, 1, "\r\n");
+  EXPECT_EQ(import("a.dbc", lines).status, 0);
+}
+
+TEST_F(DbcImportTest, RemarksAndCommentsThatAreNotUnderstoodRefuseNothing) {
   const auto out =
       json("a.dbc", "// made by hand\n" + bus_with("CM_ 145 \"no object\";\n// the end"));
   EXPECT_EQ(lacking(out, "comments"), 1U);

@@ -199,6 +199,16 @@ TEST_F(DdsImportTest, TopicsOfRos2AreReadFromWhatIsPrinted) {
   expect_no_errors();
 }
 
+TEST_F(DdsImportTest, ATopicWithoutAnEndIsListed) {
+  const std::string empty = "Type: a\nPublisher count: 0\nSubscription count: 0\n";
+  const auto text = "/first\n" + empty + "/named\n" + kTopics + "/last\n" + empty;
+  EXPECT_EQ(lacking(json("topics.txt", text), "no-ends"), 3U);
+  const auto said = import("topics.txt", text).error;
+  EXPECT_NE(said.find("topics.txt:1: /first\n"), std::string::npos) << said;
+  EXPECT_NE(said.find("topics.txt:5: /named\n"), std::string::npos) << said;
+  EXPECT_NE(said.find(": /last\n"), std::string::npos) << said;
+}
+
 TEST_F(DdsImportTest, ATopicIsCalledLikeItsFileIfNothingElseNamesIt) {
   std::string text = kTopics;
   text.erase(0, text.find('\n') + 1);
