@@ -217,16 +217,18 @@ function historyPanel() {
 function auditPanel() {
   const { audit } = now;
   if (!audit?.findings.length) return [h("p", { class: "quiet" }, "Nothing was refused.")];
+  const frames = (f, number) => `${f.at_least ? "at least " : ""}${many(number, "frame")}`;
+  const way = (f) => f.others ? "on" : f.egress ? "to" : "from";
   const lines = (f) => [
-    h("p", {}, [f.would_drop ? `${many(f.would_drop, "frame")} would have been dropped` : null, f.dropped ? `${many(f.dropped, "frame")} dropped` : null]
-      .filter(Boolean).join(", ") + ` ${f.egress ? "to" : "from"} ${f.interface}${f.address || f.sender ? `, sent by ${f.address || f.sender}` : ""}: ${f.reason}`),
+    h("p", {}, [f.would_drop ? `${frames(f, f.would_drop)} would have been dropped` : null, f.dropped ? `${frames(f, f.dropped)} dropped` : null]
+      .filter(Boolean).join(", ") + ` ${way(f)} ${f.interface}${f.address || f.sender ? `, sent by ${f.address || f.sender}` : ""}: ${f.reason}`),
     h("p", { class: "quiet" }, `since ${moment(f.first_unix_s * 1e9)}, latest ${moment(f.last_unix_s * 1e9)}`),
     f.advice ? h("p", {}, f.advice) : null,
     f.add ? h("details", {}, h("summary", {}, `Add ${findingName(f)}`), h("pre", { tabindex: 0, "aria-label": `XML for ${findingName(f)}` }, f.add),
       h("button", { type: "button", onclick: async (e) => { await navigator.clipboard.writeText(f.add); e.target.textContent = "Copied"; say("Copied"); } }, "Copy")) : null];
   return [h("p", {}, "What the gates have refused, or would have refused in audit mode. To admit some of it, add what is shown to the description."),
     h("ul", { class: "found" }, audit.findings.slice(0, kFindings).map((f) => h("li", {}, h("h3", {}, `${findingName(f)} on ${f.network}`), lines(f)))),
-    audit.findings.length > kFindings ? h("p", { class: "quiet" }, `and ${count(audit.findings.length - kFindings)} older ones`) : ""];
+    audit.findings.length > kFindings ? h("p", { class: "quiet" }, `and ${count(audit.findings.length - kFindings)} with fewer frames`) : ""];
 }
 
 // By tab: its label, its content, and what updates it. Panels with input fields are not made again.

@@ -30,6 +30,7 @@ export const marginOf = (c) => c.margin?.words ?? "";
  */
 export function findingName(f) {
   if (f.channel) return `${f.channel} of ${f.publisher}`;
+  if (f.others) return "frames of other kinds";
   const own = f.subject ?? (f.identifier || "frames");
   return f.described ? `${f.described} (${own})` : own;
 }

@@ -33,6 +33,12 @@ std::string advice_lines(const control::Audit& audit) {
   return out;
 }
 
+/// The direction; empty if it is not known.
+const char* way_of(const control::Finding& f) {
+  if (f.others) return "";
+  return f.egress ? "out" : "in";
+}
+
 /// For how long audit mode would have dropped nothing.
 std::string clean_words(const control::Audit& audit) {
   constexpr std::uint64_t second = 1'000'000'000;
@@ -67,21 +73,28 @@ std::string render(const control::Audit& audit, Color color) {
                {"FIRST"},
                {"LATEST"},
                {"WHY"}});
-  const auto number = [](std::uint64_t n) { return n == 0 ? "" : fmt::format("{}", n); };
+  const auto number = [](const control::Finding& f, std::uint64_t n) {
+    if (n == 0) return std::string();
+    return fmt::format("{}{}", f.at_least ? "at least " : "", n);
+  };
   for (const control::Finding& f : audit.findings)
     table.add({{f.interface},
-               {f.egress ? "out" : "in"},
+               {way_of(f)},
                {name_of(f)},
                {sender_of(f)},
-               {number(f.would_drop)},
-               {number(f.dropped)},
+               {number(f, f.would_drop)},
+               {number(f, f.dropped)},
                {print_second(f.first_unix_s)},
                {print_second(f.last_unix_s)},
                {f.reason}});
   out += '\n' + table.text(color);
+  if (std::ranges::any_of(audit.findings, &control::Finding::others))
+    out +=
+        "others: frames of more kinds than are counted one by one; identifier, subject and sender "
+        "are not known\n";
   if (audit.left_out != 0)
-    out += many(audit.left_out, "further one had fewer frames and is not listed\n",
-                "further ones had fewer frames and are not listed\n");
+    out += many(audit.left_out, "further one had fewer frames: they are in others\n",
+                "further ones had fewer frames: they are in others\n");
   out += advice_lines(audit);
   std::vector<std::string> shown;
   std::size_t all = 0;

@@ -16,11 +16,13 @@ namespace mlcca::tools {
 /// have such frames, if the texts before it contain all that is needed, or if the finding is about
 /// a described delivery.
 std::vector<std::string> additions_of(const control::Audit& audit);
-/// The texts of additions_of() that are not empty, separated by blank lines.
+/// The texts of additions_of() that are not empty, separated by blank lines. A comment follows for
+/// each finding with further frames, whose kinds are not known.
 std::string additions(const control::Audit& audit);
 
 /// What a finding is about: "123" (a CAN identifier), "0x4e6f626f64790000" (a subject),
-/// "emergency-switch of switch" (a delivery); empty for frames that cannot be decoded.
+/// "emergency-switch of switch" (a delivery), "others" (frames of kinds that are not known); empty
+/// for frames that cannot be decoded.
 std::string name_of(const control::Finding& finding);
 /// For a finding about a described delivery: one line of advice for the case that its frames are
 /// wanted; empty if there is none.

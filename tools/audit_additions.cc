@@ -27,7 +27,7 @@ namespace {
 using core::Profile;
 
 bool is_can_frame(const control::Finding& f) {
-  return f.channel.empty() && f.subject == 0 && f.reason == "unknown subject";
+  return f.channel.empty() && f.subject == 0 && !f.others && f.reason == "unknown subject";
 }
 
 /// Decodes the identifier of a CAN frame; nullopt if no channel of the profile has it.
@@ -136,8 +136,8 @@ class Additions {
 
   static std::string seen(const control::Finding& f, const Channel& channel) {
     const std::uint64_t frames = f.dropped + f.would_drop;
-    std::string out =
-        fmt::format("{} since {}", many(frames, "frame"), print_second(f.first_unix_s));
+    std::string out = fmt::format("{}{} since {}", f.at_least ? "at least " : "",
+                                  many(frames, "frame"), print_second(f.first_unix_s));
     if (f.busy_gap_ns != 0)
       out +=
           fmt::format(", in the busiest second one every {}", time_words(nominal(f.busy_gap_ns)));
@@ -233,6 +233,7 @@ std::string sender_of(const control::Finding& f) {
 
 std::string name_of(const control::Finding& f) {
   if (!f.channel.empty()) return fmt::format("{} of {}", f.channel, f.publisher);
+  if (f.others) return "others";
   if (f.subject != 0) return core::format_subject(f.subject);
   return is_can_frame(f) ? print_can_id(f.can_id) : std::string();
 }
@@ -249,6 +250,12 @@ std::string additions(const control::Audit& audit) {
   std::string out;
   for (const std::string& one : additions_of(audit))
     if (!one.empty()) out += (out.empty() ? "" : "\n") + one;
+  for (const control::Finding& f : audit.findings)
+    if (f.others)
+      out += fmt::format(
+          "{}<!-- {} on {} ({}) since {} of further kinds: what they need is not known. -->\n",
+          out.empty() ? "" : "\n", many(f.dropped + f.would_drop, "frame"), in_comment(f.interface),
+          in_comment(f.reason), print_second(f.first_unix_s));
   return out;
 }
 

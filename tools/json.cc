@@ -112,7 +112,7 @@ Json of(const control::Audit& a) {
   for (std::size_t i = 0; i < a.findings.size(); ++i) {
     const control::Finding& f = a.findings[i];
     Json& one = out["findings"][i];
-    const bool is_can = f.channel.empty() && f.subject == 0;
+    const bool is_can = f.channel.empty() && f.subject == 0 && !f.others;
     one["identifier"] = is_can ? Json(name_of(f)) : Json();
     const std::string advised = advice(f);
     one["advice"] = advised.empty() ? Json() : Json(advised);

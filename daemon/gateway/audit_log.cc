@@ -158,6 +158,18 @@ bool complete_delivery(const core::State& state, control::Finding& f) {
   return !v->granted;
 }
 
+/// Findings are lower bounds if further frames of their interface and reason belong to no finding
+/// of a kind.
+void mark_lower_bounds(std::vector<control::Finding>& findings) {
+  const auto cause = [](const control::Finding& f) {
+    return std::tie(f.interface, f.network, f.reason);
+  };
+  std::set<std::tuple<std::string, std::string, std::string>> with_others;
+  for (const control::Finding& f : findings)
+    if (f.others) with_others.insert(cause(f));
+  for (control::Finding& f : findings) f.at_least = !f.others && with_others.contains(cause(f));
+}
+
 }  // namespace
 
 void AuditLog::restore(const control::Audit& kept) {
@@ -166,7 +178,7 @@ void AuditLog::restore(const control::Audit& kept) {
   for (const control::Finding& f : kept.findings) {
     const std::uint8_t without_xl = f.fd ? GATE_FD : GATE_CLASSIC;
     const std::uint8_t format = f.xl ? std::uint8_t{GATE_XL} : without_xl;
-    const bool is_can = f.channel.empty() && f.subject == 0;
+    const bool is_can = f.channel.empty() && f.subject == 0 && !f.others;
     const Key key{.interface = f.interface,
                   .network = f.network,
                   .egress = f.egress,
@@ -178,7 +190,8 @@ void AuditLog::restore(const control::Audit& kept) {
                   .format = is_can ? format : std::uint8_t{0},
                   .subject = f.subject,
                   .address = f.address,
-                  .mac = f.mac};
+                  .mac = f.mac,
+                  .others = f.others};
     findings_[key] = {.dropped = f.dropped,
                       .would_drop = f.would_drop,
                       .first_unix_s = f.first_unix_s,
@@ -218,12 +231,26 @@ void AuditLog::poll(std::size_t port, const UnknownFrames& unknown, Reporting re
   const std::uint64_t span = last.at == 0 ? 0 : now - last.at;
   last.at = now;
   poll_reasons(port, last, reporting);
+  if (reporting == Reporting::no) {
+    poll_frames(port, last, {}, reporting);
+    // Read after the kinds: no frame is in their counts that is not in this one.
+    last.unknown = gates_.unknown_frames(port);
+    return;
+  }
   const UnknownFrames fresh = grown(unknown, std::exchange(last.unknown, unknown));
-  if (fresh.dropped + fresh.would_drop != 0 || reporting == Reporting::no)
-    // The mode does not change between two polls.
-    poll_frames(port, last,
-                {.fate = fresh.dropped != 0 ? Fate::dropped : Fate::passed, .span = span},
-                reporting);
+  const std::uint64_t frames = fresh.dropped + fresh.would_drop;
+  if (frames == 0) return;
+  // The mode does not change between two polls.
+  const Fate fate = fresh.dropped != 0 ? Fate::dropped : Fate::passed;
+  last.ahead += poll_frames(port, last, {.fate = fate, .span = span}, reporting);
+  const std::uint64_t known = std::min(frames, last.ahead);
+  last.ahead -= known;
+  if (frames > known)
+    note({.interface = gates_.interface_name(port),
+          .network = gates_.network_of(port),
+          .reason = enforce::reason_text(GATE_R_UNKNOWN),
+          .others = true},
+         {.fate = fate, .frames = frames - known});
 }
 
 void AuditLog::poll_reasons(std::size_t port, Polled& last, Reporting reporting) {
@@ -243,7 +270,9 @@ void AuditLog::poll_reasons(std::size_t port, Polled& last, Reporting reporting)
 
 /// The gate counts a kind of frame until another kind takes its place; then the count starts again,
 /// with another sequence number.
-void AuditLog::poll_frames(std::size_t port, Polled& last, News news, Reporting reporting) {
+std::uint64_t AuditLog::poll_frames(std::size_t port, Polled& last, News news,
+                                    Reporting reporting) {
+  std::uint64_t noted = 0;
   decltype(last.frames) now;
   for (const enforce::UnknownFrame& f : gates_.seen_unknown(port)) {
     const bool egress = f.direction == enforce::Direction::egress;
@@ -254,6 +283,7 @@ void AuditLog::poll_frames(std::size_t port, Polled& last, News news, Reporting 
     if (reporting == Reporting::no || f.sequence == before.sequence) continue;
     news.frames = f.count > before.count ? f.count - before.count : f.count;
     news.length = f.len;
+    noted += news.frames;
     note({.interface = gates_.interface_name(port),
           .network = gates_.network_of(port),
           .egress = egress,
@@ -266,20 +296,25 @@ void AuditLog::poll_frames(std::size_t port, Polled& last, News news, Reporting 
          news);
   }
   last.frames = std::move(now);
+  return noted;
+}
+
+AuditLog::Finding& AuditLog::finding(const Key& key) {
+  if (!findings_.contains(key)) make_room();
+  return findings_[key];
 }
 
 void AuditLog::note(const Key& key, const News& news) {
   const std::uint64_t now = clock_.monotonic_ns();
   const std::uint64_t unix_s = clock_.unix_ns() / 1'000'000'000;
-  if (!findings_.contains(key)) make_room();
-  Finding& f = findings_[key];
+  Finding& f = finding(key);
   if (f.first_unix_s == 0) f.first_unix_s = unix_s;
   f.last_unix_s = unix_s;
   (news.fate == Fate::dropped ? f.dropped : f.would_drop) += news.frames;
   f.length = std::max(f.length, news.length);
   std::uint64_t gap = 0;
   if (news.frames > 1) gap = news.span / news.frames;
-  if (news.frames == 1 && f.noted != 0) gap = now - f.noted;
+  if (news.frames == 1 && f.noted != 0 && !key.others) gap = now - f.noted;
   if (gap != 0 && (f.busy_gap == 0 || gap < f.busy_gap)) f.busy_gap = gap;
   f.noted = now;
   if (news.fate == Fate::passed) clean_since_ = now;
@@ -287,12 +322,26 @@ void AuditLog::note(const Key& key, const News& news) {
 }
 
 void AuditLog::make_room() {
-  if (findings_.size() < kMost) return;
-  findings_.erase(std::ranges::min_element(findings_, {}, [](const auto& one) {
-    const Finding& f = one.second;
-    return std::pair(f.dropped + f.would_drop, f.last_unix_s);
-  }));
-  ++left_out_;
+  while (findings_.size() >= kMost) {
+    const auto least = std::ranges::min_element(findings_, {}, [](const auto& one) {
+      const auto& [key, f] = one;
+      return std::tuple(key.others, f.dropped + f.would_drop, f.last_unix_s);
+    });
+    const auto removed = findings_.extract(least);
+    ++left_out_;
+    if (!removed.key().others) add_to_others(removed.key(), removed.mapped());
+  }
+}
+
+/// Adds the frames of a finding that was removed to those that belong to no finding of a kind.
+void AuditLog::add_to_others(const Key& key, const Finding& removed) {
+  Finding& f = findings_[{
+      .interface = key.interface, .network = key.network, .reason = key.reason, .others = true}];
+  f.dropped += removed.dropped;
+  f.would_drop += removed.would_drop;
+  if (f.first_unix_s == 0) f.first_unix_s = removed.first_unix_s;
+  f.first_unix_s = std::min(f.first_unix_s, removed.first_unix_s);
+  f.last_unix_s = std::max(f.last_unix_s, removed.last_unix_s);
 }
 
 // --- what was found ------------------------------------------------------------------------------
@@ -321,8 +370,12 @@ control::Audit AuditLog::contents() const {
                             .xl = key.format == GATE_XL,
                             .subject = key.subject,
                             .address = key.address,
-                            .mac = key.mac});
-  std::ranges::stable_sort(out.findings, std::ranges::greater{}, &control::Finding::last_unix_s);
+                            .mac = key.mac,
+                            .others = key.others});
+  std::ranges::stable_sort(out.findings, std::ranges::greater{}, [](const control::Finding& f) {
+    return std::pair(f.dropped + f.would_drop, f.last_unix_s);
+  });
+  mark_lower_bounds(out.findings);
   return out;
 }
 
@@ -339,6 +392,7 @@ control::Audit AuditLog::report() const {
       ++port;
     if (port == gates_.size()) return true;
     f.profile = core::to_text(gates_.profile(port));
+    if (f.others) return false;
     if (!f.channel.empty()) return !complete_delivery(state, f);
     if (f.reason != enforce::reason_text(GATE_R_UNKNOWN)) return false;
     if (ruled.has(port, f)) return true;

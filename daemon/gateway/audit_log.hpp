@@ -22,8 +22,8 @@ namespace mlcca {
 
 class AuditLog {
  public:
-  /// The most findings. Of more, those with the fewest frames are dropped, and of these the oldest
-  /// first.
+  /// The most findings. Of more, those with the fewest frames are removed, and of these the oldest
+  /// first. Their frames are in a finding of the other frames of the interface.
   static constexpr std::size_t kMost = 1024;
 
   /// All references must outlive this object.
@@ -53,7 +53,7 @@ class AuditLog {
   /// ns since a frame passed in audit mode that would have been dropped, or since restart_clean().
   [[nodiscard]] std::uint64_t clean_ns() const { return clock_.monotonic_ns() - clean_since_; }
 
-  /// All findings, the latest first, for restore() of the next daemon.
+  /// All findings, those with most frames first, for restore() of the next daemon.
   [[nodiscard]] control::Audit contents() const;
   /// The findings without those for which the gateway has rules now. Refused deliveries have the
   /// reason, unknown frames have the channel that the description states for them.
@@ -78,6 +78,7 @@ class AuditLog {
     std::uint64_t subject = 0;
     std::string address = {};
     std::string mac = {};
+    bool others = false;  ///< frames whose kind is not known, or is not listed any more
     auto operator<=>(const Key&) const = default;
   };
   struct Finding {
@@ -104,6 +105,9 @@ class AuditLog {
     };
     std::uint64_t at = 0;  ///< monotonic ns; 0: never
     UnknownFrames unknown;
+    /// Frames in findings of their kinds that `unknown` does not contain yet: a gate counts the
+    /// kind first.
+    std::uint64_t ahead = 0;
     std::map<std::tuple<std::uint32_t, std::uint64_t, std::uint8_t, bool>, Frame> frames;
     std::map<std::pair<std::string, bool>, UnknownFrames> reasons;
   };
@@ -111,9 +115,13 @@ class AuditLog {
 
   void poll(std::size_t port, const UnknownFrames& unknown, Reporting reporting);
   void poll_reasons(std::size_t port, Polled& last, Reporting reporting);
-  void poll_frames(std::size_t port, Polled& last, News news, Reporting reporting);
+  /// Returns the number of frames in findings of their kinds.
+  std::uint64_t poll_frames(std::size_t port, Polled& last, News news, Reporting reporting);
   void note(const Key& key, const News& news);
+  /// The finding of a key, perhaps a new one.
+  Finding& finding(const Key& key);
   void make_room();
+  void add_to_others(const Key& key, const Finding& removed);
 
   const Scene& scene_;
   const GateDriver& gates_;

@@ -62,7 +62,7 @@ can1       in   0cf00417                    node 23                             
 eth0       in   0x4e6f626f64790000          192.0.2.7 (02:00:5e:10:00:01)           3           2023-11-14 22:13:23  2023-11-14 22:13:24  unknown subject
 can1       out  emergency-switch of switch                                         12           2023-11-14 22:13:25  2023-11-14 22:13:26  refused: Omission 2 required, field provides 5 (3 too many)
 eth0       in                                                                                2  2023-11-14 22:13:27  2023-11-14 22:13:28  malformed
-31 further ones had fewer frames and are not listed
+31 further ones had fewer frames: they are in others
 
 Of deliveries that the description has:
 - 'mlccactl explain emergency-switch' says what would have to change
@@ -218,6 +218,33 @@ TEST_F(AuditReport, SaysOfADeliveryWhoSentAndWhatToDo) {
   const auto json = nlohmann::json::parse(to_json(control::Reply{1, audit_}));
   EXPECT_EQ(json["findings"][0]["advice"], advice(f));
   EXPECT_EQ(json["findings"][0]["sender"], "node 23");
+}
+
+TEST_F(AuditReport, FramesOfKindsThatAreNotKnownAreARowAndOtherFiguresAreLowerBounds) {
+  control::Finding others = audit_.findings[2];
+  others.others = true;
+  others.subject = 0;
+  others.address = others.mac = "";
+  others.would_drop = 19'567;
+  audit_.findings[2].at_least = true;
+  audit_.findings = {others, audit_.findings[2]};
+  audit_.left_out = 0;
+  const std::string text = render(audit_, Color::no);
+  EXPECT_TRUE(text.contains("eth0            others ")) << text;
+  EXPECT_TRUE(text.contains("  19567 ")) << text;
+  EXPECT_TRUE(text.contains("  at least 3 ")) << text;
+  EXPECT_TRUE(text.contains("others: frames of more kinds than are counted one by one;")) << text;
+  EXPECT_TRUE(text.contains("<!-- 0x4e6f626f64790000 on eth0: at least 3 frames since ")) << text;
+  const std::string xml = additions(audit_);
+  EXPECT_TRUE(
+      xml.ends_with("<!-- 19567 frames on eth0 (unknown subject) since 2023-11-14 22:13:23 "
+                    "of further kinds: what they need is not known. -->\n"))
+      << xml;
+  const auto json = nlohmann::json::parse(to_json(control::Reply{1, audit_}));
+  EXPECT_EQ(json["findings"][0]["others"], true);
+  EXPECT_TRUE(json["findings"][0]["identifier"].is_null());
+  EXPECT_TRUE(json["findings"][0]["add"].is_null());
+  EXPECT_EQ(json["findings"][1]["at_least"], true);
 }
 
 TEST_F(AuditReport, OnlyTheFirstAdditionsFollowTheTable) {

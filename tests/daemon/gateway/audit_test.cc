@@ -33,6 +33,11 @@ class AuditOnTheBench : public ::testing::Test {
   bool is_done(const control::ModeRequest& request) {
     return std::holds_alternative<control::Done>(bench_.ask(request).reply.body);
   }
+  static std::uint64_t frames_in(const control::Audit& audit) {
+    std::uint64_t sum = 0;
+    for (const control::Finding& f : audit.findings) sum += f.dropped + f.would_drop;
+    return sum;
+  }
   void pass(std::uint64_t ns) {
     bench_.clock.monotonic += ns;
     bench_.clock.wall += ns;
@@ -94,7 +99,7 @@ TEST_F(AuditOnTheBench, FramesThatTakeTurnsInAPlaceOfTheGateAreAllCounted) {
   }
   const auto findings = audit().findings;
   ASSERT_EQ(findings.size(), 2U);
-  EXPECT_EQ(findings[0].can_id, 0x123U) << "the latest first";
+  EXPECT_EQ(findings[0].can_id, 0x123U) << "most frames first";
   EXPECT_EQ(findings[0].dropped, 4U);
   EXPECT_EQ(findings[1].dropped, 2U);
 }
@@ -110,8 +115,8 @@ TEST_F(AuditOnTheBench, WhatAFormerDaemonHasCountedIsNoFinding) {
   log.poll(0, bench_.gates().unknown_frames(0));
   const auto findings = log.contents().findings;
   ASSERT_EQ(findings.size(), 2U);
-  EXPECT_EQ(findings[0].dropped, 2U);
-  EXPECT_EQ(findings[1].dropped, 3U);
+  EXPECT_EQ(findings[0].dropped, 3U);
+  EXPECT_EQ(findings[1].dropped, 2U);
 }
 
 TEST_F(AuditOnTheBench, WhatIsDescribedNowIsNoFinding) {
@@ -220,8 +225,53 @@ TEST_F(AuditOnTheBench, OfTooManyFindingsThoseOfTheFewestFramesGiveWay) {
   }
   const control::Audit found = audit();
   EXPECT_EQ(found.findings.size(), AuditLog::kMost);
-  EXPECT_EQ(found.left_out, 1U);
-  EXPECT_TRUE(std::ranges::any_of(found.findings, [](const auto& f) { return f.can_id == 0x7fe; }));
+  EXPECT_EQ(found.left_out, 2U) << "one of them for the row of the others";
+  EXPECT_EQ(found.findings.front().can_id, 0x7feU) << "most frames first";
+  EXPECT_EQ(frames_in(found), 1000 + AuditLog::kMost);
+}
+
+/// A gate counts 64 kinds at once: the frames of the others belong to no kind.
+TEST_F(AuditOnTheBench, FramesOfKindsThatNoGateCountsAreARowOfTheirOwn) {
+  ASSERT_TRUE(is_done({"audit"}));
+  see("can0", 0x123, 1);
+  pass(kSecond);
+  EXPECT_FALSE(audit().findings[0].at_least) << "all of them are counted";
+  see("can0", 0x123, 2);
+  bench_.gates().unknown["can0"].would_drop += 500;
+  bench_.gates().refused["can1"] = {{"malformed", true, {3, 0}}};
+  pass(kSecond);
+  const auto found = audit();
+  ASSERT_EQ(found.findings.size(), 3U);
+  EXPECT_EQ(found.left_out, 0U);
+  EXPECT_TRUE(found.findings[0].others) << "most frames first";
+  EXPECT_EQ(found.findings[0].interface, "can0");
+  EXPECT_EQ(found.findings[0].would_drop, 500U);
+  EXPECT_FALSE(found.findings[0].at_least);
+  EXPECT_EQ(found.findings[1].reason, "malformed");
+  EXPECT_FALSE(found.findings[1].at_least) << "of another interface, and for another reason";
+  EXPECT_EQ(found.findings[2].would_drop, 2U);
+  EXPECT_TRUE(found.findings[2].at_least);
+}
+
+/// A gate counts a kind before it counts the frame: what is ahead is not counted twice.
+TEST_F(AuditOnTheBench, AKindThatIsCountedBeforeItsFrameMakesNoOthers) {
+  see("can0", 0x123, 2);
+  pass(kSecond);
+  bench_.gates().unknown["can0"].dropped += 1;
+  pass(kSecond);
+  const auto found = audit();
+  ASSERT_EQ(found.findings.size(), 1U);
+  EXPECT_EQ(found.findings[0].dropped, 2U);
+}
+
+TEST_F(AuditOnTheBench, TheOthersAreKept) {
+  bench_.gates().unknown["can0"].dropped += 500;
+  pass(kSecond);
+  AuditLog next(bench_.daemon().scene(), bench_.gates(), bench_.clock);
+  next.restore(audit());
+  ASSERT_EQ(next.report().findings.size(), 1U);
+  EXPECT_TRUE(next.report().findings[0].others);
+  EXPECT_EQ(next.report().findings, audit().findings);
 }
 
 TEST_F(AuditOnTheBench, TheGatesEnforceWhenNothingWouldHaveBeenDroppedForSoLong) {
