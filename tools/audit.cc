@@ -39,6 +39,13 @@ const char* way_of(const control::Finding& f) {
   return f.egress ? "out" : "in";
 }
 
+/// The reason. If the description has the channel, its delivery is what it lacks.
+std::string why_of(const control::Finding& f) {
+  if (f.described.empty()) return f.reason;
+  return fmt::format("{}: {} has no such {}", f.reason, f.described,
+                     f.egress ? "delivery" : "publisher");
+}
+
 /// For how long audit mode would have dropped nothing.
 std::string clean_words(const control::Audit& audit) {
   constexpr std::uint64_t second = 1'000'000'000;
@@ -86,7 +93,7 @@ std::string render(const control::Audit& audit, Color color) {
                {number(f, f.dropped)},
                {print_second(f.first_unix_s)},
                {print_second(f.last_unix_s)},
-               {f.reason}});
+               {why_of(f)}});
   out += '\n' + table.text(color);
   if (std::ranges::any_of(audit.findings, &control::Finding::others))
     out +=
@@ -95,6 +102,10 @@ std::string render(const control::Audit& audit, Color color) {
   if (audit.left_out != 0)
     out += many(audit.left_out, "further one had fewer frames: they are in others\n",
                 "further ones had fewer frames: they are in others\n");
+  if (std::ranges::any_of(audit.findings, [](const auto& f) { return f.reason == "malformed"; }))
+    out +=
+        "malformed: no subject or sender can be read of these frames; a recording shows them, by "
+        "tcpdump or candump\n";
   out += advice_lines(audit);
   std::vector<std::string> shown;
   std::size_t all = 0;

@@ -142,7 +142,9 @@ class Additions {
       out +=
           fmt::format(", in the busiest second one every {}", time_words(nominal(f.busy_gap_ns)));
     if (channel.is_described)
-      return out + fmt::format(". The description has its channel {}.", in_comment(channel.name));
+      return out + fmt::format(". The description has its channel {}, and lacks {}.",
+                               in_comment(channel.name),
+                               f.egress ? "this delivery" : "this publisher");
     if (channel.stands) return out + fmt::format("; of {}, see above.", in_comment(channel.name));
     if (channel.period == 0) return out + "; the Period is assumed.";
     return out + (nominal(f.busy_gap_ns) == channel.period ? ": the Period is that." : ".");

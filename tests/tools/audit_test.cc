@@ -63,6 +63,7 @@ eth0       in   0x4e6f626f64790000          192.0.2.7 (02:00:5e:10:00:01)       
 can1       out  emergency-switch of switch                                         12           2023-11-14 22:13:25  2023-11-14 22:13:26  refused: Omission 2 required, field provides 5 (3 too many)
 eth0       in                                                                                2  2023-11-14 22:13:27  2023-11-14 22:13:28  malformed
 31 further ones had fewer frames: they are in others
+malformed: no subject or sender can be read of these frames; a recording shows them, by tcpdump or candump
 
 Of deliveries that the description has:
 - 'mlccactl explain emergency-switch' says what would have to change
@@ -173,6 +174,9 @@ TEST_F(AuditReport, ADescribedChannelGetsNoSecondOne) {
   std::string text = addition_for(f);
   EXPECT_FALSE(text.contains("<EventChannel ")) << text;
   EXPECT_FALSE(text.contains("<Subscriber ")) << text;
+  EXPECT_TRUE(text.contains("The description has its channel door, and lacks this publisher."));
+  audit_.findings = {f};
+  EXPECT_TRUE(render(audit_, Color::no).contains("unknown subject: door has no such publisher"));
   EXPECT_TRUE(text.contains(R"(<Publisher name="lan-4e6f626f64790000" channel="door" )"
                             R"(network="lan" address="192.0.2.7"/>)"))
       << text;
