@@ -10,7 +10,7 @@ import { by, cut, h, svg } from "./dom.js";
 import { draw } from "./drawing.js";
 import { count, forPeople, many, moment, passed, percent } from "./format.js";
 import { List } from "./list.js";
-import { Counted, findingName, graphOf, key, kStates, marginOf, sorted, used } from "./model.js";
+import { banner, Counted, findingName, graphOf, key, kStates, marginOf, sorted, used } from "./model.js";
 
 const kFindings = 200; // most findings that are shown
 const kEntries = 200; // entries of the history that are shown, and that are asked for without a search
@@ -52,8 +52,7 @@ function showHealth(problem) {
   header.querySelector("h1").textContent = `${status.gateway} of ${status.system}`;
   const verdictText = `${mark}${text}`;
   if (by("verdict").textContent !== verdictText) put("verdict", h("span", { class: "mark", "aria-hidden": "true" }, mark), text);
-  const reasons = status.health.reasons.map((r) => h("li", {}, forPeople(r)));
-  if (status.health.left_out) reasons.push(h("li", {}, `and ${count(status.health.left_out)} more`));
+  const reasons = banner(status.health.reasons.map(forPeople), status.health.left_out).map((r) => h("li", {}, r));
   if (by("reasons").textContent !== reasons.map((r) => r.textContent).join("")) put("reasons", reasons);
   by("reasons").hidden = by("health-taken").hidden = !reasons.length;
   by("health-taken").textContent = `as of ${moment(now.health_taken)}`;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Conclusions from the answers of mlccactl. Nothing here draws.
+import { many } from "./format.js";
 import { inWords } from "./place.js";
 
 export const key = (c) => [c.subject, c.publisher, c.admission, c.from, c.to].join("\n");
@@ -20,6 +21,26 @@ export const kStates = {
   degraded: { mark: "↓", rank: 4 },
   granted: { mark: "✓", rank: 5 },
 };
+
+const kReasons = 5; // most reasons of a banner
+
+/**
+ * The reasons for a banner, at most 5: those that differ only in names and numbers are one, with their number.
+ * `leftOut` is the number of further reasons that mlccad has not listed.
+ */
+export function banner(reasons, leftOut = 0) {
+  const kinds = new Map();
+  for (const reason of reasons) {
+    const kind = reason.replace(/^.*?: /, "").replace(/[\w.:]*\d[\w.:]*/g, "#");
+    const known = kinds.get(kind);
+    if (known) ++known.count;
+    else kinds.set(kind, { reason, count: 1 });
+  }
+  const all = [...kinds.values()];
+  const lines = all.slice(0, kReasons).map((k) => k.count === 1 ? k.reason : `${k.reason} (and ${many(k.count - 1, "reason")} like it)`);
+  const more = all.slice(kReasons).reduce((sum, k) => sum + k.count, leftOut);
+  return more ? [...lines, `and ${many(more, "further reason")}`] : lines;
+}
 
 /** The margin of the comparison that decided, in words. */
 export const marginOf = (c) => c.margin?.words ?? "";
