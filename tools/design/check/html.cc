@@ -87,9 +87,8 @@ std::string summary(const SystemReport& system) {
     return "<p class=\"trouble\">The deliveries are checked when the names and rules are "
            "right.</p>\n";
   const auto counts = counts_of(system);
-  const auto part = [](std::size_t n, const char* words, Outcome outcome) {
-    return fmt::format("<span class=\"{}\"><b>{}</b> {}</span>",
-                       n == 0 ? "quiet" : said(outcome).kind, n, words);
+  const auto part = [](std::size_t n, const char* words, std::string_view kind) {
+    return fmt::format("<span class=\"{}\"><b>{}</b> {}</span>", n == 0 ? "quiet" : kind, n, words);
   };
   return fmt::format(
       "{}<p class=\"counts\"><span>{}:</span> {} {} {} {}</p>\n",
@@ -97,10 +96,10 @@ std::string summary(const SystemReport& system) {
                     : "<p class=\"trouble\">The description is not usable for the errors below. "
                       "Without them:</p>\n",
       many(system.inspection.channels.size(), "channel"),
-      part(counts.fit, system.usable ? "fit" : "would fit", Outcome::fit),
-      part(counts.run_time, "decided at run time", Outcome::run_time),
-      part(counts.unfit, "do not fit", Outcome::unfit),
-      counts.unused == 0 ? "" : part(counts.unused, "without use", Outcome::fit));
+      part(counts.fit, system.usable ? "fit" : "would fit", said(Outcome::fit).kind),
+      part(counts.run_time, "decided at run time", said(Outcome::run_time).kind),
+      part(counts.unfit, "do not fit", said(Outcome::unfit).kind),
+      counts.unused == 0 ? "" : part(counts.unused, "without use", "unused"));
 }
 
 std::string section(const SystemReport& system, std::size_t number, const FileNames& names,

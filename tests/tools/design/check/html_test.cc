@@ -182,6 +182,9 @@ TEST_F(HtmlTest, TheSmallestMarginMayBeThatOfABus) {
 TEST_F(HtmlTest, AChannelWithoutUseIsNotSaidToFit) {
   const auto text = text_of(html("tests/tools/design/check/cases/unused-channel.xml", 0));
   EXPECT_TRUE(text.contains("– without use nobody publishes it, or nobody subscribes it")) << text;
+  EXPECT_TRUE(html("tests/tools/design/check/cases/unused-channel.xml", 0)
+                  .contains("<span class=\"unused\"><b>1</b> without use</span>"))
+      << "it is a warning";
   EXPECT_FALSE(text.contains("✓ fits nobody")) << text;
 }
 
