@@ -54,6 +54,9 @@ class Import {
 
  private:
   Finished carry_out() {
+    if (!a_.output.empty() && ::access(a_.output.c_str(), F_OK) == 0)
+      return refuse(Exit::world,
+                    a_.output + " exists, and nothing is overwritten: name another file");
     if (auto good = understand(); !good) return refuse(Exit::usage, good.error().text);
     for (std::size_t i = 0; i < a_.files.size(); ++i)
       if (auto done = read(a_.files[i], i); !done) return done;
@@ -72,8 +75,6 @@ class Import {
   }
 
   Result<void> understand() {
-    if (!a_.output.empty() && ::access(a_.output.c_str(), F_OK) == 0)
-      return fail(a_.output + " exists, and nothing is overwritten: name another file");
     if (!a_.networks.empty() && a_.networks.size() != a_.files.size())
       return fail(fmt::format("--network is given {} for {}: give it once for each, in their order",
                               many(a_.networks.size(), "time"), many(a_.files.size(), "file")));
@@ -116,7 +117,11 @@ class Import {
 
   Finished read(const std::string& path, std::size_t i) {
     const auto file = read_file(path, kMostImported);
-    if (!file) return refuse(Exit::world, file.error().text);
+    if (!file)
+      return refuse(Exit::world,
+                    file.error().text + (file.error().text.contains("that is the limit")
+                                             ? ". If it is a recording, use 'mlccactl learn'"
+                                             : ""));
     if (!*file) return refuse(Exit::world, path + ": No such file or directory");
     const auto* format = a_.format.empty() ? recognise((*file)->text) : format_called(a_.format);
     if (format == nullptr)

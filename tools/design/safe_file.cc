@@ -45,7 +45,7 @@ Result<std::string> read_all(int fd, const std::string& path, std::size_t limit)
 /// A temporary file beside its target; it is removed unless it has become the target.
 class Draft {
  public:
-  explicit Draft(const std::string& target) : name_(target + ".XXXXXX") {}
+  explicit Draft(const std::string& target) : target_(target), name_(target + ".XXXXXX") {}
   ~Draft() {
     if (there_) ::unlink(name_.c_str());
   }
@@ -56,36 +56,36 @@ class Draft {
 
   Result<void> open() {
     fd_.reset(::mkostemp(name_.data(), O_CLOEXEC));
-    if (!fd_) return failed(name_, "create");
+    if (!fd_) return failed(target_, "create");
     there_ = true;
     return {};
   }
 
   Result<void> keep_owner_and_mode(const struct stat& of) {
     struct stat own{};
-    if (::fstat(fd_.get(), &own) != 0) return failed(name_, "stat");
+    if (::fstat(fd_.get(), &own) != 0) return failed(target_, "stat");
     const bool other = own.st_uid != of.st_uid || own.st_gid != of.st_gid;
     if (other && ::fchown(fd_.get(), of.st_uid, of.st_gid) != 0)
-      return failed(name_, "cannot give the new file to the owner of the old one");
+      return failed(target_, "cannot give the new file to the owner of the old one");
     return set_mode(of.st_mode & 07777U);
   }
 
   Result<void> set_mode(mode_t mode) {
-    if (::fchmod(fd_.get(), mode) != 0) return failed(name_, "chmod");
+    if (::fchmod(fd_.get(), mode) != 0) return failed(target_, "chmod");
     return {};
   }
 
   Result<void> write(std::string_view text) {
     while (!text.empty()) {
       const auto n = ::write(fd_.get(), text.data(), text.size());
-      if (n < 0 && errno != EINTR) return failed(name_, "write");
+      if (n < 0 && errno != EINTR) return failed(target_, "write");
       if (n > 0) text.remove_prefix(static_cast<std::size_t>(n));
     }
     return {};
   }
 
   Result<void> sync() {
-    if (::fsync(fd_.get()) != 0) return failed(name_, "sync");
+    if (::fsync(fd_.get()) != 0) return failed(target_, "sync");
     return {};
   }
 
@@ -104,6 +104,7 @@ class Draft {
   }
 
  private:
+  std::string target_;  ///< the file that errors name
   std::string name_;
   Fd fd_;
   bool there_ = false;

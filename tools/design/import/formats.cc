@@ -46,6 +46,19 @@ bool is_ros2_topics(std::string_view text) {
   return text.contains("Endpoint type: ") && text.contains("Node name: ");
 }
 
+/// Whether a text begins as a candump log, an ASC, pcap, pcapng or BLF file, or is packed by gzip.
+bool is_recording(std::string_view text) {
+  constexpr auto begins = std::to_array<std::string_view>(
+      {"\xd4\xc3\xb2\xa1", "\xa1\xb2\xc3\xd4", "\x4d\x3c\xb2\xa1", "\xa1\xb2\x3c\x4d",
+       "\x0a\x0d\x0d\x0a", "LOGG", "\x1f\x8b", "date "});
+  if (std::ranges::any_of(begins, [&](std::string_view one) { return text.starts_with(one); }))
+    return true;
+  const auto line = text.substr(0, text.find('\n'));
+  const auto closed = line.find(") ");
+  return line.starts_with('(') && closed != std::string_view::npos && closed > 1 &&
+         line.substr(1, closed - 1).find_first_not_of("0123456789.") == std::string_view::npos;
+}
+
 constexpr auto kFormats = std::to_array<ImportFormat>({
     {"dbc", is_dbc, import_dbc},
     {"eds", is_eds, import_eds},
@@ -82,6 +95,9 @@ std::string reason_of(std::string_view text) {
       return "is " + std::string(name) +
              ", which is not read: convert it to DBC first, as canconvert of the Python package "
              "canmatrix does";
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+    return "is a text in UTF-16: convert it first, by 'iconv -f UTF-16 -t UTF-8'";
+  if (is_recording(text)) return "is a recording of traffic: 'mlccactl learn' drafts from it";
   return "is in no format that is known: --format states one of " + format_names();
 }
 

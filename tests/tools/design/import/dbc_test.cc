@@ -153,6 +153,10 @@ TEST_F(DbcImportTest, OtherDescriptionsOfABusAreNamedWithWhatToDo) {
        "is KCD, which is not read: convert it to DBC first"},
       {"<AUTOSAR xmlns=\"http://autosar.org/schema/r4.0\"></AUTOSAR>",
        "is ARXML, which is not read: convert it to DBC first"},
+      {"\xff\xfe"
+       "B",
+       "is a text in UTF-16: convert it first, by 'iconv"},
+      {"(1700000000.000100) can0 123#00\n", "is a recording of traffic: 'mlccactl learn'"},
       {"hello", "is in no format that is known: --format states one of dbc, eds"}};
   for (const auto& [text, says] : cases) {
     const auto done = import("a.xml", text);
@@ -405,10 +409,16 @@ TEST_F(DbcImportTest, SeveralFilesAreNetworksOfOneSystem) {
   EXPECT_TRUE(has(R"(<EventChannel name="A.second">)")) << "the name is taken";
 }
 
+TEST_F(DbcImportTest, AnErrorNamesTheFileThatWasAskedFor) {
+  const auto done = import("a.dbc", bus_with(""), {"--output", folder_.path("none/d.xml")});
+  EXPECT_EQ(done.status, 3);
+  EXPECT_NE(done.error.find("none/d.xml: create: No such file"), std::string::npos) << done.error;
+}
+
 TEST_F(DbcImportTest, NothingIsOverwritten) {
   const auto output = folder_.write("there.xml", "mine");
   const auto done = import("a.dbc", bus_with(""), {"--output", output});
-  EXPECT_EQ(done.status, 2);
+  EXPECT_EQ(done.status, 3) << "as of export and new";
   EXPECT_NE(done.error.find("there.xml exists, and nothing is overwritten: name another file"),
             std::string::npos)
       << done.error;
