@@ -98,6 +98,8 @@ namespace {
 
 /// More than any network has, and little enough that sums of many do not overflow.
 constexpr Value kTooMuch = Value{1} << 44U;
+/// The same of the sum of all that others have reserved of a network, whatever they write.
+constexpr Value kTooMuchInAll = Value{1} << 62U;
 
 /// An admission of a gateway, with the way in.
 using Theirs = std::pair<std::size_t, cluster::Source>;
@@ -207,7 +209,8 @@ Others others_on(const System& system, const World& world, std::size_t network,
     Value& most = rates[{part.gateway, part.source}];
     most = std::max(most, std::min(part.bytes_per_second, kTooMuch));
   }
-  for (const auto& [theirs, bytes] : rates) others.bytes_per_second += bytes;
+  for (const auto& [theirs, bytes] : rates)
+    others.bytes_per_second = std::min(others.bytes_per_second + bytes, kTooMuchInAll);
   if (!foreign.bus.empty()) {
     const auto bus = bus_of(system, world.conditions[network], network);
     if (!bus || !take_messages(foreign, *bus, counts, others)) others.complete = false;

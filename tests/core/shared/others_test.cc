@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "core/admission/world.hpp"
 #include "core/can/cover.hpp"
 #include "core/reserve/ledger.hpp"
 
@@ -59,6 +60,23 @@ TEST(OthersTest, AKeyNamesTheGateway) {
   EXPECT_TRUE(Ledger::is_of_other(Ledger::key_of_other(7)));
   EXPECT_EQ(Ledger::gateway_of(Ledger::key_of_other(7) | 12345), 7U);
   EXPECT_FALSE(Ledger::is_of_other(Ledger::key_of({1U << 20U, 3, Flow::kOwn})));
+}
+
+TEST(OthersTest, HoweverManyClaimHoweverMuchTheirSumDoesNotOverflow) {
+  System system;
+  system.networks.resize(1);
+  World world;
+  world.conditions.resize(1);
+  world.foreign.resize(1);
+  std::vector<cluster::RatePart>& rates = world.foreign[kBus].rates;
+  rates.resize((std::size_t{1} << 20U) + 1);
+  for (std::size_t i = 0; i < rates.size(); ++i) {
+    rates[i].source.admission = i + 1;
+    rates[i].bytes_per_second = kUnbounded;
+  }
+  const Others others = others_on(system, world, kBus, nullptr);
+  EXPECT_GE(others.bytes_per_second, Value{1} << 62U);
+  EXPECT_LE(others.bytes_per_second, kUnbounded / 2) << "there is room for what is held here";
 }
 
 TEST(OthersTest, WhatIsPromisedCountsWhetherOrNotItIsHeld) {
