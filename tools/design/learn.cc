@@ -21,6 +21,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/clock.hpp"
 #include "base/many.hpp"
 #include "core/model/words.hpp"
 #include "daemon/net/can_routes.hpp"
@@ -270,6 +271,7 @@ class Learn {
                  "listening to {} for {}; Ctrl-C ends it earlier, and drafts what was seen\n",
                  fmt::join(live, ", "), print_duration(time_));
     Listening progress(time_);
+    const std::uint64_t begin = monotonic_ns();
     const auto listened = (*listener)->listen(
         time_,
         [&] {
@@ -282,6 +284,7 @@ class Learn {
                             [this](const learn::Frame& copy) { observer_.add(copy); });
         });
     if (!listened) return Refusal{Exit::world, listened.error().text, {}};
+    a_.draft.times.listened = monotonic_ns() - begin;
     if ((*listener)->lost() != 0)
       notes_.push_back(many((*listener)->lost(), "frame came too fast and was not seen",
                             "frames came too fast and were not seen"));

@@ -167,16 +167,25 @@ learn::Draft draft_that_holds(const learn::Observer& observer,
                               const std::vector<std::string>& names, learn::DraftOptions options) {
   Holding best(observer, names, options);
   auto refused = best.refused();
-  // Assumptions may be the reason: try another Period for what was seen once, then other bit rates.
+  // Assumptions may be the reason: try other Periods of what was seen once and of bursts, then
+  // other bit rates.
   constexpr std::uint64_t second = 1'000'000'000;
-  learn::DraftOptions fast = options;
-  fast.assumed_period = second;
-  for (const std::string& name : names)
-    if (!options.bitrates.contains(name)) fast.fast.insert(name);
-  options.assumed_period = second;
-  for (const learn::DraftOptions* other : {&options, &fast}) {
+  std::vector<learn::DraftOptions> others(3, options);
+  for (learn::DraftOptions& other : others) other.times.assumed_period = second;
+  others[1].times.period_of_bursts = second / 10;
+  others[1].times.at_once = 1024;
+  others[2].times.few = learn::OfFew::the_mean;
+  others[2].times.period_of_bursts = second;
+  others[2].times.at_once = 1U << 20U;
+  others[2].times.all_bursts = true;
+  for (const std::size_t slow : {0U, 1U, 2U}) {
+    learn::DraftOptions& fast = others.emplace_back(others[slow]);
+    for (const std::string& name : names)
+      if (!options.bitrates.contains(name)) fast.fast.insert(name);
+  }
+  for (const learn::DraftOptions& other : others) {
     if (refused.empty()) break;
-    Holding next(observer, names, *other);
+    Holding next(observer, names, other);
     auto refused_then = next.refused();
     if (refused_then.size() >= refused.size()) continue;
     best.draft() = std::move(next.draft());

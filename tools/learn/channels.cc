@@ -16,7 +16,7 @@ namespace mlcca::learn {
 namespace {
 
 constexpr double kRegular = 0.9;      // share of gaps near the median from which a flow is periodic
-constexpr std::uint64_t kBurst = 32;  // most events of a burst of an aperiodic flow
+constexpr std::uint64_t kBurst = 32;  // most events between those of a cycle
 /// Longest gap over the median from which a flow is aperiodic.
 constexpr std::uint64_t kFarApart = 10;
 
@@ -40,9 +40,33 @@ std::uint64_t with_margin(std::uint64_t value, unsigned percent) {
 
 namespace {
 
-Times times_of_few(const Flow& flow, OfFew few) {
+/// Whether it was silent before the first and behind the last event for far longer than between
+/// them: nothing of it is cut off by the recording.
+bool is_complete(const Flow& flow, const Timeline& timeline) {
+  const std::uint64_t far = flow.longest_gap() * kFarApart;
+  const bool begun = flow.first_clock() != 0 || flow.first() > timeline.first() + far;
+  const bool ended = flow.last_clock() != timeline.clock() || timeline.last() > flow.last() + far;
+  return begun && ended;
+}
+
+/// The Period that what came for a small part of the time needs, by how many events there were in
+/// all of the time that was recorded; 0: `period`, which is from its gaps, is the one.
+std::uint64_t period_of_bursts(const Flow& flow, const Timeline& timeline, std::uint64_t period,
+                               const TimesOptions& options) {
+  constexpr std::uint64_t least = 1'000'000'000;  // ns
+  constexpr std::uint64_t fewest = 8;             // gaps, of what is regular
+  std::uint64_t time = std::max(timeline.covered(), options.listened);
+  if (options.all_bursts) time = std::max(time, least);
+  const std::uint64_t mean = time / flow.events();
+  if (mean / kFarApart < period) return 0;
+  const bool perhaps_cyclic = flow.gaps() >= fewest && flow.regular_share() >= kRegular;
+  if (perhaps_cyclic && !options.all_bursts && !is_complete(flow, timeline)) return 0;
+  return std::min(options.period_of_bursts, options.all_bursts ? mean : mean / 2);
+}
+
+Times times_of_few(const Flow& flow, const Timeline& timeline, const TimesOptions& options) {
   Times out;
-  out.period = tools::kPeriodOfOne;
+  out.period = options.assumed_period;
   out.seen = flow.events() < 2
                  ? "seen once: the Period is assumed"
                  : fmt::format(
@@ -52,11 +76,22 @@ Times times_of_few(const Flow& flow, OfFew few) {
   out.assumed = flow.gaps() == 0;
   if (out.assumed) return out;
   const std::uint64_t mean = flow.mean_of_few();
-  const bool is_half = few == OfFew::half_the_mean;
+  const bool is_half = options.few == OfFew::half_the_mean;
   out.period = std::max<std::uint64_t>(tools::nominal(is_half ? mean / 2 : mean), 1000);
-  out.bursts = flow.comes_in_bursts();
+  const std::uint64_t longer =
+      tools::nominal(period_of_bursts(flow, timeline, out.period, options));
+  const bool is_burst = longer > out.period;
+  if (is_burst) out.period = longer;
+  out.bursts = is_burst || flow.comes_in_bursts();
   const std::uint64_t early = flow.early_of_few(out.period);
   out.jitter = early == 0 ? 0 : with_margin(early, 100);
+  if (is_burst) {
+    out.seen = fmt::format(
+        "seen {} times only, in bursts, {} apart at least, and not for the rest of the time: the "
+        "Period is assumed, and the Jitter twice what they were early by",
+        flow.events(), about(flow.shortest_gap()));
+    return out;
+  }
   out.seen = fmt::format(
       "seen {} times only{}, every {} in the mean, {} apart at least: the Period is {}, and the "
       "Jitter twice what they were early by",
@@ -106,16 +141,16 @@ std::optional<Chosen> rate_of_cycle(const std::vector<Rate>& rates, std::uint64_
   return Chosen{rates.back(), true};
 }
 
-/// The longest Period that all events kept, if a burst may be early by kBurst Periods.
-Rate rate_of_others(const std::vector<Rate>& rates) {
+/// The longest Period that all events kept, if a burst may be early by `at_once` Periods.
+Rate rate_of_others(const std::vector<Rate>& rates, std::uint64_t at_once) {
   for (const Rate& rate : rates)
-    if (rate.early <= rate.period * kBurst) return rate;
+    if (rate.early <= rate.period * at_once) return rate;
   return rates.back();
 }
 
-Times times_of_one_stamp(const Flow& flow) {
+Times times_of_one_stamp(const Flow& flow, const TimesOptions& options) {
   Times out;
-  out.period = tools::kPeriodOfOne;
+  out.period = options.assumed_period;
   out.assumed = true;
   out.seen =
       fmt::format("{} events that all have one time stamp: the Period is assumed", flow.events());
@@ -129,19 +164,29 @@ std::string gaps_in_words(const Flow& flow) {
 
 }  // namespace
 
-Times times_of(const Flow& flow, OfFew few) {
-  if (flow.gaps() != 0 && flow.longest_gap() == 0) return times_of_one_stamp(flow);
-  const auto rates = flow.rates();
-  if (rates.empty()) return times_of_few(flow, few);
+Times times_of(const Flow& flow, const Timeline& timeline, const TimesOptions& options) {
+  if (flow.gaps() != 0 && flow.longest_gap() == 0) return times_of_one_stamp(flow, options);
+  auto rates = flow.rates();
+  if (rates.empty()) return times_of_few(flow, timeline, options);
+  constexpr std::uint64_t longest_burst = 1'000'000'000;  // ns, of what looks cyclic
+  const std::uint64_t longer = period_of_bursts(flow, timeline, rates.front().period, options);
+  const bool is_burst = longer > rates.front().period;
   Times out;
   const std::uint64_t median = flow.median_gap();
   std::optional<Chosen> cycle;
-  if (flow.regular_share() >= kRegular && flow.longest_gap() / kFarApart <= median)
+  const bool is_one_burst = is_burst && flow.active() < longest_burst;
+  if (!is_one_burst && flow.regular_share() >= kRegular && flow.longest_gap() / kFarApart <= median)
     cycle = rate_of_cycle(rates_of_cycle(flow, rates), median);
   out.periodic = cycle.has_value();
   out.on_events = cycle && cycle->on_events;
-  out.bursts = !out.periodic && flow.comes_in_bursts();
-  const Rate chosen = cycle ? cycle->rate : rate_of_others(rates);
+  out.bursts = !out.periodic && (is_burst || flow.comes_in_bursts());
+  if (is_burst) {
+    auto all = flow.longer_rates();
+    std::erase_if(all, [&](const Rate& rate) { return rate.period > longer; });
+    std::ranges::copy(rates, std::back_inserter(all));
+    rates = std::move(all);
+  }
+  const Rate chosen = cycle ? cycle->rate : rate_of_others(rates, options.at_once);
   out.period = chosen.period;
   out.jitter = chosen.early == 0 ? 0 : with_margin(chosen.early, 25);
   if (out.on_events)
@@ -174,7 +219,8 @@ constexpr std::uint32_t kAnyEthernet = UINT32_MAX;  // replaces the interface
 
 class Collector {
  public:
-  explicit Collector(const Observer& observer) : observer_(observer) {}
+  Collector(const Observer& observer, const TimesOptions& options)
+      : observer_(observer), options_(options) {}
 
   std::vector<Channel> run() {
     for (const auto& [key, seen] : observer_.flows())
@@ -270,7 +316,9 @@ class Collector {
       channel.interface = key.interface;
       channel.number = key.number;
     }
-    add_source(channel, {key, &seen, times_of(seen.flow)});
+    add_source(channel,
+               {key, &seen,
+                times_of(seen.flow, observer_.interfaces()[key.interface].timeline, options_)});
   }
 
   /// The node number of a program of this host; nullopt on Ethernet and if the profile has no
@@ -294,6 +342,7 @@ class Collector {
   }
 
   const Observer& observer_;
+  const TimesOptions& options_;
   std::map<Key, std::size_t> numbers_;
   /// Joined channels: their numbers by interface, or kAnyEthernet. A channel has one number on each
   /// bus, and one subject on all Ethernets.
@@ -306,6 +355,8 @@ class Collector {
 
 }  // namespace
 
-std::vector<Channel> channels_of(const Observer& observer) { return Collector(observer).run(); }
+std::vector<Channel> channels_of(const Observer& observer, const TimesOptions& options) {
+  return Collector(observer, options).run();
+}
 
 }  // namespace mlcca::learn

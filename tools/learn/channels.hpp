@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/elements.hpp"
 #include "tools/learn/observer.hpp"
 
 namespace mlcca::learn {
@@ -24,7 +25,21 @@ struct Times {
 };
 /// How the Period of a flow with few events follows from the mean of its gaps.
 enum class OfFew : std::uint8_t { half_the_mean, the_mean };
-[[nodiscard]] Times times_of(const Flow& flow, OfFew few = OfFew::half_the_mean);
+/// What is assumed of how often events come.
+struct TimesOptions {
+  OfFew few = OfFew::half_the_mean;
+  /// The Period (ns) of what was seen so seldom that the traffic does not show how often it comes.
+  std::uint64_t assumed_period = tools::kPeriodOfOne;
+  /// The shortest Period (ns) of bursts that came in a small part of the recording, unless the
+  /// number of their events shows that it must be shorter.
+  std::uint64_t period_of_bursts = 10'000'000;
+  std::uint64_t at_once = 32;  ///< most events of a burst of an aperiodic flow
+  /// Regular events count as a burst also if the recording may have cut off a cycle.
+  bool all_bursts = false;
+  std::uint64_t listened = 0;  ///< ns; counts if it exceeds the time that was recorded
+};
+[[nodiscard]] Times times_of(const Flow& flow, const Timeline& timeline,
+                             const TimesOptions& options = {});
 /// The most events that were lost in a row, if one was sent in each `period` (ns).
 [[nodiscard]] std::uint64_t omission_of(const Flow& flow, std::uint64_t period);
 
@@ -67,6 +82,7 @@ struct Channel {
 
 /// The observed channels, in the order of interface and number. Ethernet traffic that is not
 /// FAMOUSO's is left out.
-[[nodiscard]] std::vector<Channel> channels_of(const Observer& observer);
+[[nodiscard]] std::vector<Channel> channels_of(const Observer& observer,
+                                               const TimesOptions& options = {});
 
 }  // namespace mlcca::learn

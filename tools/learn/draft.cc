@@ -57,7 +57,7 @@ class Drafter {
                               : described->second);
       used_.insert(networks_.back());
     }
-    channels_ = channels_of(observer_);
+    channels_ = channels_of(observer_, options_.times);
     out_.left_out = leave_out_senders(observer_, names_, channels_);
     for (const Channel& channel : channels_)
       if (channel.subject) subjects_.insert(*channel.subject);
@@ -173,11 +173,13 @@ class Drafter {
     }
     row.interface = names_[channel.interface];
     row.subject = channel.subject;
-    if (options_.at_mean.contains(row.name))
+    if (options_.at_mean.contains(row.name)) {
+      TimesOptions times = options_.times;
+      times.few = OfFew::the_mean;
       for (Source& source : channel.sources)
-        source.times = times_of(source.seen->flow, OfFew::the_mean);
-    for (Source& source : channel.sources)
-      if (source.times.assumed) source.times.period = options_.assumed_period;
+        source.times = times_of(source.seen->flow,
+                                observer_.interfaces()[source.key.interface].timeline, times);
+    }
     std::string comment = put_together(channel, row);
     if (channel.sources.size() > 1)
       comment += fmt::format("; the first of {} publishers", channel.sources.size());

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tools/elements.hpp"
+#include "tools/learn/channels.hpp"
 #include "tools/learn/observer.hpp"
 
 namespace mlcca::learn {
@@ -34,8 +35,7 @@ struct DraftOptions {
   std::map<std::string, std::uint64_t> deadlines = {};
   /// Channels with few events whose Period is the mean of their gaps, instead of half of it.
   std::set<std::string> at_mean = {};
-  /// The Period of what was seen so seldom that the traffic does not show how often it comes.
-  std::uint64_t assumed_period = tools::kPeriodOfOne;
+  TimesOptions times = {};        ///< assumptions about how often events come
   std::string user = "root";      ///< user of programs on the gateway that send
   bool local_subscribers = true;  ///< programs on the gateway receive what comes in
 };

@@ -128,12 +128,17 @@ void Flow::choose_periods() {
   const std::uint64_t period = tools::nominal(first);
   for (std::size_t i = 0; i < kPolicers; ++i)
     policers_[i].period = std::max<std::uint64_t>(period * percent[i] / 100, 1);
+  constexpr std::uint64_t longest = 1'000'000'000;
+  for (std::uint64_t times = 2; period * times <= longest; times *= 2)
+    longer_.push_back({.period = period * times});
+  std::ranges::reverse(longer_);
   for (const Moment& one : begin_) judge(one);
   begin_ = {};
 }
 
 void Flow::judge(const Moment& event) {
   for (Policer& p : policers_) p.take(event);
+  for (Policer& p : longer_) p.take(event);
 }
 
 void Flow::Policer::take(const Moment& event) {
@@ -160,6 +165,13 @@ std::vector<Rate> Flow::rates() const {
   std::vector<Rate> out;
   if (gaps_ + 1 < kFirst) return out;
   for (const Policer& p : policers_) out.push_back({p.period, p.early});
+  return out;
+}
+
+std::vector<Rate> Flow::longer_rates() const {
+  std::vector<Rate> out;
+  out.reserve(longer_.size());
+  for (const Policer& p : longer_) out.push_back({p.period, p.early});
   return out;
 }
 

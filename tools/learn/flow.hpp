@@ -38,6 +38,8 @@ class Flow {
   [[nodiscard]] std::uint64_t gaps() const { return gaps_; }
   [[nodiscard]] std::uint64_t shortest_gap() const { return gaps_ == 0 ? 0 : shortest_; }
   [[nodiscard]] std::uint64_t longest_gap() const { return longest_; }
+  /// The sum of them.
+  [[nodiscard]] std::uint64_t active() const { return sum_; }
   /// The median, accurate to 2 %.
   [[nodiscard]] std::uint64_t median_gap() const { return quantile(0.5); }
   [[nodiscard]] std::uint64_t quantile(double share) const;
@@ -68,6 +70,8 @@ class Flow {
   /// Rates for several periods up to the median or mean of the first gaps, the longest period
   /// first. Empty with fewer than kFirst - 1 gaps.
   [[nodiscard]] std::vector<Rate> rates() const;
+  /// The same for longer periods up to a second: of bursts that the first gaps are within.
+  [[nodiscard]] std::vector<Rate> longer_rates() const;
 
   /// So many events are kept before periods are chosen, by which all further events are judged.
   static constexpr std::size_t kFirst = 33;
@@ -117,6 +121,7 @@ class Flow {
   std::uint64_t longest_events_ = 0;  ///< number of events with most_bytes_
   std::vector<Moment> begin_;         ///< the first events, until periods are chosen
   std::array<Policer, kPolicers> policers_{};
+  std::vector<Policer> longer_;  ///< the longest period first
   std::unique_ptr<Histogram> histogram_;
 };
 

@@ -88,7 +88,7 @@ class Remarks {
     const Numbers ended = numbers(interface, [&](const FlowKey&, const Seen& seen) {
       const Flow& flow = seen.flow;
       return flow.last_clock() == timeline.clock() && timeline.last() > flow.last() &&
-             is_long(flow, timeline.last() - flow.last()) && times_of(flow).periodic;
+             is_long(flow, timeline.last() - flow.last()) && times_of(flow, timeline).periodic;
     });
     if (!ended.empty())
       out_.push_back(fmt::format(
@@ -98,7 +98,7 @@ class Remarks {
     const Numbers begun = numbers(interface, [&](const FlowKey&, const Seen& seen) {
       const Flow& flow = seen.flow;
       return flow.first_clock() == 0 && flow.first() > timeline.first() &&
-             is_long(flow, flow.first() - timeline.first()) && times_of(flow).periodic;
+             is_long(flow, flow.first() - timeline.first()) && times_of(flow, timeline).periodic;
     });
     if (!begun.empty())
       out_.push_back(fmt::format("{}: {} began only when others had been there for long",
