@@ -86,6 +86,8 @@ class Learn {
     for (const std::string& name : a_.draft.made_up)
       notes_.push_back(name +
                        ": its recording has no names of interfaces: state the one that it is");
+    if (::isatty(STDERR_FILENO) != 0)
+      fmt::print(stderr, "drafting, and checking what the buses can carry\n");
     const learn::Draft draft = draft_that_holds(observer_, interfaces_.names(), a_.draft);
     if (draft.channels.empty())
       notes_.emplace_back("no events were seen: what was there needs no channel of the profile");

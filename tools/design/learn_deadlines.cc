@@ -10,7 +10,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -41,9 +40,8 @@ OnBuses responses_of(const core::System& system, const core::InspectedBuses& bus
 
 }  // namespace
 
-std::set<std::string> too_often_for_transport(const core::System& system) {
-  core::InspectedBuses buses;
-  std::ignore = core::inspect(system, {}, {}, &buses);
+std::set<std::string> too_often_for_transport(const core::System& system,
+                                              const core::InspectedBuses& buses) {
   std::set<std::string> out;
   for (std::size_t n = 0; n < buses.assumptions.size(); ++n)
     for (const core::SentMessage& sent : core::all_sent(buses, n))
@@ -52,9 +50,8 @@ std::set<std::string> too_often_for_transport(const core::System& system) {
   return out;
 }
 
-std::map<std::string, std::uint64_t> deadlines_that_hold(const core::System& system) {
-  core::InspectedBuses buses;
-  std::ignore = core::inspect(system, {}, {}, &buses);
+std::map<std::string, std::uint64_t> deadlines_that_hold(const core::System& system,
+                                                         const core::InspectedBuses& buses) {
   std::map<std::string, std::uint64_t> out;
   // A Period without a Deadline requires a Deadline of that length, for each publisher its own.
   std::map<std::size_t, std::uint64_t> shortest;
@@ -81,6 +78,11 @@ std::map<std::string, std::uint64_t> deadlines_that_hold(const core::System& sys
 
 namespace {
 
+struct Inspected {
+  std::vector<core::Finding> findings;
+  core::InspectedBuses buses;
+};
+
 class Holding {
  public:
   Holding(const learn::Observer& observer, const std::vector<std::string>& names,
@@ -95,12 +97,11 @@ class Holding {
 
   [[nodiscard]] learn::Draft& draft() { return draft_; }
   /// The errors that a check of the draft finds.
-  [[nodiscard]] std::vector<core::Finding> refused() const {
+  [[nodiscard]] std::vector<core::Finding> refused() {
     std::vector<core::Finding> out;
     if (!system_) return out;  // the caller reports why it cannot be read
-    for (core::Finding& finding : core::inspect(*system_).findings)
-      if (core::info(finding.id).severity == core::Severity::error)
-        out.push_back(std::move(finding));
+    for (const core::Finding& finding : inspected().findings)
+      if (core::info(finding.id).severity == core::Severity::error) out.push_back(finding);
     return out;
   }
 
@@ -109,15 +110,26 @@ class Holding {
     draft_ = learn::draft_of(observer_, names_, options_);
     auto system = description::read_memory(draft_.xml, "draft", {}, description::Users::any);
     system_.reset();
+    inspected_.reset();
     if (!system) return;
     system_ = std::move(*system);
     system_->sort_bindings();
   }
 
+  /// The findings and response times of the draft. With thousands of messages the inspection takes
+  /// most of the time, so it is done once for each draft.
+  const Inspected& inspected() {
+    if (!inspected_) {
+      Inspected& now = inspected_.emplace();
+      now.findings = core::inspect(*system_, {}, {}, &now.buses).findings;
+    }
+    return *inspected_;
+  }
+
   /// Avoids publishers that are too frequent for a transport protocol. False if the draft cannot be
   /// read then.
   bool refused_transport() {
-    options_.at_mean = too_often_for_transport(*system_);
+    options_.at_mean = too_often_for_transport(*system_, inspected().buses);
     if (!options_.at_mean.empty()) draw();
     return system_.has_value();
   }
@@ -125,11 +137,14 @@ class Holding {
   /// Allows longer queues and Deadlines. False if none is needed.
   bool allow_more() {
     bool more = false;
-    for (const auto& [network, frames] : lengthen_queues(*system_)) {
-      options_.waiting[names_[network]] = frames;
-      more = true;
+    if (needs_longer_queues(*system_, inspected().buses)) {
+      inspected_.reset();
+      for (const auto& [network, frames] : lengthen_queues(*system_)) {
+        options_.waiting[names_[network]] = frames;
+        more = true;
+      }
     }
-    for (const auto& [channel, ns] : deadlines_that_hold(*system_)) {
+    for (const auto& [channel, ns] : deadlines_that_hold(*system_, inspected().buses)) {
       std::uint64_t& known = options_.deadlines[channel];
       more = more || known < ns;
       known = std::max(known, ns);
@@ -142,6 +157,7 @@ class Holding {
   learn::DraftOptions options_;
   learn::Draft draft_;
   std::optional<core::System> system_;
+  std::optional<Inspected> inspected_;  ///< of system_
 };
 
 /// One note for each kind of finding, with the number of its findings.

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/design/inspect.hpp"
 #include "core/model/system.hpp"
 #include "tools/learn/draft.hpp"
 
@@ -17,11 +18,14 @@ namespace mlcca::tools::design {
 /// Deadlines by name of channel, in ns, for channels whose response times on all buses and gateways
 /// of their way together exceed the Period if everything that is described is sent. A Deadline is a
 /// quarter longer than that sum. Channels without a bound are left out.
-[[nodiscard]] std::map<std::string, std::uint64_t> deadlines_that_hold(const core::System& system);
+/// `buses`: what a check found out of them.
+[[nodiscard]] std::map<std::string, std::uint64_t> deadlines_that_hold(
+    const core::System& system, const core::InspectedBuses& buses);
 
 /// The names of channels whose messages the transport protocol of J1939 cannot send as often as
 /// their Period states, because of the pauses that it may make between packets.
-[[nodiscard]] std::set<std::string> too_often_for_transport(const core::System& system);
+[[nodiscard]] std::set<std::string> too_often_for_transport(const core::System& system,
+                                                            const core::InspectedBuses& buses);
 
 /// As draft_of(), with longer Periods where few events were seen, Deadlines that the buses can
 /// keep, and queues that lose nothing.

@@ -33,6 +33,17 @@ bool lengthen(core::System& system, std::size_t network, std::uint32_t frames) {
 
 }  // namespace
 
+bool needs_longer_queues(const core::System& system, const core::InspectedBuses& buses) {
+  for (std::size_t n = 0; n < buses.assumptions.size(); ++n) {
+    const std::uint32_t frames = longest_queue(buses, n);
+    if (frames <= core::Port().queue_length) continue;
+    for (const core::Gateway& gateway : system.gateways)
+      for (const core::Port& port : gateway.ports)
+        if (port.network == n && port.queue_length < frames) return true;
+  }
+  return false;
+}
+
 std::map<std::size_t, std::uint32_t> lengthen_queues(core::System& system) {
   std::map<std::size_t, std::uint32_t> out;
   // With a longer queue more is granted, which delays other messages, so that their queues grow,

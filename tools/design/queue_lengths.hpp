@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 
+#include "core/design/inspect.hpp"
 #include "core/model/system.hpp"
 
 namespace mlcca::tools::design {
@@ -13,5 +14,8 @@ namespace mlcca::tools::design {
 /// described is sent. Returns the lengths that exceed the default, by index of the network; none
 /// for a bus without a bound. `system` must have sorted bindings.
 std::map<std::size_t, std::uint32_t> lengthen_queues(core::System& system);
+/// Whether it would lengthen one; `buses`: what a check found out of them.
+[[nodiscard]] bool needs_longer_queues(const core::System& system,
+                                       const core::InspectedBuses& buses);
 
 }  // namespace mlcca::tools::design
