@@ -246,7 +246,7 @@ __mlccactl_option 'generate' -l out -x -a '(__fish_complete_directories)' -d 'fo
 __mlccactl_option 'generate' -l force -d 'overwrite files of others'
 
 __mlccactl_option 'learn' -l for -x -d 'how long to listen'
-__mlccactl_option 'learn' -l merge -x -a '(__mlccactl_files xml)' -d 'what would have to be added to this'
+__mlccactl_option 'learn' -l merge -x -a '(__mlccactl_files xml)' -d 'what would have to change in this'
 __mlccactl_option 'learn' -l profile -x -d 'the profile of an interface'
 __mlccactl_option 'learn' -l bitrate -x -d 'the bit rate of an interface'
 __mlccactl_option 'learn' -l data-bitrate -x -d 'the same of its FD data phase'

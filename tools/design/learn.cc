@@ -29,6 +29,7 @@
 #include "description/read.hpp"
 #include "tools/design/learn_deadlines.hpp"
 #include "tools/design/learn_merge.hpp"
+#include "tools/design/learn_patch.hpp"
 #include "tools/design/learn_silence.hpp"
 #include "tools/design/mistakes.hpp"
 #include "tools/design/new/plan.hpp"
@@ -477,7 +478,7 @@ void add_learn(CLI::App& app, Context& context) {
                    "only one that is described");
   verb->add_option(
           "--merge", a->merge,
-          "print what would have to be added to this description, as a patch, and what differs")
+          "print what would have to change in this description, as a patch, and what differs")
       ->type_name("SYSTEM.xml");
   verb->add_option("--user", a->draft.user, "user of programs here that send")
       ->capture_default_str();

@@ -3,36 +3,24 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <poll.h>
-#include <spawn.h>
-#include <sys/mman.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
-#include <cstring>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <set>
 
-#include "base/handle.hpp"
 #include "core/model/station.hpp"
 #include "core/model/text.hpp"
 #include "core/profiles/profile.hpp"
-#include "tools/design/describe/markup.hpp"
-#include "tools/design/safe_file.hpp"
+#include "tools/design/learn_patch.hpp"
 #include "tools/elements.hpp"
-
-extern char** environ;  // NOLINT(*-redundant-declaration): not in every C library's headers
 
 namespace mlcca::tools::design {
 namespace {
 
 /// If at most one of so many events is shorter than the others, the length does not normally vary.
 constexpr std::uint64_t kFewOf = 100;
-constexpr std::size_t kLargestFile = 16U << 20U;  // as for `describe`
 
 std::optional<std::size_t> network_named(const core::System& system, const std::string& name) {
   const auto found = std::ranges::find(system.networks, name, &core::Network::name);
@@ -85,33 +73,10 @@ std::string free_name(const std::string& name, std::set<std::string>& taken) {
   return out;
 }
 
-/// Text to be inserted at an offset of a file.
-struct Insertion {
-  std::size_t at = 0;
-  std::string text;
-};
-
-/// The element of that name that begins on that line.
-const Node* element_at(const Node& node, std::string_view name, int line) {
-  if (node.name == name && node.line == line) return &node;
-  for (const Node& child : node.children)
-    if (const Node* found = element_at(child, name, line)) return found;
-  return nullptr;
-}
-
-/// The beginning of the line with the end tag if only blanks precede the tag, else the position of
-/// the tag.
-std::size_t before_end_tag(const Markup& markup, const Node& node) {
-  const std::string& text = markup.text();
-  std::size_t at = node.content.to;
-  while (at > node.content.from && (text[at - 1] == ' ' || text[at - 1] == '\t')) --at;
-  return at > 0 && text[at - 1] == '\n' ? at : node.content.to;
-}
-
 class Merge {
  public:
   Merge(const core::System& system, const learn::DraftOptions& options)
-      : system_(system), options_(options) {
+      : system_(system), options_(options), patch_(system) {
     for (const core::EventChannel& channel : system.channels) {
       names_.insert(channel.name);
       subjects_.insert(channel.subject);
@@ -127,18 +92,18 @@ class Merge {
         return std::unexpected(done.error());
     }
     note_unseen(draft);
-    if (!channels_.empty() || !ends_.empty())
-      if (const auto put = insert(0, "System", 1, channels_ + ends_, true); !put)
-        return std::unexpected(put.error());
-    for (const auto& [network, text] : bindings_) {
-      const core::Origin& origin = system_.networks[network].origin;
-      if (const auto put = insert(origin.file, "Network", origin.line, text, false); !put)
-        return std::unexpected(put.error());
-    }
-    return finish();
+    propose_provisions();
+    if (!channels_.empty() || !ends_.empty()) patch_.insert_in_system(channels_ + ends_);
+    for (const auto& [network, text] : bindings_)
+      patch_.insert_in_network(system_.networks[network].origin, text);
+    auto files = patch_.files();
+    if (!files) return std::unexpected(files.error());
+    merged_.files = std::move(*files);
+    return std::move(merged_);
   }
 
  private:
+  using Of = LearnPatch::Element;
   [[nodiscard]] std::optional<std::size_t> network_of(const std::string& interface) const {
     const auto known = options_.networks.find(interface);
     return known == options_.networks.end() ? std::nullopt : network_named(system_, known->second);
@@ -215,6 +180,8 @@ class Merge {
     for (const auto& [interface, number] : row.numbers)
       if (!network_of(interface)) return fail(missing(interface));
     channels_ += row.channel_xml;
+    for (const learn::DraftPublisher& publisher : row.publishers)
+      shortest_ = std::min(shortest_, publisher.period);
     for (const auto& [interface, text] : row.binding_xml) bindings_[*network_of(interface)] += text;
     for (const learn::DraftPublisher& publisher : row.publishers) ends_ += distinct(publisher);
     ends_ += row.subscriber_xml;
@@ -333,6 +300,7 @@ class Merge {
           "dropped",
           who, p.name, core::format_value(Attribute::max_payload, stated[Attribute::max_payload]),
           seen.bytes));
+    propose(seen, p);
     if (seen.shorter_events != 0 && seen.shorter_events <= seen.events / kFewOf)
       merged_.differs.push_back(fmt::format(
           "{}: publisher {}: {} of {} events {} fewer bytes than the others ({} at least, not {}): "
@@ -343,6 +311,46 @@ class Merge {
       merged_.differs.push_back(fmt::format(
           "{}: publisher {} states Period {}, and {} was seen: it is reported as missing", who,
           p.name, core::format_value(Attribute::period, period), time_words(seen.period)));
+  }
+
+  /// What its attributes must be, so that what was seen passes and nothing of it is missing.
+  void propose(const learn::DraftPublisher& seen, const core::Publisher& p) {
+    const AttributeSet& stated = p.attributes;
+    const core::EventChannel& channel = system_.channels[p.channel];
+    const Value period = stated[Attribute::period];
+    const bool shorter = seen.period + seen.period / 50 < period;
+    const bool longer = seen.periodic && period + period / 2 < seen.period;
+    const bool alone =
+        std::ranges::count(system_.publishers, p.channel, &core::Publisher::channel) == 1;
+    // A longer Period of one publisher is one that the channel's subscribers must accept.
+    if (stated.has(Attribute::period) && (shorter || (longer && alone))) {
+      const bool own = !alone || period != channel.attributes[Attribute::period];
+      patch_.state({own ? p.origin : channel.origin, own ? Of::publisher : Of::channel, "period"},
+                   seen.period);
+      if (seen.jitter > stated[Attribute::jitter])
+        patch_.state({p.origin, Of::publisher, "jitter"}, seen.jitter);
+      shortest_ = std::min(shortest_, seen.period);
+    }
+    if (!stated.has(Attribute::max_payload) || seen.bytes <= stated[Attribute::max_payload]) return;
+    if (seen.bytes > channel.attributes[Attribute::max_payload])
+      patch_.state({channel.origin, Of::channel, "maxPayload"}, seen.bytes);
+    if (stated[Attribute::max_payload] != channel.attributes[Attribute::max_payload])
+      patch_.state({p.origin, Of::publisher, "maxPayload"}, seen.bytes);
+  }
+
+  /// What is provided must be as short as what is added and changed.
+  void propose_provisions() {
+    const auto provide = [&](const AttributeSet& provision, const core::Origin& origin,
+                             LearnPatch::Element element) {
+      if (provision.has(Attribute::period) && provision[Attribute::period] > shortest_)
+        patch_.state({origin, element, "period"}, shortest_);
+    };
+    for (const core::Gateway& gateway : system_.gateways)
+      if (gateway.name == options_.gateway) provide(gateway.provision, gateway.origin, Of::gateway);
+    for (const auto& [interface, name] : options_.networks)
+      if (const auto network = network_named(system_, name))
+        provide(system_.networks[*network].provision, system_.networks[*network].origin,
+                Of::network);
   }
 
   void note_unseen(const learn::Draft& draft) {
@@ -358,51 +366,17 @@ class Merge {
             system_.channels[p.channel].name, p.name, system_.networks[p.place.index].name));
   }
 
-  /// Inserts `text` before the end tag of an element. `is_root` means the root element, whatever
-  /// its line.
-  Result<void> insert(std::uint32_t file, std::string_view element, int line,
-                      const std::string& text, bool is_root) {
-    if (file >= system_.files.size()) return fail("the description has no such file");
-    const std::string& path = system_.files[file];
-    if (!texts_.contains(path)) {
-      const auto content = read_file(path, kLargestFile);
-      if (!content) return std::unexpected(content.error());
-      if (!*content) return fail(path + ": is gone");
-      texts_.emplace(path, (*content)->text);
-    }
-    const Markup markup(texts_.at(path));
-    const Node* const node = is_root ? &markup.root() : element_at(markup.root(), element, line);
-    if (node == nullptr || node->name != element)
-      return fail(fmt::format("{}: no <{}> begins in line {} any more", path, element, line));
-    if (!node->has_end_tag)
-      return fail(
-          fmt::format("{}:{}: <{}/> has no end tag to put elements before", path, line, element));
-    insertions_[path].push_back({before_end_tag(markup, *node), text});
-    return {};
-  }
-
-  Result<Merged> finish() {
-    for (auto& [path, all] : insertions_) {
-      // From the end, so that earlier offsets stay valid.
-      std::ranges::stable_sort(all, std::ranges::greater{}, &Insertion::at);
-      std::string text = texts_.at(path);
-      for (const Insertion& one : all) text.insert(one.at, one.text);
-      merged_.files.emplace_back(path, std::move(text));
-    }
-    return std::move(merged_);
-  }
-
   const core::System& system_;
   const learn::DraftOptions& options_;
   std::set<std::string> names_;  ///< of described and proposed channels
   std::set<std::uint64_t> subjects_;
-  std::set<std::string> publishers_;  ///< names of publishers
+  std::set<std::string> publishers_;     ///< names of publishers
+  std::uint64_t shortest_ = UINT64_MAX;  ///< Period that is added or changed, ns
   std::string channels_;
   std::string ends_;
   std::map<std::size_t, std::string> bindings_;         ///< by index of the network
   std::set<std::pair<std::size_t, std::size_t>> seen_;  ///< indices of channel and network
-  std::map<std::string, std::string> texts_;
-  std::map<std::string, std::vector<Insertion>> insertions_;
+  LearnPatch patch_;
   Merged merged_;
 };
 
@@ -429,43 +403,6 @@ Result<void> adopt(const core::System& system, const std::string& gateway,
 Result<Merged> merge(const core::System& system, const learn::Draft& draft,
                      const learn::DraftOptions& options) {
   return Merge(system, options).run(draft);
-}
-
-Result<std::string> diff_of(const std::string& path, const std::string& text) {
-  const auto system_error = [](const char* call) {
-    return fail(std::string(call) + ": " + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
-  };
-  const Fd changed(::memfd_create("changed", MFD_CLOEXEC));
-  const Fd out(::memfd_create("diff", MFD_CLOEXEC));
-  if (!changed || !out) return system_error("memfd_create");
-  for (std::size_t at = 0; at < text.size();) {
-    const ssize_t n = ::write(changed.get(), text.data() + at, text.size() - at);
-    if (n < 0) return system_error("write");
-    at += static_cast<std::size_t>(n);
-  }
-  if (::lseek(changed.get(), 0, SEEK_SET) < 0) return system_error("lseek");
-  posix_spawn_file_actions_t actions;
-  ::posix_spawn_file_actions_init(&actions);
-  ::posix_spawn_file_actions_adddup2(&actions, changed.get(), STDIN_FILENO);
-  ::posix_spawn_file_actions_adddup2(&actions, out.get(), STDOUT_FILENO);
-  std::array<std::string, 7> words{"diff", "-u", "--label=" + path, "--label=" + path, "--",
-                                   path,   "-"};
-  std::array<char*, words.size() + 1> arguments{};
-  std::ranges::transform(words, arguments.begin(), [](std::string& word) { return word.data(); });
-  pid_t child = 0;
-  const int error = ::posix_spawnp(&child, "diff", &actions, nullptr, arguments.data(), environ);
-  ::posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) return fail(std::string("diff: ") + std::strerror(error));  // NOLINT(*-mt-unsafe)
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) return system_error("waitpid");
-  if (!WIFEXITED(status) || WEXITSTATUS(status) > 1) return fail("diff has failed");
-  std::string result;
-  std::array<char, 65'536> buffer{};
-  ::lseek(out.get(), 0, SEEK_SET);
-  for (ssize_t n = 0; (n = ::read(out.get(), buffer.data(), buffer.size())) > 0;)
-    result.append(buffer.data(), static_cast<std::size_t>(n));
-  return result;
 }
 
 }  // namespace mlcca::tools::design

@@ -30,7 +30,4 @@ struct Merged {
 Result<Merged> merge(const core::System& system, const learn::Draft& draft,
                      const learn::DraftOptions& options);
 
-/// A unified diff (diff -u) from the file `path` to the new content `text`.
-Result<std::string> diff_of(const std::string& path, const std::string& text);
-
 }  // namespace mlcca::tools::design

@@ -301,9 +301,9 @@ class Drafter {
     text += own.empty() ? "/>\n" : fmt::format(">\n    <Attributes{}/>\n  </Publisher>\n", own);
     const Flow& flow = source.seen->flow;
     row.publishers.push_back({name, names_[interface], source.key.node, source.key.local,
-                              source.times.period, flow.most_bytes(), source.times.periodic,
-                              std::move(text), flow.events(), flow.shorter_events(),
-                              flow.least_bytes()});
+                              source.times.period, source.times.jitter, flow.most_bytes(),
+                              source.times.periodic, std::move(text), flow.events(),
+                              flow.shorter_events(), flow.least_bytes()});
   }
 
   void write_subscribers(DraftChannel& row, const Channel& channel) {

@@ -47,6 +47,7 @@ struct DraftPublisher {
   std::uint32_t node = 0;    ///< if the profile has nodes; on Ethernet the address
   bool local = false;        ///< a program on the gateway
   std::uint64_t period = 0;  ///< stated Period, ns
+  std::uint64_t jitter = 0;  ///< stated Jitter, ns
   std::uint32_t bytes = 0;
   bool periodic = false;
   std::string xml;

@@ -165,6 +165,63 @@ TEST_F(LearnVerb, WhatIsProposedForAChannelThatIsThereIsADescriptionThatCheckAcc
   }
 }
 
+/// Every `step` ms, `count` lines.
+std::string every(int step, int count, const std::string& frame) {
+  std::string out;
+  for (int i = 0; i < count; ++i) {
+    const int ms = i * step;
+    const std::string rest = std::to_string(1000 + ms % 1000).substr(1);
+    out += "(" + std::to_string(1000 + ms / 1000) + "." + rest + "000) can0 " + frame + "\n";
+  }
+  return out;
+}
+
+TEST_F(LearnVerb, ChangedAttributesAreInThePatchAndCommentsStay) {
+  const auto first = folder.write("slow.log", every(1000, 60, "310#11223344"));
+  const auto path = folder.path("system.xml");
+  ASSERT_EQ(run({"learn", first, "--output", path}).status, 0);
+  const std::string described = content_of(path);
+  const std::string list = R"(<Attributes period="1s" omission="1" maxPayload="4"/>)";
+  const std::string commented =
+      with(described, list,
+           "<!-- of the pump --><Attributes omission=\"1\"\n      maxPayload='4' period=\"1s\"/>");
+  const std::string own = with(
+      with(described, list, R"(<Attributes omission="1" maxPayload="4" period="1s"/>)"),
+      R"(channel="can0-310" network="can0"/>)",
+      "channel=\"can0-310\" network=\"can0\"><!-- own -->\n    <Attributes period=\"900ms\"/>\n"
+      "  </Publisher>");
+  const auto faster = folder.write("fast.log", every(50, 600, "310#1122334455667788"));
+  int number = 0;
+  for (const std::string& text : {described, commented, own}) {
+    const auto file = folder.write("is" + std::to_string(++number) + ".xml", text);
+    const Ran ran = run({"learn", faster, "--merge", file});
+    EXPECT_EQ(ran.status, 1) << ran.error;
+    EXPECT_TRUE(ran.error.contains("differs: ")) << ran.error;
+    EXPECT_TRUE(ran.out.contains("period=\"50ms\"")) << number << ran.out;
+    const Ran patched = run_program({"patch", file, folder.write("change.patch", ran.out)});
+    ASSERT_EQ(patched.status, 0) << patched.out << ran.out;
+    const std::string now = content_of(file);
+    for (const std::string comment : {"<!-- of the pump -->", "<!-- own -->", "<!-- 60 events"})
+      EXPECT_EQ(now.contains(comment), text.contains(comment)) << comment << now;
+    const Ran checked = run({"check", file});
+    EXPECT_FALSE(checked.out.contains(" error MLCCA")) << number << checked.out;
+    EXPECT_EQ(run({"learn", faster, "--merge", file}).status, 0)
+        << "it is all described now" << now;
+  }
+}
+
+TEST_F(LearnVerb, WhatComesMoreSeldomThanDescribedIsInThePatchToo) {
+  const auto first = folder.write("fast.log", every(50, 600, "310#1122"));
+  const auto path = folder.path("system.xml");
+  ASSERT_EQ(run({"learn", first, "--output", path}).status, 0);
+  const auto slower = folder.write("slow.log", every(500, 100, "310#1122"));
+  const Ran ran = run({"learn", slower, "--merge", path});
+  EXPECT_TRUE(ran.error.contains("it is reported as missing")) << ran.error;
+  ASSERT_EQ(run_program({"patch", path, folder.write("change.patch", ran.out)}).status, 0);
+  EXPECT_NE(run({"check", path}).status, 2);
+  EXPECT_EQ(run({"learn", slower, "--merge", path}).status, 0) << content_of(path);
+}
+
 TEST_F(LearnVerb, WhatIsNotAsItIsDescribedIsSaid) {
   const auto path = drafted();
   const auto longer = folder.write("longer.log", frames("can0", "123", 8, 60));
