@@ -248,6 +248,8 @@ class Learn {
     if (left->lines != 0)
       notes_.push_back(fmt::format("{}: {} passed over, the first: {}", name,
                                    many(left->lines, "entry", "entries"), left->first));
+    if (!left->cut.empty())
+      notes_.push_back(fmt::format("{}: {}; what is complete before it is read", name, left->cut));
     if (left->interfaces != 0)
       notes_.push_back(fmt::format("{}: {} of further interfaces: {} are the most", name,
                                    many(left->interfaces, "frame"), learn::Interfaces::kMost));

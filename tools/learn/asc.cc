@@ -73,6 +73,7 @@ class Asc {
   }
 
   void pass_over(const std::string& what) {
+    if (is_cut_line(recording_, lines_)) return;
     recording_.pass_over("line " + std::to_string(lines_.number()) + ": " + what);
   }
 

@@ -77,9 +77,8 @@ class Blf {
     if (recording_.handed_over == 0)
       return fail("offset " + std::to_string(offset + 8) + ": an object of " +
                   std::to_string(size) + " bytes does not fit into the file");
-    recording_.pass_over("offset " + std::to_string(offset) +
-                         ": the file ends within an object of " + std::to_string(size) + " bytes");
-    return {};
+    return recording_.cut("offset " + std::to_string(offset) +
+                          ": the file ends within an object of " + std::to_string(size) + " bytes");
   }
 
   /// Decompresses a container whose end is missing, as far as possible. Returns the number of

@@ -119,6 +119,11 @@ Result<void> check_candump_length(const Lines& lines) {
               std::to_string(Lines::kLongest) + " characters: no line of candump is so long");
 }
 
+bool is_cut_line(Recording& recording, const Lines& lines) {
+  if (!lines.is_open() || recording.handed_over == 0) return false;
+  return recording.cut("the file ends within line " + std::to_string(lines.number())).has_value();
+}
+
 void pass_over_line(Recording& recording, const Lines& lines, std::string_view why) {
   recording.pass_over("line " + std::to_string(lines.number()) + ": '" +
                       std::string(lines.line().substr(0, 60)) + "' " + std::string(why));
@@ -138,6 +143,7 @@ Result<void> read_candump(Recording& recording) {
     const auto interface = next_word(line);
     const auto text = next_word(line);
     if (!take_candump_time(time, frame.ns) || interface.empty() || !take_frame(text, frame, data)) {
+      if (is_cut_line(recording, lines)) break;
       pass_over_line(recording, lines,
                      "is no frame as candump -l writes it: (1436509052.249713) can0 123#1122");
       continue;

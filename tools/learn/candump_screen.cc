@@ -155,6 +155,7 @@ Result<void> read_candump_screen(Recording& recording) {
     if (time.empty()) continue;
     std::string_view interface;
     if (!take_candump_time(time, frame.ns) || !take_shown(line, interface, frame, data)) {
+      if (is_cut_line(recording, lines)) break;
       pass_over_line(recording, lines,
                      "is no frame as candump -ta shows it: (1436509052.249713)  can0  123   "
                      "[2]  11 22");

@@ -31,7 +31,7 @@ struct Recording {
   /// an error only if there was no frame.
   Result<void> cut(const std::string& where) {
     if (handed_over == 0) return fail(where);
-    pass_over(where);
+    left.cut = where;
     return {};
   }
   /// Passes a frame on, unless its identifier is impossible or its interface is beyond
@@ -70,6 +70,7 @@ class Lines {
     if (rest_.empty()) return false;
     ++number_;
     line_ = rest_.substr(0, end);
+    is_open_ = end == std::string_view::npos;
     const std::size_t size = end == std::string_view::npos ? rest_.size() : end + 1;
     rest_.remove_prefix(size);
     offset_ += size;
@@ -78,6 +79,8 @@ class Lines {
   }
   [[nodiscard]] std::string_view line() const { return line_; }
   [[nodiscard]] std::uint64_t number() const { return number_; }
+  /// The file ends within it, or has no end of line behind its last line.
+  [[nodiscard]] bool is_open() const { return is_open_; }
 
  private:
   static std::string_view text_of(Bytes bytes) {
@@ -101,6 +104,7 @@ class Lines {
   std::string_view rest_;
   std::string_view line_;
   std::uint64_t number_ = 0;
+  bool is_open_ = false;
 };
 
 /// What a text is by its first line: output of candump on a screen, or input of cansend (without
@@ -115,6 +119,8 @@ bool take_candump_time(std::string_view word, std::uint64_t& ns);
 Result<void> check_candump_length(const Lines& lines);
 /// Skips a line that is not a frame: "line 3: 'hello' is no frame …".
 void pass_over_line(Recording& recording, const Lines& lines, std::string_view why);
+/// The last line is no frame and has no end: the file is cut off there, behind frames.
+[[nodiscard]] bool is_cut_line(Recording& recording, const Lines& lines);
 
 /// Reads a packet of SocketCAN: identifier in big-endian order, length, flags, two bytes, data.
 /// False if it is not one.

@@ -107,6 +107,7 @@ void expect_same(const Unpacked& is, const Unpacked& as) {
   EXPECT_EQ(is.names, as.names);
   EXPECT_EQ(is.left.lines, as.left.lines);
   EXPECT_EQ(is.left.first, as.left.first);
+  EXPECT_EQ(is.left.cut, as.left.cut);
   ASSERT_EQ(is.sent.size(), as.sent.size());
   for (std::size_t i = 0; i < is.sent.size(); ++i) {
     EXPECT_EQ(is.sent[i].ns, as.sent[i].ns);
@@ -146,12 +147,19 @@ TEST(Packed, OfWhatIsCutOffTheCompletePartIsRead) {
   EXPECT_EQ(is.error, "");
   EXPECT_GT(is.sent.size(), 1000U);
   EXPECT_LT(is.sent.size(), 5000U);
-  EXPECT_GE(is.left.lines, 1U);
+  EXPECT_EQ(is.left.cut, "the file ends within what gzip has packed");
+  EXPECT_EQ(is.left.lines, 0U) << is.left.first;
+  for (const std::string end : {"(9.0) can0 12", "(9.0) ca", "(9"}) {
+    const auto plain = unpack(log_of(10) + end);
+    EXPECT_EQ(plain.sent.size(), 10U);
+    EXPECT_EQ(plain.left.cut, "the file ends within line 11");
+    EXPECT_EQ(plain.left.lines, 0U) << plain.left.first;
+  }
   const std::string trace = trace_of(100);
   for (const std::size_t less : {1U, 20U}) {
     const auto cut = unpack(trace.substr(0, trace.size() - less));
     EXPECT_EQ(cut.sent.size(), 99U);
-    EXPECT_TRUE(cut.left.first.starts_with("offset ")) << cut.left.first;
+    EXPECT_TRUE(cut.left.cut.starts_with("offset ")) << cut.left.cut;
   }
   const auto nothing = unpack(packed.substr(0, 12));
   EXPECT_EQ(nothing.error, "the file ends within what gzip has packed");
@@ -164,8 +172,8 @@ TEST(Packed, WhatIsDamagedIsRefused) {
       << unpack(packed).error;
   const auto behind = unpack(gzip(log_of(10)) + "and more");
   EXPECT_EQ(behind.sent.size(), 10U);
-  EXPECT_TRUE(behind.left.first.contains("not packed by gzip, as what is before it"))
-      << behind.left.first;
+  EXPECT_TRUE(behind.left.cut.contains("not packed by gzip, as what is before it"))
+      << behind.left.cut;
 }
 
 TEST(Packed, OtherPackersAreNamedWithWhatToDo) {
