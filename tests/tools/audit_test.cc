@@ -175,8 +175,9 @@ TEST_F(AuditReport, ADescribedChannelGetsNoSecondOne) {
   EXPECT_FALSE(text.contains("<EventChannel ")) << text;
   EXPECT_FALSE(text.contains("<Subscriber ")) << text;
   EXPECT_TRUE(text.contains("The description has its channel door, and lacks this publisher."));
-  audit_.findings = {f};
-  EXPECT_TRUE(render(audit_, Color::no).contains("unknown subject: door has no such publisher"));
+  control::Audit alone = audit_;
+  alone.findings = {f};
+  EXPECT_TRUE(render(alone, Color::no).contains("unknown subject: door has no such publisher"));
   EXPECT_TRUE(text.contains(R"(<Publisher name="lan-4e6f626f64790000" channel="door" )"
                             R"(network="lan" address="192.0.2.7"/>)"))
       << text;
