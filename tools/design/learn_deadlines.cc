@@ -180,7 +180,8 @@ std::vector<std::string> notes_on(const std::vector<core::Finding>& refused) {
 }  // namespace
 
 learn::Draft draft_that_holds(const learn::Observer& observer,
-                              const std::vector<std::string>& names, learn::DraftOptions options) {
+                              const std::vector<std::string>& names,
+                              const learn::DraftOptions& options) {
   Holding best(observer, names, options);
   auto refused = best.refused();
   // Assumptions may be the reason: try other Periods of what was seen once and of bursts, then

@@ -31,6 +31,6 @@ namespace mlcca::tools::design {
 /// keep, and queues that lose nothing.
 [[nodiscard]] learn::Draft draft_that_holds(const learn::Observer& observer,
                                             const std::vector<std::string>& names,
-                                            learn::DraftOptions options);
+                                            const learn::DraftOptions& options);
 
 }  // namespace mlcca::tools::design
