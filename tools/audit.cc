@@ -57,6 +57,39 @@ std::string clean_words(const control::Audit& audit) {
              : "nothing would have been dropped yet: it is counted for less than a second";
 }
 
+/// The lines that admit what was refused; empty if there are none.
+std::string addition_lines(const control::Audit& audit) {
+  std::string out;
+  std::size_t shown = 0;
+  std::size_t all = 0;
+  for (const std::string& one : additions_of(audit)) {
+    if (one.empty() || ++all > kMostAdditions) continue;
+    out += '\n' + one;
+    ++shown;
+  }
+  if (shown == 0) return {};
+  if (all > shown)
+    out += fmt::format("\n{} more: 'mlccactl audit report --xml' prints them all\n", all - shown);
+  return "\nTo admit what is wanted of it, add to the description:\n" + out;
+}
+
+/// What frames are in the rows that name no sender.
+std::string notes_on(const control::Audit& audit) {
+  std::string out;
+  if (std::ranges::any_of(audit.findings, &control::Finding::others))
+    out +=
+        "others: frames of more kinds than are counted one by one; identifier, subject and sender "
+        "are not known\n";
+  if (audit.left_out != 0)
+    out += many(audit.left_out, "further one had fewer frames: they are in others\n",
+                "further ones had fewer frames: they are in others\n");
+  if (std::ranges::any_of(audit.findings, [](const auto& f) { return f.reason == "malformed"; }))
+    out +=
+        "malformed: no subject or sender can be read of these frames; a recording shows them, by "
+        "tcpdump or candump\n";
+  return out;
+}
+
 }  // namespace
 
 std::string render(const control::Audit& audit, Color color) {
@@ -95,31 +128,7 @@ std::string render(const control::Audit& audit, Color color) {
                {print_second(f.last_unix_s)},
                {why_of(f)}});
   out += '\n' + table.text(color);
-  if (std::ranges::any_of(audit.findings, &control::Finding::others))
-    out +=
-        "others: frames of more kinds than are counted one by one; identifier, subject and sender "
-        "are not known\n";
-  if (audit.left_out != 0)
-    out += many(audit.left_out, "further one had fewer frames: they are in others\n",
-                "further ones had fewer frames: they are in others\n");
-  if (std::ranges::any_of(audit.findings, [](const auto& f) { return f.reason == "malformed"; }))
-    out +=
-        "malformed: no subject or sender can be read of these frames; a recording shows them, by "
-        "tcpdump or candump\n";
-  out += advice_lines(audit);
-  std::vector<std::string> shown;
-  std::size_t all = 0;
-  for (std::string& one : additions_of(audit)) {
-    if (one.empty()) continue;
-    if (++all <= kMostAdditions) shown.push_back(std::move(one));
-  }
-  if (shown.empty()) return out;
-  out += "\nTo admit what is wanted of it, add to the description:\n";
-  for (const std::string& one : shown) out += '\n' + one;
-  if (all > shown.size())
-    out += fmt::format("\n{} more: 'mlccactl audit report --xml' prints them all\n",
-                       all - shown.size());
-  return out;
+  return out + notes_on(audit) + advice_lines(audit) + addition_lines(audit);
 }
 
 }  // namespace mlcca::tools
