@@ -96,7 +96,7 @@ TEST(Recogniser, WhatMayBeJ1939IsSaidToBePerhaps) {
   const auto is = recognised(sent);
   EXPECT_EQ(is.profile, Profile::raw);
   EXPECT_EQ(is.perhaps, Profile::j1939);
-  EXPECT_TRUE(is.why.contains("50 % of the frames of PGNs")) << is.why;
+  EXPECT_TRUE(is.why.contains("50 % of the frames of broadcast PGNs")) << is.why;
 }
 
 TEST(Recogniser, OfOneFastMessageBesideCanopenTheIdentifiersCount) {
