@@ -56,12 +56,12 @@ bool receives(const Fd& fd, const Probe& probe) {
          frame.len == probe.len;
 }
 
-/// Sends a frame. An error of write() is a drop by the gate, whose counter shows it.
-void send(const Fd& fd, const Probe& probe) {
+/// Sends a frame. False if write() fails, as it does when the gate drops the frame.
+bool send(const Fd& fd, const Probe& probe) {
   canfd_frame frame{};
   frame.can_id = probe.id;
   frame.len = static_cast<std::uint8_t>(probe.len);
-  static_cast<void>(::write(fd.get(), &frame, probe.fd ? CANFD_MTU : CAN_MTU));
+  return ::write(fd.get(), &frame, probe.fd ? CANFD_MTU : CAN_MTU) > 0;
 }
 
 }  // namespace
@@ -163,7 +163,8 @@ Result<Fate> CanCopies::fate(const Probe& probe, const Copy& copy) const {
       return drops_of(copy.gate) + (&first == &copy ? 0 : drops_of(first.gate));
     };
     drain(to);
-    return fate_of(to, drops, [&] { send(from, probe); }, [&] { return receives(to, probe); });
+    return fate_of(
+        to, drops, [&] { return send(from, probe); }, [&] { return receives(to, probe); });
   };
   if (probe.way == Probe::Way::in) return between(copy.far, copy.near, copy);
   if (probe.way == Probe::Way::out) {

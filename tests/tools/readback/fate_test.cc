@@ -25,20 +25,25 @@ class FateTest : public testing::Test {
   }
 
   /// `with` is given the number of the frame, from 1 on.
-  Fate became(const std::function<void(int)>& with) {
+  Fate became(const std::function<void(int)>& with, std::chrono::milliseconds patience = 20ms) {
     return fate_of(
-        far_, [&] { return drops_; }, [&] { with(++sent_); },
+        far_, [&] { return drops_; },
+        [&] {
+          with(++sent_);
+          return taken_;
+        },
         [&] {
           char octet = 0;
           return ::read(far_.get(), &octet, 1) == 1;
         },
-        20ms);
+        patience);
   }
   void arrives() { ASSERT_EQ(::write(near_.get(), "x", 1), 1); }
 
   Fd near_, far_;
   std::uint64_t drops_ = 7;
   int sent_ = 0;
+  bool taken_ = true;  ///< by the kernel
 };
 
 TEST_F(FateTest, WhatArrivesHasPassed) {
@@ -67,6 +72,24 @@ TEST_F(FateTest, WhatIsDroppedWhenItIsSentAgainWasDropped) {
 TEST_F(FateTest, WhatIsLostThreeTimesIsLost) {
   EXPECT_EQ(became([](int) {}), Fate::lost);
   EXPECT_EQ(sent_, 3);
+}
+
+TEST_F(FateTest, NobodyWaitsForWhatTheKernelDoesNotTake) {
+  taken_ = false;
+  EXPECT_EQ(became([](int) {}, 10h), Fate::lost);
+  EXPECT_EQ(sent_, 3);
+}
+
+TEST_F(FateTest, WhatTheKernelDoesNotTakeBecauseAGateDropsItWasDropped) {
+  taken_ = false;
+  EXPECT_EQ(became([&](int) { ++drops_; }, 10h), Fate::dropped);
+}
+
+TEST_F(FateTest, AFrameArrivesAlsoWherePollFails) {
+  const Fd closed;
+  EXPECT_EQ(fate_of(
+                closed, [] { return 0U; }, [] { return true; }, [] { return true; }, 20ms),
+            Fate::passed);
 }
 
 }  // namespace
