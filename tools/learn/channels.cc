@@ -9,7 +9,6 @@
 #include <ranges>
 #include <utility>
 
-#include "core/profiles/profile.hpp"
 #include "tools/elements.hpp"
 
 namespace mlcca::learn {
@@ -239,17 +238,14 @@ class Collector {
   }
 
  private:
-  [[nodiscard]] bool is_ethernet(std::uint32_t interface) const {
-    return observer_.interfaces()[interface].medium == Medium::ethernet;
-  }
   /// Whether a flow belongs to a channel. Control traffic does only if it crosses the gateway.
   [[nodiscard]] bool is_followed(const FlowKey& key) const {
     if (observer_.flows().at(key).control && !crossing_.contains(key)) return false;
-    return !is_ethernet(key.interface) ||
-           observer_.interfaces()[key.interface].recognised->profile == core::Profile::famouso;
+    return !observer_.is_ethernet(key.interface) ||
+           observer_.profile_of(key.interface) == core::Profile::famouso;
   }
   [[nodiscard]] Key key_of(const FlowKey& key) const {
-    return {is_ethernet(key.interface) ? kAnyEthernet : key.interface, key.number};
+    return {observer_.is_ethernet(key.interface) ? kAnyEthernet : key.interface, key.number};
   }
 
   std::size_t number_of(const Key& key) {
@@ -297,7 +293,7 @@ class Collector {
 
   void put(const FlowKey& key, const Seen& seen) {
     Channel& channel = channels_[root(number_of(key_of(key)))];
-    if (is_ethernet(key.interface)) channel.subject = key.number;
+    if (observer_.is_ethernet(key.interface)) channel.subject = key.number;
     Place& place = channel.places[key.interface];
     place.number = key.number;
     place.fd = place.fd || seen.fd != 0;
@@ -324,9 +320,7 @@ class Collector {
   /// The node number of a program of this host; nullopt on Ethernet and if the profile has no
   /// nodes.
   [[nodiscard]] std::optional<std::uint32_t> node_of(const FlowKey& key) const {
-    const bool has = !is_ethernet(key.interface) &&
-                     core::has_nodes(observer_.interfaces()[key.interface].recognised->profile);
-    return has ? std::optional(key.node) : std::nullopt;
+    return observer_.has_nodes(key.interface) ? std::optional(key.node) : std::nullopt;
   }
   /// Adds a publisher. Programs of this host that have no different nodes are one publisher on all
   /// interfaces.

@@ -66,17 +66,6 @@ class Drafter {
   }
 
  private:
-  [[nodiscard]] Profile profile_of(std::uint32_t interface) const {
-    return observer_.interfaces()[interface].recognised->profile;
-  }
-  [[nodiscard]] bool is_ethernet(std::uint32_t interface) const {
-    return observer_.interfaces()[interface].medium == Medium::ethernet;
-  }
-  /// Whether senders have node numbers there. FAMOUSO has addresses instead on Ethernet.
-  [[nodiscard]] bool has_nodes(std::uint32_t interface) const {
-    return !is_ethernet(interface) && core::has_nodes(profile_of(interface));
-  }
-
   /// A name of `stem` and `end` that is not in `used` and not too long.
   static std::string name_in(std::set<std::string>& used, const std::string& stem,
                              const std::string& end) {
@@ -162,11 +151,11 @@ class Drafter {
   void describe(Channel& channel) {
     DraftChannel row;
     const std::string& network = networks_[channel.interface];
-    if (is_ethernet(channel.interface)) {
+    if (observer_.is_ethernet(channel.interface)) {
       row.name = tools::channel_name(network, channel.number);
       row.identifier = core::format_subject(channel.number);
     } else {
-      const Profile profile = profile_of(channel.interface);
+      const Profile profile = observer_.profile_of(channel.interface);
       const auto number = static_cast<std::uint32_t>(channel.number);
       row.name = tools::channel_name(profile, network, number);
       row.identifier = tools::number_text(profile, number);
@@ -184,8 +173,8 @@ class Drafter {
     if (channel.sources.size() > 1)
       comment += fmt::format("; the first of {} publishers", channel.sources.size());
     if (row.periodic) comment += fmt::format("; {} lost in a row at most, + 1", row.omission - 1);
-    if (!is_ethernet(channel.interface) && profile_of(channel.interface) == Profile::canopen &&
-        is_service(channel.number))
+    if (!observer_.is_ethernet(channel.interface) &&
+        observer_.profile_of(channel.interface) == Profile::canopen && is_service(channel.number))
       comment += "; an SDO, by which any entry of a node can be written: no control traffic";
     if (const auto text = tools::spelled(channel.subject.value_or(0)); !text.empty())
       comment += fmt::format("; its subject is the text {}", tools::in_comment(text));
@@ -203,7 +192,7 @@ class Drafter {
         std::max(row.bytes, 1U));
     for (const auto& [interface, place] : channel.places) {
       row.numbers[names_[interface]] = place.number;
-      if (!is_ethernet(interface)) bind(row, interface, place);
+      if (!observer_.is_ethernet(interface)) bind(row, interface, place);
       if (!place.crossing) continue;
       row.crosses_to.push_back(names_[interface]);
       longest_crossing_ = std::max(longest_crossing_, place.crossing->longest_ns);
@@ -214,7 +203,7 @@ class Drafter {
   }
 
   void bind(DraftChannel& row, std::uint32_t interface, const Place& place) {
-    const Profile profile = profile_of(interface);
+    const Profile profile = observer_.profile_of(interface);
     const bool has_priority = core::traits_of(profile).has_number_priority;
     const auto priority = has_priority && place.priorities.size() == 1
                               ? std::optional(*place.priorities.begin())
@@ -236,7 +225,7 @@ class Drafter {
   void write_publishers(DraftChannel& row, const Channel& channel) {
     std::map<std::uint32_t, std::vector<std::pair<std::uint64_t, const Source*>>> senders;
     for (const Source& source : channel.sources)
-      if (is_ethernet(source.key.interface) && !source.key.local)
+      if (observer_.is_ethernet(source.key.interface) && !source.key.local)
         senders[source.key.interface].emplace_back(source.seen->flow.events(), &source);
     std::set<const Source*> unnamed;
     for (auto& [interface, all] : senders) {
@@ -256,9 +245,10 @@ class Drafter {
   /// The node attribute for the buses to which the channel crosses.
   [[nodiscard]] std::string node_beyond(const Channel& channel) const {
     for (const auto& [interface, place] : channel.places) {
-      if (!place.crossing || !has_nodes(interface)) continue;
+      if (!place.crossing || !observer_.has_nodes(interface)) continue;
       std::string out = fmt::format(R"( node="{}")", place.node);
-      if (core::traits_of(profile_of(interface)).has_sender_priority && !place.priorities.empty())
+      if (core::traits_of(observer_.profile_of(interface)).has_sender_priority &&
+          !place.priorities.empty())
         out += fmt::format(R"( priority="{}")", *place.priorities.begin());
       return out;
     }
@@ -274,14 +264,14 @@ class Drafter {
                             : fmt::format("network=\"{}\"", networks_[interface]);
     std::string end = source.key.local ? "-here" : "";
     std::string comment;
-    if (has_nodes(interface)) {
+    if (observer_.has_nodes(interface)) {
       end = fmt::format("-of-{:02X}", source.key.node);
       where += fmt::format(R"( node="{}")", source.key.node);
-      if (core::traits_of(profile_of(interface)).has_sender_priority &&
+      if (core::traits_of(observer_.profile_of(interface)).has_sender_priority &&
           !source.seen->priorities.empty())
         where += fmt::format(R"( priority="{}")", *source.seen->priorities.begin());
     } else {
-      if (is_ethernet(interface) && !source.key.local) {
+      if (observer_.is_ethernet(interface) && !source.key.local) {
         const std::string address = core::to_text(core::Station{source.key.node});
         end = "-of-" + address;
         if (has_address) where += fmt::format(R"( address="{}")", address);
@@ -338,7 +328,7 @@ class Drafter {
       out_.left_out.push_back(fmt::format("{}: {} of further identifiers: {} are followed at most",
                                           name, many(of.unfollowed, "event"),
                                           Observer::kMostFlows));
-    if (is_ethernet(interface))
+    if (observer_.is_ethernet(interface))
       write_ethernet(interface);
     else
       write_bus(interface);

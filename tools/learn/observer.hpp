@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/profiles/profile.hpp"
 #include "tools/learn/crossings.hpp"
 #include "tools/learn/datagrams.hpp"
 #include "tools/learn/decode.hpp"
@@ -118,6 +119,17 @@ class Observer {
                                                      std::uint32_t data_bitrate) const;
   };
   [[nodiscard]] const std::vector<Interface>& interfaces() const { return interfaces_; }
+  [[nodiscard]] bool is_ethernet(std::uint32_t interface) const {
+    return interfaces_[interface].medium == Medium::ethernet;
+  }
+  /// After finish().
+  [[nodiscard]] core::Profile profile_of(std::uint32_t interface) const {
+    return interfaces_[interface].recognised->profile;
+  }
+  /// Whether senders have node numbers there. FAMOUSO has addresses instead on Ethernet.
+  [[nodiscard]] bool has_nodes(std::uint32_t interface) const {
+    return !is_ethernet(interface) && core::has_nodes(profile_of(interface));
+  }
   [[nodiscard]] const std::vector<std::string>& recordings() const { return recordings_; }
   [[nodiscard]] const std::map<FlowKey, Seen>& flows() const { return flows_; }
   /// Flows with the same content at the same times, perhaps by chance.

@@ -43,19 +43,18 @@ class Remarks {
   [[nodiscard]] const Observer::Interface& at(std::uint32_t interface) const {
     return observer_.interfaces()[interface];
   }
-  [[nodiscard]] bool is_ethernet(std::uint32_t interface) const {
-    return at(interface).medium == Medium::ethernet;
-  }
   [[nodiscard]] std::string number_of(const FlowKey& key) const {
-    return is_ethernet(key.interface) ? core::format_subject(key.number)
-                                      : tools::number_text(at(key.interface).recognised->profile,
-                                                           static_cast<std::uint32_t>(key.number));
+    return observer_.is_ethernet(key.interface)
+               ? core::format_subject(key.number)
+               : tools::number_text(observer_.profile_of(key.interface),
+                                    static_cast<std::uint32_t>(key.number));
   }
   /// The numbers of the flows of an interface that have channels and for which `is` is true.
   template <class Is>
   [[nodiscard]] Numbers numbers(std::uint32_t interface, const Is& is) const {
     Numbers out;
-    if (is_ethernet(interface) && at(interface).recognised->profile != Profile::famouso) return out;
+    if (observer_.is_ethernet(interface) && observer_.profile_of(interface) != Profile::famouso)
+      return out;
     for (const auto& [key, seen] : observer_.flows()) {
       if (key.interface != interface || seen.control || !is(key, seen)) continue;
       const std::string number = number_of(key);
@@ -118,7 +117,8 @@ class Remarks {
 
   /// Notes SDOs, which a gate does not pass unless they are described.
   void services(std::uint32_t interface) {
-    if (is_ethernet(interface) || at(interface).recognised->profile != Profile::canopen) return;
+    if (observer_.is_ethernet(interface) || observer_.profile_of(interface) != Profile::canopen)
+      return;
     const Numbers all =
         numbers(interface, [](const FlowKey& key, const Seen&) { return is_service(key.number); });
     if (!all.empty())

@@ -34,7 +34,7 @@ class Senders {
       out_.push_back(fmt::format(
           "{}: {} of {} from nodes that no publisher can be, which a gate drops: nodes are {}",
           names_[interface], many(nobody.events, "event"), listed(nobody.numbers),
-          core::traits_of(profile_of(interface)).nodes));
+          core::traits_of(observer_.profile_of(interface)).nodes));
     for (Channel& channel : channels) {
       leave_out_second(channel);
       leave_out_others(channel);
@@ -48,17 +48,9 @@ class Senders {
     std::vector<std::string> numbers;
   };
 
-  [[nodiscard]] core::Profile profile_of(std::uint32_t interface) const {
-    return observer_.interfaces()[interface].recognised->profile;
-  }
-  [[nodiscard]] bool is_ethernet(std::uint32_t interface) const {
-    return observer_.interfaces()[interface].medium == Medium::ethernet;
-  }
-  [[nodiscard]] bool has_nodes(std::uint32_t interface) const {
-    return !is_ethernet(interface) && core::has_nodes(profile_of(interface));
-  }
   [[nodiscard]] std::string number_of(const FlowKey& key) const {
-    return tools::number_text(profile_of(key.interface), static_cast<std::uint32_t>(key.number));
+    return tools::number_text(observer_.profile_of(key.interface),
+                              static_cast<std::uint32_t>(key.number));
   }
   static std::string listed(const std::vector<std::string>& all) {
     const auto shown = std::min(all.size(), kMostListed);
@@ -70,8 +62,9 @@ class Senders {
   void leave_out_nobody(Channel& channel) {
     std::erase_if(channel.sources, [this](const Source& source) {
       const FlowKey& key = source.key;
-      if (!has_nodes(key.interface) ||
-          std::cmp_less_equal(key.node, core::traits_of(profile_of(key.interface)).last_node))
+      if (!observer_.has_nodes(key.interface) ||
+          std::cmp_less_equal(key.node,
+                              core::traits_of(observer_.profile_of(key.interface)).last_node))
         return false;
       Nobody& nobody = nobody_[key.interface];
       nobody.events += source.seen->flow.events();
@@ -105,8 +98,9 @@ class Senders {
   }
   [[nodiscard]] bool are_one_sender(const Channel& channel, const FlowKey& there,
                                     const FlowKey& other) const {
-    if (there.local || there == other || is_ethernet(there.interface) ||
-        is_ethernet(other.interface) || (has_nodes(there.interface) && there.node != other.node))
+    if (there.local || there == other || observer_.is_ethernet(there.interface) ||
+        observer_.is_ethernet(other.interface) ||
+        (observer_.has_nodes(there.interface) && there.node != other.node))
       return false;
     const Place& place = channel.places.at(there.interface);
     return place.crossing.has_value() || place.local;
@@ -120,7 +114,7 @@ class Senders {
   void leave_out_others(Channel& channel) {
     std::vector<const Source*> senders;
     for (const Source& source : channel.sources)
-      if (!is_ethernet(source.key.interface)) senders.push_back(&source);
+      if (!observer_.is_ethernet(source.key.interface)) senders.push_back(&source);
     if (senders.size() <= core::kMostBusEntries) return;
     std::ranges::stable_sort(senders, std::ranges::greater{},
                              [](const Source* one) { return one->seen->flow.events(); });
@@ -143,8 +137,8 @@ class Senders {
 
   [[nodiscard]] std::string word_for(const FlowKey& key) const {
     if (key.local) return "this host";
-    return has_nodes(key.interface) ? fmt::format("node {}", key.node)
-                                    : "a node on " + names_[key.interface];
+    return observer_.has_nodes(key.interface) ? fmt::format("node {}", key.node)
+                                              : "a node on " + names_[key.interface];
   }
 
   const Observer& observer_;
