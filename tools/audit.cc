@@ -60,16 +60,13 @@ std::string clean_words(const control::Audit& audit) {
 /// The lines that admit what was refused; empty if there are none.
 std::string addition_lines(const control::Audit& audit) {
   std::string out;
-  std::size_t shown = 0;
   std::size_t all = 0;
-  for (const std::string& one : additions_of(audit)) {
-    if (one.empty() || ++all > kMostAdditions) continue;
-    out += '\n' + one;
-    ++shown;
-  }
-  if (shown == 0) return {};
-  if (all > shown)
-    out += fmt::format("\n{} more: 'mlccactl audit report --xml' prints them all\n", all - shown);
+  for (const std::string& one : additions_of(audit))
+    if (!one.empty() && ++all <= kMostAdditions) out += '\n' + one;
+  if (all == 0) return {};
+  if (all > kMostAdditions)
+    out += fmt::format("\n{} more: 'mlccactl audit report --xml' prints them all\n",
+                       all - kMostAdditions);
   return "\nTo admit what is wanted of it, add to the description:\n" + out;
 }
 

@@ -299,15 +299,11 @@ std::uint64_t AuditLog::poll_frames(std::size_t port, Polled& last, News news,
   return noted;
 }
 
-AuditLog::Finding& AuditLog::finding(const Key& key) {
-  if (!findings_.contains(key)) make_room();
-  return findings_[key];
-}
-
 void AuditLog::note(const Key& key, const News& news) {
   const std::uint64_t now = clock_.monotonic_ns();
   const std::uint64_t unix_s = clock_.unix_ns() / 1'000'000'000;
-  Finding& f = finding(key);
+  if (!findings_.contains(key)) make_room();
+  Finding& f = findings_[key];
   if (f.first_unix_s == 0) f.first_unix_s = unix_s;
   f.last_unix_s = unix_s;
   (news.fate == Fate::dropped ? f.dropped : f.would_drop) += news.frames;

@@ -118,8 +118,6 @@ class AuditLog {
   /// Returns the number of frames in findings of their kinds.
   std::uint64_t poll_frames(std::size_t port, Polled& last, News news, Reporting reporting);
   void note(const Key& key, const News& news);
-  /// The finding of a key, perhaps a new one.
-  Finding& finding(const Key& key);
   void make_room();
   void add_to_others(const Key& key, const Finding& removed);
 
