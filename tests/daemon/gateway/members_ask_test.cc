@@ -16,15 +16,9 @@ namespace {
 
 constexpr uid_t kRelayUser = 990;
 
-/// Somebody on own0 publishes c2 as described, and nobody subscribes to it.
+/// The shared bus accepts one subscription, and its relay carries the messages for it.
 core::System with_a_publisher() {
-  core::System system = two_gateways();
-  core::Publisher p;
-  p.name = "p2";
-  p.channel = 2;
-  p.place = {core::Place::Kind::network, 1};
-  p.attributes = each(50 * kMs);
-  system.publishers.push_back(p);
+  core::System system = with_a_described_publisher();
   system.networks[kSharedBus].subscriptions = {
       .accept = core::Subscribing::all, .most = 1, .origin = {}};
   for (core::Gateway& gateway : system.gateways) gateway.relay = kRelayUser;

@@ -12,18 +12,6 @@
 namespace mlcca::test {
 namespace {
 
-/// A described publisher of c2 on own0, and no subscriber.
-core::System with_a_described_publisher() {
-  core::System system = two_gateways();
-  core::Publisher p;
-  p.name = "p2";
-  p.channel = 2;
-  p.place = {core::Place::Kind::network, 1};
-  p.attributes = each(50 * kMs);
-  system.publishers.push_back(p);
-  return system;
-}
-
 class MembersElsewhere : public MembershipBench {
  protected:
   MembersElsewhere() : MembershipBench(with_a_described_publisher()) {}

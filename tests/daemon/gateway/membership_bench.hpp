@@ -88,6 +88,18 @@ inline core::System two_gateways() {
   return system;
 }
 
+/// The same with a described publisher of c2 on own0, and no subscriber of it.
+inline core::System with_a_described_publisher() {
+  core::System system = two_gateways();
+  core::Publisher p;
+  p.name = "p2";
+  p.channel = 2;
+  p.place = {core::Place::Kind::network, 1};
+  p.attributes = each(50 * kMs);
+  system.publishers.push_back(p);
+  return system;
+}
+
 /// Somebody on the own bus of a gateway sends to somebody on another one.
 inline control::Admit wanted(const std::string& channel, const std::string& from,
                              const std::string& to) {

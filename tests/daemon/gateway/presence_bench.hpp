@@ -120,12 +120,22 @@ class Node {
 /// Several nodes, and the messages between them.
 class PresenceTest : public ::testing::Test {
  protected:
+  /// Nodes of so many gateways, in the place of former ones.
   void set_up(std::size_t gateways) {
+    nodes_.clear();
+    none_ = several_ = longest_none_ = longest_several_ = 0;
     system_ = side_by_side(gateways);
     for (std::size_t g = 0; g < gateways; ++g)
       nodes_.push_back(std::make_unique<Node>(system_, g, clock_));
     cut_.assign(gateways, std::vector<bool>(system_.networks.size(), false));
     losses_.assign(gateways * gateways * system_.networks.size(), 0);
+  }
+
+  /// Two or three gateways, whose messages are lost at random.
+  void set_up_at_random(std::uint64_t seed) {
+    random_.seed(seed);
+    loss_ = 30;
+    set_up(2 + seed % 2);
   }
 
   /// Delivers the announcement of a gateway to all others, on each network that both reach.

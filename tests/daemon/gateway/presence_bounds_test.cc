@@ -16,11 +16,7 @@ namespace {
 /// Daemons and programs die at any time and come back, and messages are lost, at most two in a row.
 TEST_F(PresenceTest, AtRandomOneForwardsButForBoundedTimes) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
-    random_.seed(seed);
-    nodes_.clear();
-    none_ = several_ = longest_none_ = longest_several_ = 0;
-    loss_ = 30;
-    set_up(2 + seed % 2);
+    set_up_at_random(seed);
     for (int step = 0; step < 30; ++step) {
       Node& one = *nodes_[below(random_, nodes_.size())];
       const bool last =
@@ -52,8 +48,6 @@ static_assert(kBack > kLasts);
 
 TEST_F(PresenceTest, WhoseAnnouncerStallsWhileTheOtherOneDiesForwardsOnceItIsBack) {
   for (const std::size_t stalls : {0, 1}) {
-    nodes_.clear();
-    none_ = longest_none_ = 0;
     set_up(2);
     run(3'000 * kMs);
     nodes_[stalls]->program = false;
@@ -71,11 +65,7 @@ TEST_F(PresenceTest, WhoseAnnouncerStallsWhileTheOtherOneDiesForwardsOnceItIsBac
 /// One announcer stalls, and the other gateways die and come back before and meanwhile.
 TEST_F(PresenceTest, AtRandomOneForwardsAlsoWhenTwoFailAtOnceButForBoundedTimes) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    random_.seed(seed);
-    nodes_.clear();
-    none_ = several_ = longest_none_ = longest_several_ = 0;
-    loss_ = 30;
-    set_up(2 + seed % 2);
+    set_up_at_random(seed);
     for (int step = 0; step < 10; ++step) {
       Node& stalls = *nodes_[below(random_, nodes_.size())];
       Node& dead = *nodes_[below(random_, nodes_.size())];

@@ -21,6 +21,7 @@ namespace mlcca::learn {
 namespace {
 
 using test::drafted;
+using test::in_order;
 using test::kMs;
 using test::kSecond;
 using test::refused_in;
@@ -83,8 +84,7 @@ TEST(AnyTraffic, WhoHasNoAddressIsNoPublisher) {
     sent.push_back({i * kSecond, 0, 0x18fecafeU | kExtended, {1}});
     sent.push_back({i * kSecond, 0, 0x18fee6ffU | kExtended, {1}});
   }
-  std::ranges::stable_sort(sent, {}, &Sent::ns);
-  const Draft draft = drafted(sent, {}, {"can0"});
+  const Draft draft = drafted(in_order(std::move(sent)), {}, {"can0"});
   EXPECT_EQ(diagnostics(draft).publishers.size(), 3U);
   EXPECT_FALSE(draft.xml.contains("FEE6"));
   EXPECT_TRUE(is_noted(draft,
@@ -134,8 +134,7 @@ TEST(AnyTraffic, NamesOfInterfacesThatAreAlikeAreMadeDifferent) {
   for (std::uint32_t i = 0; i < names.size(); ++i)
     for (std::uint64_t n = 0; n < 40; ++n)
       sent.push_back({n * 100 * kMs + i, i, 0x100, {static_cast<std::uint8_t>(i), 1}});
-  std::ranges::stable_sort(sent, {}, &Sent::ns);
-  const auto system = test::described(drafted(sent, {}, names));
+  const auto system = test::described(drafted(in_order(std::move(sent)), {}, names));
   std::set<std::string> networks;
   for (const auto& network : system.networks) networks.insert(network.name);
   EXPECT_EQ(networks.size(), names.size());
@@ -145,8 +144,7 @@ TEST(AnyTraffic, RemoteFramesOfAProfileThatHasNoneAreNoEvents) {
   auto sent = trucks(2);
   for (std::uint64_t i = 0; i < 40; ++i)
     sent.push_back({i * 100 * kMs, 0, 0x18feca07U | kExtended | kRemote, {}});
-  std::ranges::stable_sort(sent, {}, &Sent::ns);
-  const Draft draft = drafted(sent, {}, {"can0"});
+  const Draft draft = drafted(in_order(std::move(sent)), {}, {"can0"});
   EXPECT_FALSE(draft.xml.contains("remote-frames")) << draft.xml;
   EXPECT_TRUE(is_noted(draft, "can0: 40 frames that no channel of profile j1939 can have"));
 }

@@ -18,6 +18,7 @@ namespace {
 
 using test::drafted;
 using test::Gate;
+using test::in_order;
 using test::kMs;
 using test::kSecond;
 using test::Sent;
@@ -34,17 +35,12 @@ Traffic plant() {
   return traffic;
 }
 
-std::vector<Sent> ordered(std::vector<Sent> sent) {
-  std::ranges::stable_sort(sent, {}, &Sent::ns);
-  return sent;
-}
-
 /// The plant, and `count` frames of 0x700 so far apart.
 std::vector<Sent> with_burst(std::uint64_t at, std::uint64_t count, std::uint64_t apart) {
   auto sent = plant().sent();
   for (std::uint64_t i = 0; i < count; ++i)
     sent.push_back({.ns = at + i * apart, .id = 0x700, .data = {1, 2}});
-  return ordered(std::move(sent));
+  return in_order(std::move(sent));
 }
 
 const DraftChannel& channel_of(const Draft& draft, const std::string& name) {
@@ -108,7 +104,7 @@ TEST(Bursts, OfManyIdentifiersThatCameInBurstsACheckRefusesNothing) {
       sent.push_back({.ns = kSecond + std::uint64_t{id - 0x400} * 100 * kMs + i * 250 * kUs,
                       .id = id,
                       .data = {1, 2, 3, 4, 5, 6, 7, 8}});
-  sent = ordered(std::move(sent));
+  sent = in_order(std::move(sent));
   const Draft draft = drafted(sent, {}, {"can0"});
   EXPECT_TRUE(draft.xml.contains("bitrate=\"500000\""));
   expect_all_passes(draft, sent, "identifiers");
@@ -121,7 +117,7 @@ TEST(Bursts, OfDatagramsThereIsTimeBetweenThem) {
   for (std::uint64_t i = 0; i < 2; ++i)
     sent.push_back(
         test::event(10 * kSecond + i * 38 * kUs, 0, 0x1234567812345678, test::station(8), {1}));
-  sent = ordered(std::move(sent));
+  sent = in_order(std::move(sent));
   const Draft draft = drafted(sent, {}, {"eth0"});
   ASSERT_EQ(draft.channels.size(), 2U);
   for (const DraftChannel& one : draft.channels) EXPECT_GE(one.period, 10 * kMs) << one.name;
@@ -155,7 +151,7 @@ TEST_P(BurstsTest, AtRandomAreAcceptedByACheckAndPass) {
                         .data = std::vector<std::uint8_t>(below(9), static_cast<std::uint8_t>(i))});
     }
   }
-  sent = ordered(std::move(sent));
+  sent = in_order(std::move(sent));
   std::uint64_t free = 0;  // as on a bus, one after the other
   for (Sent& one : sent) {
     one.ns = std::max(one.ns, free);

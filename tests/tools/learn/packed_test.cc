@@ -14,6 +14,7 @@
 
 #include "tests/tools/design/describe/program.hpp"
 #include "tests/tools/learn/pcap_file.hpp"
+#include "tests/tools/learn/read_back.hpp"
 #include "tests/tools/learn/traffic.hpp"
 #include "tools/learn/input.hpp"
 #include "tools/learn/recording.hpp"
@@ -25,40 +26,25 @@ using mlcca::test::Folder;
 using mlcca::test::Ran;
 using mlcca::test::run;
 using mlcca::test::run_program;
-using test::Sent;
+using test::ReadBack;
 
-struct Unpacked {
-  std::vector<Sent> sent;
-  std::vector<std::string> names;
-  Left left;
-  std::string error;
-};
-
-Unpacked unpack(Input& input) {
-  Unpacked out;
-  Interfaces interfaces;
-  const auto left = read_recording(input, "bus", interfaces, [&](const Frame& f) {
-    out.sent.push_back({f.ns, f.interface, f.id, {f.data.begin(), f.data.end()}, f.fd, f.local});
+ReadBack unpack(Input& input) {
+  return test::read_back([&](Interfaces& interfaces, const auto& take) {
+    return read_recording(input, "bus", interfaces, take);
   });
-  out.names = interfaces.names();
-  if (left)
-    out.left = *left;
-  else
-    out.error = left.error().text;
-  return out;
 }
 
 Bytes bytes_of(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};  // NOLINT
 }
 
-Unpacked unpack(const std::string& text) {
+ReadBack unpack(const std::string& text) {
   Input input(bytes_of(text));
   return unpack(input);
 }
 
 /// Reads a recording in pieces of `size` bytes, as a pipe may give them.
-Unpacked unpack_in_pieces(const std::string& text, std::size_t size) {
+ReadBack unpack_in_pieces(const std::string& text, std::size_t size) {
   std::size_t at = 0;
   Input input([&](std::span<std::uint8_t> to) -> Result<std::size_t> {
     const auto piece = std::min({size, to.size(), text.size() - at});
@@ -102,7 +88,7 @@ std::string trace_of(unsigned frames) {
   return file.bytes();
 }
 
-void expect_same(const Unpacked& is, const Unpacked& as) {
+void expect_same(const ReadBack& is, const ReadBack& as) {
   EXPECT_EQ(is.error, as.error);
   EXPECT_EQ(is.names, as.names);
   EXPECT_EQ(is.left.lines, as.left.lines);

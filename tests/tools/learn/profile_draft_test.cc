@@ -18,6 +18,7 @@ using mlcca::test::Folder;
 using mlcca::test::Ran;
 using mlcca::test::run;
 using test::drafted;
+using test::in_order;
 using test::kMs;
 using test::kSecond;
 using test::refused_in;
@@ -27,11 +28,6 @@ using test::Traffic;
 const DraftChannel* find(const Draft& draft, std::string_view name) {
   const auto found = std::ranges::find(draft.channels, name, &DraftChannel::name);
   return found == draft.channels.end() ? nullptr : &*found;
-}
-
-std::vector<Sent> in_order(std::vector<Sent> sent) {
-  std::ranges::stable_sort(sent, {}, &Sent::ns);
-  return sent;
 }
 
 bool notes(const Draft& draft, std::string_view text) {

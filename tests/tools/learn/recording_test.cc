@@ -7,34 +7,21 @@
 #include <fstream>
 
 #include "tests/tools/design/describe/program.hpp"
+#include "tests/tools/learn/read_back.hpp"
 #include "tests/tools/learn/traffic.hpp"
 
 namespace mlcca::learn {
 namespace {
 
+using test::ReadBack;
 using test::Sent;
-
-struct ReadBack {
-  std::vector<Sent> sent;
-  std::vector<std::string> names;
-  Left left;
-  std::string error;
-};
 
 ReadBack read(const std::string& text, const std::string& name = "can0.log") {
   const mlcca::test::Folder folder;
   const auto path = folder.write(name, text);
-  ReadBack out;
-  Interfaces interfaces;
-  const auto left = read_recording(path, interfaces, [&](const Frame& f) {
-    out.sent.push_back({f.ns, f.interface, f.id, {f.data.begin(), f.data.end()}, f.fd, f.local});
+  return test::read_back([&](Interfaces& interfaces, const auto& take) {
+    return read_recording(path, interfaces, take);
   });
-  out.names = interfaces.names();
-  if (left)
-    out.left = *left;
-  else
-    out.error = left.error().text;
-  return out;
 }
 
 std::string little(std::uint64_t value, unsigned bytes) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Traffic of CAN buses and Ethernets for tests, in the order of time.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <random>
@@ -50,6 +51,11 @@ inline constexpr std::uint64_t kDistance = 0x44697374616e6365;  // "Distance"
 [[nodiscard]] std::vector<std::uint8_t> frame_of(const Sent& datagram, unsigned tags = 0);
 /// What is behind the ethertype of such a frame: IPv4, UDP and its data.
 [[nodiscard]] std::vector<std::uint8_t> packet_of(const Sent& datagram);
+
+[[nodiscard]] inline std::vector<Sent> in_order(std::vector<Sent> sent) {
+  std::ranges::stable_sort(sent, {}, &Sent::ns);
+  return sent;
+}
 
 class Traffic {
  public:
