@@ -83,19 +83,13 @@ objects_of_folder = $(if $(word 3,$3),$(call bundle,$O/bundle/$(subst /,-,$1)/$(
 bundle = $(shell mkdir -p $(dir $1) && printf '$(hash)include "%s"\n' $2 >$1.new && \
 	if cmp -s $1.new $1.cc; then rm $1.new; else mv $1.new $1.cc; fi)$1.o
 
-# $(call parts,FILE,OBJECTS) is a file that has the names of the objects, and is written when they are others. What is
-# linked depends on it, so that it is linked again when an object is left out, too.
-parts = $(if $(filter uninstall clean help,$(MAKECMDGOALS)),,$(call write_parts,$1.parts,$(patsubst $O/%,%,$2)))$1.parts
-write_parts = $(if $(subst +$(strip $2),,+$(file <$1))$(subst +$(file <$1),,+$(strip $2)),$(shell mkdir \
-	-p $(dir $1))$(file >$1,$(strip $2)))
-
 # $(call library,NAME,SOURCES) gives build/libNAME.a
 define library
 $1_objects := $$(call objects_of,$1,$2)
 OBJECTS += $$($1_objects)
-$O/lib$1.a: $$($1_objects) $$(call parts,$O/lib$1.a,$$($1_objects))
+$O/lib$1.a: $$($1_objects)
 	$$(call say,AR,$$@)
-	$$(Q)rm -f $$@ && ar rcs $$@ $$($1_objects)
+	$$(Q)rm -f $$@ && ar rcs $$@ $$^
 endef
 
 # $(call program,FILE,SOURCES,ARCHIVES,LIBS)
@@ -103,7 +97,7 @@ program = $(call linked,$1,$(2:%.cc=$O/%.o),$3,$4)
 define linked
 $(notdir $1)_objects := $2
 OBJECTS += $$($(notdir $1)_objects)
-$O/$1: $$($(notdir $1)_objects) $$(call parts,$O/$1,$$($(notdir $1)_objects)) $3
+$O/$1: $$($(notdir $1)_objects) $3
 	$$(call say,LINK,$$@)
 	$$(Q)mkdir -p $$(@D) && $$(CXX) $$(LDFLAGS) -o $$@ $$($(notdir $1)_objects) $3 $4
 endef
@@ -132,9 +126,9 @@ endef
 define sanitized_test
 SANITIZED_OBJECTS += $$($1_objects:$O/%=$O/fuzz/obj/%)
 $O/fuzz/tests/$1: $$($1_objects:$O/%=$O/fuzz/obj/%) \
-		$$(patsubst $O/lib%.a,$O/fuzz/lib%.a,$$(patsubst $O/%.o,$O/fuzz/obj/%.o,$3)) $O/tests/$1.parts
+		$$(patsubst $O/lib%.a,$O/fuzz/lib%.a,$$(patsubst $O/%.o,$O/fuzz/obj/%.o,$3))
 	$$(call say,LINK,$$@)
-	$$(Q)mkdir -p $$(@D) && $$(FUZZ_CXX) -fsanitize=$$(FUZZ_SANITIZERS) -o $$@ $$(filter-out %.parts,$$^) $4 -lgtest_main -lgtest \
+	$$(Q)mkdir -p $$(@D) && $$(FUZZ_CXX) -fsanitize=$$(FUZZ_SANITIZERS) -o $$@ $$^ $4 -lgtest_main -lgtest \
 		-lpthread -lfmt
 endef
 

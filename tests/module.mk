@@ -5,7 +5,13 @@ TEST_BUNDLES := $(if $(BUNDLE),$(if $(filter run-demo install uninstall clean he
 -include $(TEST_BUNDLES)
 include $(addsuffix module.mk,$(TEST_FOLDERS))
 bundled_files := $(foreach name,$(BUNDLED_TESTS),$($(name)_bundled))
-$O/bundle/tests.mk: tests/support/bundle-tests $(bundled_files) $(call parts,$O/bundle/tests.mk,$(bundled_files))
+# Their names, which are written if they are others than before: the bundles change, too, when a file is gone.
+ifneq ($(TEST_BUNDLES),)
+ifneq ($(strip $(file <$O/bundle/tests.files)),$(strip $(bundled_files)))
+$(shell mkdir -p $O/bundle)$(file >$O/bundle/tests.files,$(bundled_files))
+endif
+endif
+$O/bundle/tests.mk: tests/support/bundle-tests $(bundled_files) $O/bundle/tests.files
 	$(Q)mkdir -p $(@D) && $< $@ $(foreach name,$(BUNDLED_TESTS),$(name)= $($(name)_bundled))
 TEST_OBJECTS := $(patsubst %.cc,$O/%.o,$(wildcard tests/*/*.cc tests/*/*/*.cc tests/*/*/*/*.cc))
 # The tests are optimised less than the tested code, because they take most of the time of a build.
