@@ -307,7 +307,10 @@ void Controller::act() {
 
 void Controller::beat() {
   GateControl& control = outside_.control;
-  auto alive = control.beat(outside_.clock.monotonic_ns());
+  const std::uint64_t now = outside_.clock.monotonic_ns();
+  const Lapse reason =
+      control.until() != 0 && control.until() <= now ? Lapse::lease : Lapse::heartbeat;
+  auto alive = control.beat(now);
   if (control.lapsed()) links_changed();
   // No heart-beat was given for longer than the grace, so our knowledge may be outdated. Reconcile
   // first, then open.
@@ -315,13 +318,11 @@ void Controller::beat() {
     if (membership_) membership_->expire();
     reconcile();
     alive = control.clear_lapse(outside_.clock.monotonic_ns());
-    health_.note_lapse();
+    health_.note_lapse(reason);
     outside_.log.error(
         Kind::lapsed,
-        fmt::format(
-            "the kernel had closed all gates because the daemon gave no heart-beat for more than "
-            "{}; they follow the verdicts again",
-            core::format_value(Attribute::latency, control.grace())));
+        fmt::format("the kernel had closed all gates because {}; they follow the verdicts again",
+                    words_of(reason, core::format_value(Attribute::latency, control.grace()))));
   }
   if (!alive)
     outside_.log.critical(Kind::trouble,

@@ -45,6 +45,12 @@ std::string withdrawn_words(const core::State& state, const std::vector<std::str
 
 }  // namespace
 
+std::string words_of(Lapse reason, const std::string& grace) {
+  if (reason == Lapse::lease)
+    return "the lease of this gateway ended before the store had confirmed a beat";
+  return "the daemon gave no heart-beat for more than " + grace;
+}
+
 std::vector<std::string> HealthReport::problems() const {
   std::vector<std::string> problems;
   if (parts_.gates.out_of_hand())
@@ -66,11 +72,9 @@ void HealthReport::add_own(std::vector<std::string>& to) const {
                     parts_.modes.is_introduction() ? " until 'mlccactl mode enforce'" : ""));
   if (parts_.control.lapsed())
     to.emplace_back("the heart-beat came too late: everything is denied");
-  if (const std::int64_t now = parts_.clock.monotonic_s(); lapsed_ && now - *lapsed_ < kRecent)
-    to.push_back(
-        fmt::format("the gates were closed until {} s ago, because the daemon gave no "
-                    "heart-beat for more than the grace",
-                    now - *lapsed_));
+  if (const std::int64_t now = parts_.clock.monotonic_s(); lapse_ && now - lapse_->second < kRecent)
+    to.push_back(fmt::format("the gates were closed until {} s ago, because {}",
+                             now - lapse_->second, words_of(lapse_->first, "the grace")));
   std::ranges::move(problems(), std::back_inserter(to));
   std::ranges::move(parts_.safeguards.problems(), std::back_inserter(to));
   if (!parts_.reloads.last_error().empty())

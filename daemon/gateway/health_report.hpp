@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/clock.hpp"
@@ -25,6 +26,14 @@
 #include "daemon/outside/link_monitor.hpp"
 
 namespace mlcca {
+
+/// Why the kernel has closed all gates by itself.
+enum class Lapse : std::uint8_t {
+  heartbeat,  ///< the daemon gave no heart-beat for longer than the grace
+  lease,      ///< the store has confirmed no beat of the gateway until its lease ended
+};
+/// What people read after "because". `grace` is how it is called, or its value with its unit.
+std::string words_of(Lapse reason, const std::string& grace);
 
 /// Collects the problems of all parts of the gateway.
 class HealthReport {
@@ -50,9 +59,9 @@ class HealthReport {
   };
   explicit HealthReport(const Parts& parts) : parts_(parts) {}
 
-  /// The gates had closed because no heart-beat came, and have opened again now. This counts as a
-  /// problem for some time.
-  void note_lapse() { lapsed_ = parts_.clock.monotonic_s(); }
+  /// The gates had closed by themselves, and have opened again now. This counts as a problem for
+  /// some time.
+  void note_lapse(Lapse reason) { lapse_ = {reason, parts_.clock.monotonic_s()}; }
   /// The health of the gateway. `interfaces` is the result of GateDriver::report().
   [[nodiscard]] control::Health health(const std::vector<control::Interface>& interfaces) const;
   /// The problems that keep the gateway from doing its work, most serious first.
@@ -62,7 +71,8 @@ class HealthReport {
   void add_own(std::vector<std::string>& to) const;
 
   Parts parts_;
-  std::optional<std::int64_t> lapsed_;  ///< CLOCK_MONOTONIC in s of the latest note_lapse()
+  /// Of the latest note_lapse(), with its time: CLOCK_MONOTONIC, s.
+  std::optional<std::pair<Lapse, std::int64_t>> lapse_;
 };
 
 }  // namespace mlcca

@@ -128,6 +128,13 @@ TEST_F(MembershipTest, ADaemonThatStandsStillIsClosedByTheKernelAndItsShareIsGiv
   // The stopped gateway continues: it is fenced, and joins again.
   nodes.insert(nodes.begin(), std::move(stopped));
   at(0).daemon().beat();
+  EXPECT_EQ(at(0).events.back(), "lapsed");
+  const auto status = at(0).ask(control::StatusRequest{});
+  EXPECT_NE(
+      std::get<control::Status>(status.reply.body)
+          .health.reasons.at(0)
+          .find("because the lease of this gateway ended before the store had confirmed a beat"),
+      std::string::npos);
   EXPECT_FALSE(passes(0, 2));
   pass(5 * kSecondNs);
   EXPECT_TRUE(passes(0, 0));
