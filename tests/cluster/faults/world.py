@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Real gateways and a real store of three members, each in a network namespace, and what can go wrong with them."""
 import ctypes
+import glob
 import os
 import signal
 import subprocess
@@ -15,6 +16,7 @@ LEASE = 2  # s
 LAN_BYTES = 1000  # per s, of the medium that all share
 DESCRIBED_BYTES = 200  # of them the description promises to c0
 PERIOD_MS = 40
+FAKETIME = next(glob.iglob("/usr/lib/*/faketime/libfaketime.so.1"), "libfaketime.so.1")
 CHANNELS = ((1, 8), (2, 16), (3, 24))  # number, payload: 200, 400 and 600 bytes per s
 LOCK = threading.Lock()  # processes are started one at a time, so that none inherits what is another's
 
@@ -215,7 +217,22 @@ mount -t bpf bpf {name}.bpf""")
         return Process(name, [
             f"{BUILD}/mlccad", "--description", f"{WORK}/system.xml", "--gateway", name, "--socket", f"{WORK}/{name}.sock",
             "--bpf-root", f"{WORK}/{name}.bpf", "--state-directory", f"{WORK}/{name}.state", "--cluster-settings",
-            f"{WORK}/{name}.conf", "--cluster-socket", f"{WORK}/{name}.cluster", "--lease", f"{LEASE}s"], f"{name}.log")
+            f"{WORK}/{name}.conf", "--cluster-socket", f"{WORK}/{name}.cluster", "--lease", f"{LEASE}s"], f"{name}.log",
+            self.clock(name))
+
+    def clock(self, name):
+        """The environment of a program whose clock is set by set_clock(), within a second. Only CLOCK_REALTIME can be set,
+        as on any machine."""
+        self.set_clock(name, 0)
+        return {"LD_PRELOAD": FAKETIME, "FAKETIME_TIMESTAMP_FILE": f"{WORK}/{name}.clock", "FAKETIME_CACHE_DURATION": "1",
+                "FAKETIME_DONT_FAKE_MONOTONIC": "1"}
+
+    @staticmethod
+    def set_clock(name, seconds):
+        """How far it is ahead of that of the machine."""
+        with open(f"{WORK}/{name}.clock.new", "w", encoding="ascii") as file:
+            file.write(f"{seconds:+d}\n")
+        os.rename(f"{WORK}/{name}.clock.new", f"{WORK}/{name}.clock")
 
     def start(self):
         for name in self.gateways:
