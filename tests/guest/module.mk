@@ -31,10 +31,16 @@ $(PACKAGES_READY): tests/guest/build-packages tests/guest/dpkg-database $(wildca
 
 packages: $(PACKAGES_READY) ## the packages for the guest, of what is built
 
+# These packages are not compressed, because each is read once.
+check-lintian: $(PACKAGES_READY) ## what lintian says of the packages
+	$(call say,LINTIAN,$(<D))
+	$(Q)lintian --no-cfg --allow-root --fail-on error,warning \
+		--suppress-tags uses-no-compression-for-control-tarball,uses-no-compression-for-data-tarball $(<D)/now/*.deb
+
 check-harness: $(GUEST_READY) ## the guest harness itself
 	$(Q)GUEST_IMAGE=$(abspath $O)/guest tests/guest/selftest
 
-.PHONY: guest-image packages check-guest check-harness
+.PHONY: guest-image packages check-guest check-harness check-lintian
 
 GUEST_TESTS += $(addprefix tests/guest/cases/,nth-call ethernet-gate ethernet-publishers doctor attach-drift)
 GUEST_TESTS += $(addprefix tests/guest/cases/,emergency-stop frame-forms daemon-dies interfaces-change logger-case managed-interface same-identifier same-subject profile-change learn learn-recording audit-report)
