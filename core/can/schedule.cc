@@ -2,6 +2,7 @@
 #include "core/can/schedule.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
 
 #include "core/can/level.hpp"
@@ -26,13 +27,16 @@ class Upwards {
       longest_to_[i + 1] = std::max(longest_to_[i], messages[i].longest_frame);
   }
 
-  /// Moves to message i, which must be the one above the last one asked for.
-  void move_to(std::size_t i) {
+  /// Moves to message i, which must be the one above the last one asked for. `added` does not count
+  /// as what blocked before.
+  void move_to(std::size_t i, std::size_t added = SIZE_MAX) {
     if (i + 1 == messages_.size() || messages_[i].priority == messages_[i + 1].priority) return;
     for (; end_ > i + 1; --end_) {
       share_ -= all_.share(end_ - 1);
       fixed_ -= all_.fixed(end_ - 1);
-      longest_below_ = std::max(longest_below_, messages_[end_ - 1].longest_frame);
+      const Time frame = messages_[end_ - 1].longest_frame;
+      longest_below_ = std::max(longest_below_, frame);
+      if (end_ - 1 != added) longest_before_ = std::max(longest_before_, frame);
     }
   }
   [[nodiscard]] Level level(std::size_t i) const {
@@ -40,6 +44,10 @@ class Upwards {
             .end = end_,
             .blocking = overhead_.blocking(longest_below_),
             .longest = longest_to_.empty() ? 0 : longest_to_[end_]};
+  }
+  /// Whether the added message blocks the messages of this level for longer than others did.
+  [[nodiscard]] bool blocks_longer() const {
+    return overhead_.blocking(longest_below_) > overhead_.blocking(longest_before_);
   }
   /// Whether straight lines above the demand of all others already show that message i is in time.
   [[nodiscard]] bool plainly_in_time(std::size_t i, Time blocking) const {
@@ -67,6 +75,7 @@ class Upwards {
   Share share_ = 0;  ///< of all streams before end_
   Time fixed_ = 0;   ///< ns, of all streams before end_
   Time longest_below_ = 0;
+  Time longest_before_ = 0;  ///< the same without the added message
   std::vector<Time> longest_to_;
 };
 
@@ -91,16 +100,15 @@ std::optional<Schedule::Late> Schedule::add(const Message& message) {
 std::optional<Schedule::Late> Schedule::check_alone(std::size_t added) {
   const Overhead overhead(assumptions_);
   Upwards walk(messages_, interference_, overhead);
-  const Message& added_message = messages_[added];
   std::vector<std::pair<std::size_t, Time>> learnt;
   for (std::size_t i = messages_.size(); i-- > 0;) {
-    walk.move_to(i);
+    walk.move_to(i, added);
     const Level level = walk.level(i);
     const Message& m = messages_[i];
     if (is_spared(m)) continue;
-    // Messages above the new one are affected only if it blocks them.
+    // Messages above the new one are affected only if it blocks them for longer.
     const bool above = level.end <= added;
-    if (above && (added_message.longest_frame < level.blocking)) continue;
+    if (above && !walk.blocks_longer()) continue;
     if (overhead.none() &&
         (walk.plainly_in_time(i, level.blocking) || surely_in_time(interference_, m, level)))
       continue;
