@@ -79,7 +79,7 @@ Result<const Markup*> LearnPatch::markup_of(std::uint32_t file) {
 
 /// Before the end tag of an element.
 Result<void> LearnPatch::insert(const core::Origin& of, std::string_view element,
-                                const std::string& text) {
+                                const std::string& text, Changes& to) {
   const auto markup = markup_of(of.file);
   if (!markup) return std::unexpected(markup.error());
   const std::string& path = system_.files[of.file];
@@ -88,11 +88,11 @@ Result<void> LearnPatch::insert(const core::Origin& of, std::string_view element
   if (!(*node)->has_end_tag)
     return fail(
         fmt::format("{}:{}: <{}/> has no end tag to put elements before", path, of.line, element));
-  insertions_[path].push_back({before_end_tag(**markup, **node), text});
+  to.insertions[path].push_back({before_end_tag(**markup, **node), text});
   return {};
 }
 
-Result<void> LearnPatch::change(const Stated& attribute, std::uint64_t value) {
+Result<void> LearnPatch::change(const Stated& attribute, std::uint64_t value, Changes& to) {
   const auto markup = markup_of(attribute.of.file);
   if (!markup) return std::unexpected(markup.error());
   const std::string& path = system_.files[attribute.of.file];
@@ -107,12 +107,12 @@ Result<void> LearnPatch::change(const Stated& attribute, std::uint64_t value) {
   const Node* const list = (*node)->child(name);
   if (list == nullptr) {
     if (attribute.element == Element::publisher)
-      lists_[{attribute.of.file, attribute.of.line}] += fresh;
+      to.lists[{attribute.of.file, attribute.of.line}] += fresh;
     return {};
   }
   if (!list->children.empty() || std::ranges::count((*node)->children, name, &Node::name) > 1)
     return {};
-  auto& all = insertions_[path];
+  auto& all = to.insertions[path];
   if (const auto* const there = list->attribute(attribute.key); there != nullptr)
     all.push_back({there->value.from, words, there->value.to - there->value.from});
   else
@@ -121,8 +121,8 @@ Result<void> LearnPatch::change(const Stated& attribute, std::uint64_t value) {
 }
 
 /// Publishers that state nothing of their own get a list.
-Result<void> LearnPatch::add_lists() {
-  for (const auto& [where, attributes] : lists_) {
+Result<void> LearnPatch::add_lists(Changes& to) {
+  for (const auto& [where, attributes] : to.lists) {
     const auto markup = markup_of(where.first);
     if (!markup) return std::unexpected(markup.error());
     const std::string& path = system_.files[where.first];
@@ -133,27 +133,36 @@ Result<void> LearnPatch::add_lists() {
         std::string((*markup)->newline()) + indentation(text, (*node)->whole.from);
     const std::string list = fmt::format("{}{}<Attributes{}/>", end, step(**markup), attributes);
     if ((*node)->has_end_tag) {
-      insertions_[path].push_back({(*node)->content.from, list});
+      to.insertions[path].push_back({(*node)->content.from, list});
       continue;
     }
     const auto slash = text.rfind('/', (*node)->start_tag.to);
-    insertions_[path].push_back(
+    to.insertions[path].push_back(
         {slash, fmt::format(">{}{}</Publisher>", list, end), (*node)->start_tag.to - slash});
   }
   return {};
 }
 
+Result<LearnPatch::Changes> LearnPatch::changes() {
+  Changes out;
+  for (const auto& [attribute, value] : values_)
+    if (const auto made = change(attribute, value, out); !made)
+      return std::unexpected(made.error());
+  if (const auto made = add_lists(out); !made) return std::unexpected(made.error());
+  if (!in_system_.empty())
+    if (const auto made = insert({0, 1}, "System", in_system_, out); !made)
+      return std::unexpected(made.error());
+  for (const auto& [network, text] : in_networks_)
+    if (const auto made = insert(network, "Network", text, out); !made)
+      return std::unexpected(made.error());
+  return out;
+}
+
 Result<std::vector<std::pair<std::string, std::string>>> LearnPatch::files() {
-  std::vector<Result<void>> done;
-  done.reserve(values_.size() + in_networks_.size() + 2);
-  for (const auto& [attribute, value] : values_) done.push_back(change(attribute, value));
-  done.push_back(add_lists());
-  if (!in_system_.empty()) done.push_back(insert({0, 1}, "System", in_system_));
-  for (const auto& [network, text] : in_networks_) done.push_back(insert(network, "Network", text));
-  for (const Result<void>& one : done)
-    if (!one) return std::unexpected(one.error());
+  auto wanted = changes();
+  if (!wanted) return std::unexpected(wanted.error());
   std::vector<std::pair<std::string, std::string>> out;
-  for (auto& [path, all] : insertions_) {
+  for (auto& [path, all] : wanted->insertions) {
     if (all.empty()) continue;
     // From the end, so that earlier offsets stay valid.
     std::ranges::stable_sort(all, std::ranges::greater{}, &Insertion::at);

@@ -41,7 +41,8 @@ class LearnPatch {
   /// paper, and where there are several sets.
   void state(const Stated& attribute, std::uint64_t value);
 
-  /// The path and new content of each file that changes.
+  /// The path and new content of each file that changes. All changes are checked before the first
+  /// is made: an error says which one is not possible.
   [[nodiscard]] Result<std::vector<std::pair<std::string, std::string>>> files();
 
  private:
@@ -51,19 +52,24 @@ class LearnPatch {
     std::string text;
     std::size_t instead_of = 0;
   };
+  struct Changes {
+    std::map<std::string, std::vector<Insertion>> insertions;  ///< by path
+    /// Of publishers without a list: what it must have, by file and line.
+    std::map<std::pair<std::uint32_t, int>, std::string> lists;
+  };
   Result<const Markup*> markup_of(std::uint32_t file);
-  Result<void> insert(const core::Origin& of, std::string_view element, const std::string& text);
-  Result<void> change(const Stated& attribute, std::uint64_t value);
-  Result<void> add_lists();
+  Result<void> insert(const core::Origin& of, std::string_view element, const std::string& text,
+                      Changes& to);
+  Result<void> change(const Stated& attribute, std::uint64_t value, Changes& to);
+  Result<void> add_lists(Changes& to);
+  /// All changes, or why one of them is not possible.
+  Result<Changes> changes();
 
   const core::System& system_;
   std::string in_system_;
   std::vector<std::pair<core::Origin, std::string>> in_networks_;
   std::map<Stated, std::uint64_t> values_;
-  /// Of publishers without a list: what it must have, by file and line.
-  std::map<std::pair<std::uint32_t, int>, std::string> lists_;
   std::map<std::string, Markup> markups_;  ///< by path
-  std::map<std::string, std::vector<Insertion>> insertions_;
 };
 
 /// A unified diff (diff -u) from the file `path` to the new content `text`.
