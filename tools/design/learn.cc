@@ -97,7 +97,7 @@ class Learn {
       return say(*refused, context_.json);
     if (!a_.output.empty())
       if (const auto made = create_file(a_.output, draft.xml); !made)
-        return say({Exit::usage, made.error().text, {}}, context_.json);
+        return say({Exit::world, made.error().text, {}}, context_.json);
     return report(draft);
   }
 
@@ -111,7 +111,8 @@ class Learn {
     if (!time) return wrong("--for: " + time.error().text);
     time_ = *time;
     if (!a_.output.empty() && ::access(a_.output.c_str(), F_OK) == 0)
-      return wrong(a_.output + " exists, and nothing is overwritten: name another file");
+      return Refusal{
+          Exit::world, a_.output + " exists, and nothing is overwritten: name another file", {}};
     a_.draft.local_subscribers = !a_.no_local;
     if (!a_.gateway.empty()) a_.draft.gateway = a_.gateway;
     for (const auto& [option, name] :
@@ -487,7 +488,7 @@ void add_learn(CLI::App& app, Context& context) {
   verb->add_flag("--no-local", a->no_local, "no program on this gateway receives anything");
   verb->footer(
       "Exit status: 0 drafted, 1 with --merge: there are differences, 2 usage, unreadable input or "
-      "no frame,\n3 the outside world failed.");
+      "no frame,\n3 the outside world failed, or the output exists.");
   verb->callback([a, &context] { context.exit = Learn(*a, context).run(); });
 }
 

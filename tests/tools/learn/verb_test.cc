@@ -62,9 +62,16 @@ TEST_F(LearnVerb, WritesADraftThatCheckTakesAndOverwritesNothing) {
   EXPECT_EQ(checked.status, 0) << checked.out << checked.error;
   const auto before = content_of(path);
   const auto again = run({"learn", folder.path("first.log"), "--output", path});
-  EXPECT_EQ(again.status, 2);
+  EXPECT_EQ(again.status, 3) << "as of import, export and new";
   EXPECT_TRUE(again.error.contains("nothing is overwritten")) << again.error;
   EXPECT_EQ(content_of(path), before);
+}
+
+TEST_F(LearnVerb, AnOutputThatCannotBeCreatedIsNoMistakeInTheCommandLine) {
+  const auto log = folder.write("first.log", frames("can0", "123", 4, 60));
+  const Ran ran = run({"learn", log, "--output", folder.path("none/system.xml")});
+  EXPECT_EQ(ran.status, 3);
+  EXPECT_TRUE(ran.error.contains("none/system.xml: create: No such file")) << ran.error;
 }
 
 TEST_F(LearnVerb, SaysWhatCannotBeUsed) {

@@ -174,6 +174,14 @@ TEST_F(ExportTest, AnInterfaceWithoutANameIsRefused) {
   EXPECT_TRUE(has(done.error, "its port on second does not state the name")) << done.error;
 }
 
+TEST_F(ExportTest, NothingIsOverwritten) {
+  const auto output = folder_.write("there.dbc", "mine");
+  const auto done = run(robot(), {"dbc", "--network", "second", "--output", output});
+  EXPECT_EQ(done.status, 3) << "as of import, learn and new";
+  EXPECT_TRUE(has(done.error, "there.dbc exists, and nothing is overwritten")) << done.error;
+  EXPECT_EQ(test::content_of(output), "mine");
+}
+
 TEST_F(ExportTest, SaysWhichNetworksThereAre) {
   EXPECT_TRUE(has(run(robot(), {"dbc"}).error, "--network says which: first, second"));
   EXPECT_TRUE(has(run(robot(), {"dbc", "--network", "x"}).error, "there are first, second"));
