@@ -2,6 +2,7 @@
 #include "tools/learn/datagrams.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <functional>
@@ -36,6 +37,24 @@ std::uint64_t source_of(std::uint64_t subject, std::uint32_t sender) {
   return hash;
 }
 
+/// The entries with most counts in words, and what remains of `all`.
+template <class Counts, class Entry, class Rest>
+std::string listed(const Counts& counts, std::uint64_t all, Entry entry, Rest rest_of) {
+  constexpr std::size_t most = 8;
+  std::vector<std::pair<typename Counts::key_type, std::uint64_t>> sorted(counts.begin(),
+                                                                          counts.end());
+  std::ranges::stable_sort(sorted, std::ranges::greater{},
+                           [](const auto& one) { return one.second; });
+  if (sorted.size() > most) sorted.resize(most);
+  std::vector<std::string> out;
+  for (const auto& [key, count] : sorted) {
+    out.push_back(entry(key, count));
+    all -= count;
+  }
+  if (all != 0) out.push_back(rest_of(all));
+  return fmt::format("{}", fmt::join(out, ", "));
+}
+
 }  // namespace
 
 void Datagrams::take(const Frame& frame, const Decoder::OnEvent& on_event) {
@@ -49,7 +68,7 @@ void Datagrams::take(const Frame& frame, const Decoder::OnEvent& on_event) {
       datagram.bytes - std::min<std::size_t>(datagram.bytes, relay::kDatagramHeader);
   if (!parsed || parsed->subject == 0 || bytes > relay::afp::kUdp.payload ||
       (!frame.local && !is_station(datagram.source))) {
-    ++malformed_;
+    count_malformed(frame);
     return;
   }
   ++events_;
@@ -77,7 +96,7 @@ void Datagrams::take_fragment(const Frame& frame, Event event, std::span<const s
                               const Decoder::OnEvent& on_event) {
   const std::size_t bytes = event.bytes;
   if (data.size() < std::min(bytes, kFragmentHeader)) {
-    ++malformed_;
+    count_malformed(frame);
     return;
   }
   // Only sizes and the beginning matter, so bytes that were truncated, or come in later IP
@@ -94,6 +113,14 @@ void Datagrams::take_fragment(const Frame& frame, Event event, std::span<const s
   on_event(event);
 }
 
+void Datagrams::count_malformed(const Frame& frame) {
+  ++malformed_;
+  const std::string sender =
+      frame.local ? "this host" : core::to_text(core::Station{frame.datagram->source});
+  if (malformed_from_.size() < kMostSenders || malformed_from_.contains(sender))
+    ++malformed_from_[sender];
+}
+
 /// Counts the smaller port: of a request and its answer it is mostly the port of the service.
 void Datagrams::count_other(const Datagram& datagram) {
   ++others_;
@@ -107,17 +134,17 @@ std::uint64_t Datagrams::incomplete() const {
 }
 
 std::string Datagrams::other_ports() const {
-  constexpr std::size_t most = 8;
-  std::vector<std::pair<std::uint16_t, std::uint64_t>> all(ports_.begin(), ports_.end());
-  std::ranges::stable_sort(all, std::ranges::greater{}, [](const auto& one) { return one.second; });
-  if (all.size() > most) all.resize(most);
-  std::string out;
-  std::uint64_t rest = others_;
-  for (const auto& [port, count] : all) {
-    out += fmt::format("{}port {} ({})", out.empty() ? "" : ", ", port, count);
-    rest -= count;
-  }
-  return rest == 0 ? out : out + fmt::format(", others ({})", rest);
+  return listed(
+      ports_, others_,
+      [](auto port, auto count) { return fmt::format("port {} ({})", port, count); },
+      [](auto rest) { return fmt::format("others ({})", rest); });
+}
+
+std::string Datagrams::malformed_senders() const {
+  return listed(
+      malformed_from_, malformed_,
+      [](const auto& sender, auto count) { return fmt::format("{} from {}", count, sender); },
+      [](auto rest) { return fmt::format("{} from others", rest); });
 }
 
 Recognised Datagrams::recognised() const {

@@ -18,6 +18,8 @@ class Datagrams {
  public:
   /// At most so many ports are counted separately.
   static constexpr std::size_t kMostPorts = 256;
+  /// At most so many senders of what is no event are counted separately.
+  static constexpr std::size_t kMostSenders = 64;
 
   /// Takes a frame with a datagram. Calls `on_event` when the last fragment of an event has
   /// arrived. The node of an event is the address of its sender; it is 0 for a local sender,
@@ -34,6 +36,8 @@ class Datagrams {
   /// The number of datagrams to FAMOUSO's ports that are not events, or are from an invalid
   /// address.
   [[nodiscard]] std::uint64_t malformed() const { return malformed_; }
+  /// Who sent them, those with most first: "5 from 192.0.2.9, 3 from others".
+  [[nodiscard]] std::string malformed_senders() const;
   /// The number of datagrams of incomplete events: a fragment was missing, or too many events had
   /// begun.
   [[nodiscard]] std::uint64_t incomplete() const;
@@ -47,6 +51,7 @@ class Datagrams {
   void take_fragment(const Frame& frame, Event event, std::span<const std::uint8_t> data,
                      const Decoder::OnEvent& on_event);
   void count_other(const Datagram& datagram);
+  void count_malformed(const Frame& frame);
 
   static constexpr relay::afp::Reassembly::Limits kLimits{.begun = 64, .octets = 1U << 19U};
   relay::afp::Reassembly fragments_{relay::afp::kUdp, kLimits};
@@ -61,6 +66,7 @@ class Datagrams {
   std::uint64_t malformed_ = 0;
   std::uint64_t others_ = 0;
   std::map<std::uint16_t, std::uint64_t> ports_;
+  std::map<std::string, std::uint64_t> malformed_from_;
 };
 
 }  // namespace mlcca::learn

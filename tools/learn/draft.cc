@@ -355,8 +355,9 @@ class Drafter {
           word_for(datagrams.others(), Medium::ethernet), datagrams.other_ports()));
     if (datagrams.malformed() != 0)
       out_.left_out.push_back(fmt::format(
-          "{}: {} to FAMOUSO's ports that {}", name, many(datagrams.malformed(), "datagram"),
-          datagrams.malformed() == 1 ? "is no event" : "are no events"));
+          "{}: {} to FAMOUSO's ports that {}: {}", name, many(datagrams.malformed(), "datagram"),
+          datagrams.malformed() == 1 ? "is no event" : "are no events",
+          datagrams.malformed_senders()));
     if (datagrams.incomplete() != 0)
       out_.left_out.push_back(fmt::format("{}: {} of which a fragment was not seen", name,
                                           many(datagrams.incomplete(), "event")));

@@ -48,6 +48,40 @@ std::vector<Sent> lan(std::uint64_t seed, std::uint64_t seconds) {
   return traffic.sent();
 }
 
+/// So many datagrams that are no events, from each of these stations.
+std::vector<Sent> with_malformed(const std::vector<std::pair<std::uint8_t, unsigned>>& senders) {
+  auto sent = lan(1, 10);
+  for (const auto& [number, count] : senders)
+    for (unsigned i = 0; i < count; ++i) {
+      Sent& bad = sent.emplace_back(event(kSecond + i * kMs, 0, kDistance, station(number), {1}));
+      bad.data[8] = 77;
+    }
+  return test::in_order(std::move(sent));
+}
+
+bool says(const Draft& draft, const std::string& text) {
+  return std::ranges::any_of(draft.left_out,
+                             [&](const std::string& line) { return line.contains(text); });
+}
+
+TEST(EthernetDraft, WhatIsNoEventHasAnInterfaceAndSenders) {
+  EXPECT_TRUE(says(draft_from(with_malformed({{7, 3}, {9, 5}}), {"eth0"}),
+                   "eth0: 8 datagrams to FAMOUSO's ports that are no events: 5 from 192.0.2.9, 3 "
+                   "from 192.0.2.7"));
+  EXPECT_TRUE(says(draft_from(with_malformed({{7, 1}}), {"eth0"}),
+                   "eth0: 1 datagram to FAMOUSO's ports that is no event: 1 from 192.0.2.7"));
+}
+
+TEST(EthernetDraft, OfManySendersOfWhatIsNoEventThoseWithMostAreNamed) {
+  std::vector<std::pair<std::uint8_t, unsigned>> senders;
+  for (std::uint8_t i = 0; i < 200; ++i) senders.emplace_back(10 + i, i == 3 ? 50 : 2);
+  const Draft draft = draft_from(with_malformed(senders), {"eth0"});
+  EXPECT_TRUE(says(draft,
+                   "448 datagrams to FAMOUSO's ports that are no events: 50 from 192.0.2.13, "
+                   "2 from 192.0.2.10, "));
+  EXPECT_TRUE(says(draft, ", 384 from others"));
+}
+
 TEST(EthernetDraft, HasTheSubjectsTheSendersAndTheirTimes) {
   const Draft draft = draft_from(lan(1, 60), {"eth0"});
   ASSERT_EQ(draft.channels.size(), 2U);
