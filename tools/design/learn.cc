@@ -426,6 +426,8 @@ class Learn {
                           {"jitter_ns", channel.jitter},
                           {"median_gap_ns", channel.median},
                           {"longest_gap_ns", channel.longest_gap},
+                          {"pauses", channel.pauses},
+                          {"longest_pause_ns", channel.longest_pause},
                           {"omission", channel.omission},
                           {"bytes", channel.bytes},
                           {"bytes_per_second", channel.bytes_per_second},

@@ -191,10 +191,12 @@ learn::Draft draft_that_holds(const learn::Observer& observer,
   for (learn::DraftOptions& other : others) other.times.assumed_period = second;
   others[1].times.period_of_bursts = second / 10;
   others[1].times.at_once = 1024;
+  others[1].times.cycles_of_bursts = false;
   others[2].times.few = learn::OfFew::the_mean;
   others[2].times.period_of_bursts = second;
   others[2].times.at_once = 1U << 20U;
   others[2].times.all_bursts = true;
+  others[2].times.cycles_of_bursts = false;
   for (const std::size_t slow : {0U, 1U, 2U}) {
     learn::DraftOptions& fast = others.emplace_back(others[slow]);
     for (const std::string& name : names)

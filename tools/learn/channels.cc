@@ -9,6 +9,7 @@
 #include <ranges>
 #include <utility>
 
+#include "base/many.hpp"
 #include "tools/elements.hpp"
 
 namespace mlcca::learn {
@@ -63,6 +64,24 @@ std::uint64_t period_of_bursts(const Flow& flow, const Timeline& timeline, std::
   return std::min(options.period_of_bursts, options.all_bursts ? mean : mean / 2);
 }
 
+// From so long runs on, traffic is cyclic with pauses, or bursts show how often their events come.
+constexpr Flow::Run kRun{.cycles = 16, .ns = 500'000'000};
+constexpr Flow::Run kRunOfBurst{.cycles = 4, .ns = 100'000'000};
+constexpr Flow::Run kRunOfFew{.cycles = 2, .ns = 500'000'000};
+
+/// Pauses between runs that are cyclic and at least that long; none of other traffic.
+Flow::Pauses pauses_of(const Flow& flow, const Flow::Run& least, double regular = kRegular) {
+  const Flow::Pauses out = flow.pauses(least);
+  if (out.count != 0 && flow.regular_share(out.longest_other) >= regular) return out;
+  return {.longest_other = flow.longest_gap()};
+}
+
+/// "2 pauses, the longest of 10s,"
+std::string pauses_in_words(const Times& times) {
+  return fmt::format("{} of {}", many(times.pauses, "pause", "pauses, the longest"),
+                     about(times.longest_pause));
+}
+
 Times times_of_few(const Flow& flow, const Timeline& timeline, const TimesOptions& options) {
   Times out;
   out.period = options.assumed_period;
@@ -74,8 +93,12 @@ Times times_of_few(const Flow& flow, const Timeline& timeline, const TimesOption
                        flow.events());
   out.assumed = flow.gaps() == 0;
   if (out.assumed) return out;
-  const std::uint64_t mean = flow.mean_of_few();
   const bool is_half = options.few == OfFew::half_the_mean;
+  const Flow::Pauses pauses =
+      options.cycles_of_bursts && is_half ? flow.pauses(kRunOfFew) : Flow::Pauses{};
+  const std::uint64_t mean =
+      pauses.count == 0 ? flow.mean_of_few()
+                        : std::min(flow.mean_of_few(pauses.longest_other), flow.median_gap());
   out.period = std::max<std::uint64_t>(tools::nominal(is_half ? mean / 2 : mean), 1000);
   const std::uint64_t longer =
       tools::nominal(period_of_bursts(flow, timeline, out.period, options));
@@ -91,11 +114,18 @@ Times times_of_few(const Flow& flow, const Timeline& timeline, const TimesOption
         flow.events(), about(flow.shortest_gap()));
     return out;
   }
+  if (pauses.count != 0) {
+    out.bursts = false;
+    out.pauses = pauses.count;
+    out.longest_pause = flow.longest_gap();
+  }
   out.seen = fmt::format(
-      "seen {} times only{}, every {} in the mean, {} apart at least: the Period is {}, and the "
+      "seen {} times only{}, every {} {}, {} apart at least: the Period is {}, and the "
       "Jitter twice what they were early by",
-      flow.events(), out.bursts ? ", in bursts" : "", about(mean), about(flow.shortest_gap()),
-      is_half ? "half the mean" : "the mean, which its transport protocol needs");
+      flow.events(), out.bursts ? ", in bursts" : "", about(mean),
+      out.pauses == 0 ? "in the mean" : "without " + pauses_in_words(out),
+      about(flow.shortest_gap()),
+      is_half ? "half of that" : "the mean, which its transport protocol needs");
   return out;
 }
 
@@ -161,50 +191,93 @@ std::string gaps_in_words(const Flow& flow) {
                      about(usual_gap(flow)), about(flow.shortest_gap()), about(flow.longest_gap()));
 }
 
+/// The cycle of periodic traffic; `pauses`: what it paused, if at all.
+std::optional<Chosen> cycle_of(const Flow& flow, const std::vector<Rate>& rates,
+                               const Flow::Pauses& pauses) {
+  const std::uint64_t median = flow.median_gap();
+  if (pauses.count != 0) return rate_of_cycle(rates_of_cycle(flow, flow.cyclic_rates()), median);
+  if (flow.regular_share() < kRegular || flow.longest_gap() / kFarApart > median)
+    return std::nullopt;
+  return rate_of_cycle(rates_of_cycle(flow, rates), median);
+}
+
+/// The cycle within bursts, which is none of the time between them.
+std::optional<Chosen> cycle_in_bursts(const Flow& flow, const TimesOptions& options) {
+  constexpr double regular = 0.6;  // about a third would be of times at random
+  if (!options.cycles_of_bursts || pauses_of(flow, kRunOfBurst, regular).count == 0)
+    return std::nullopt;
+  return rate_of_cycle(rates_of_cycle(flow, flow.cyclic_rates()), flow.median_gap());
+}
+
+/// All rates from `longer` (ns) downwards.
+std::vector<Rate> with_longer(const Flow& flow, const std::vector<Rate>& rates,
+                              std::uint64_t longer) {
+  auto all = flow.longer_rates();
+  std::erase_if(all, [&](const Rate& rate) { return rate.period > longer; });
+  std::ranges::copy(rates, std::back_inserter(all));
+  return all;
+}
+
+std::string seen_of(const Times& times, const Flow& flow, std::uint64_t early, bool has_cycle) {
+  const std::string gaps = gaps_in_words(flow);
+  std::string out;
+  if (times.on_events)
+    out = fmt::format(
+        "cyclic and on events: {}; by this Period the events in between are early by {} + 25 %",
+        gaps, about(early));
+  else if (times.periodic)
+    out = fmt::format("{}; Jitter {} + 25 %", gaps, about(early));
+  else if (has_cycle)
+    out = fmt::format(
+        "aperiodic, in bursts that have a cycle: {}; the Period is that cycle, early by {} + 25 % "
+        "at most",
+        gaps, about(early));
+  else
+    out = fmt::format(
+        "{}: {}; the Period is the one that all of them kept, early by {} + 25 % at most",
+        times.bursts ? "aperiodic, in bursts" : "aperiodic", gaps, about(early));
+  if (times.pauses != 0)
+    out += fmt::format("; {} no part of its cycle", times.pauses == 1
+                                                        ? pauses_in_words(times) + " is"
+                                                        : pauses_in_words(times) + ", are");
+  return out;
+}
+
 }  // namespace
 
 Times times_of(const Flow& flow, const Timeline& timeline, const TimesOptions& options) {
   if (flow.gaps() != 0 && flow.longest_gap() == 0) return times_of_one_stamp(flow, options);
-  auto rates = flow.rates();
+  const auto rates = flow.rates();
   if (rates.empty()) return times_of_few(flow, timeline, options);
   constexpr std::uint64_t longest_burst = 1'000'000'000;  // ns, of what looks cyclic
   const std::uint64_t longer = period_of_bursts(flow, timeline, rates.front().period, options);
   const bool is_burst = longer > rates.front().period;
-  Times out;
-  const std::uint64_t median = flow.median_gap();
-  std::optional<Chosen> cycle;
   const bool is_one_burst = is_burst && flow.active() < longest_burst;
-  if (!is_one_burst && flow.regular_share() >= kRegular && flow.longest_gap() / kFarApart <= median)
-    cycle = rate_of_cycle(rates_of_cycle(flow, rates), median);
+  const Flow::Pauses pauses = pauses_of(flow, kRun);
+  const auto cycle = is_one_burst ? std::nullopt : cycle_of(flow, rates, pauses);
+  const auto in_bursts = cycle ? std::nullopt : cycle_in_bursts(flow, options);
+  Times out;
   out.periodic = cycle.has_value();
   out.on_events = cycle && cycle->on_events;
-  out.bursts = !out.periodic && (is_burst || flow.comes_in_bursts());
-  if (is_burst) {
-    auto all = flow.longer_rates();
-    std::erase_if(all, [&](const Rate& rate) { return rate.period > longer; });
-    std::ranges::copy(rates, std::back_inserter(all));
-    rates = std::move(all);
+  out.bursts = !out.periodic && (in_bursts || is_burst || flow.comes_in_bursts());
+  if (out.periodic && pauses.count != 0) {
+    out.pauses = pauses.count;
+    out.longest_pause = flow.longest_gap();
   }
-  const Rate chosen = cycle ? cycle->rate : rate_of_others(rates, options.at_once);
+  Rate chosen;
+  if (cycle || in_bursts)
+    chosen = cycle ? cycle->rate : in_bursts->rate;
+  else
+    chosen = rate_of_others(is_burst ? with_longer(flow, rates, longer) : rates, options.at_once);
   out.period = chosen.period;
   out.jitter = chosen.early == 0 ? 0 : with_margin(chosen.early, 25);
-  if (out.on_events)
-    out.seen = fmt::format(
-        "cyclic and on events: {}; by this Period the events in between are early by {} + 25 %",
-        gaps_in_words(flow), about(chosen.early));
-  else if (out.periodic)
-    out.seen = fmt::format("{}; Jitter {} + 25 %", gaps_in_words(flow), about(chosen.early));
-  else
-    out.seen = fmt::format(
-        "{}: {}; the Period is the one that all of them kept, early by {} + 25 % at most",
-        out.bursts ? "aperiodic, in bursts" : "aperiodic", gaps_in_words(flow),
-        about(chosen.early));
+  out.seen = seen_of(out, flow, chosen.early, in_bursts.has_value());
   return out;
 }
 
 std::uint64_t omission_of(const Flow& flow, std::uint64_t period) {
   period = std::max<std::uint64_t>(period, 1);
-  const std::uint64_t periods = (flow.longest_gap() + period / 2) / period;
+  const std::uint64_t periods = (pauses_of(flow, kRun).longest_other + period / 2) / period;
   return periods == 0 ? 0 : periods - 1;
 }
 

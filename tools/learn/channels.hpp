@@ -18,10 +18,12 @@ struct Times {
   std::uint64_t period = 0;  ///< ns between events
   std::uint64_t jitter = 0;  ///< ns
   bool periodic = false;
-  bool on_events = false;  ///< periodic, with further events in between
-  bool bursts = false;     ///< not periodic, and many events come in quick succession
-  bool assumed = false;    ///< the traffic does not show how often events come
-  std::string seen;        ///< the observation in words, with the margin
+  bool on_events = false;           ///< periodic, with further events in between
+  bool bursts = false;              ///< not periodic, and many events come in quick succession
+  bool assumed = false;             ///< the traffic does not show how often events come
+  std::uint64_t pauses = 0;         ///< times in which what is cyclic paused, see Flow::Pauses
+  std::uint64_t longest_pause = 0;  ///< ns
+  std::string seen;                 ///< the observation in words, with the margin
 };
 /// How the Period of a flow with few events follows from the mean of its gaps.
 enum class OfFew : std::uint8_t { half_the_mean, the_mean };
@@ -36,11 +38,14 @@ struct TimesOptions {
   std::uint64_t at_once = 32;  ///< most events of a burst of an aperiodic flow
   /// Regular events count as a burst also if the recording may have cut off a cycle.
   bool all_bursts = false;
+  /// Bursts that have a cycle for a tenth of a second or more have it as Period.
+  bool cycles_of_bursts = true;
   std::uint64_t listened = 0;  ///< ns; counts if it exceeds the time that was recorded
 };
 [[nodiscard]] Times times_of(const Flow& flow, const Timeline& timeline,
                              const TimesOptions& options = {});
-/// The most events that were lost in a row, if one was sent in each `period` (ns).
+/// The most events that were lost in a row, if one was sent in each `period` (ns) except during
+/// pauses.
 [[nodiscard]] std::uint64_t omission_of(const Flow& flow, std::uint64_t period);
 
 /// A time for people, with three digits.

@@ -118,6 +118,8 @@ class Drafter {
       row.jitter = std::max(row.jitter, source.times.jitter);
       row.median = row.median == 0 ? flow.median_gap() : std::min(row.median, flow.median_gap());
       row.longest_gap = std::max(row.longest_gap, flow.longest_gap());
+      row.pauses += source.times.pauses;
+      row.longest_pause = std::max(row.longest_pause, source.times.longest_pause);
       row.bytes = std::max(row.bytes, flow.most_bytes());
       const std::uint64_t covered = observer_.interfaces()[source.key.interface].timeline.covered();
       if (covered != 0)

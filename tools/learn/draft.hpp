@@ -62,11 +62,13 @@ struct DraftChannel {
   std::string interface;
   std::string identifier;  ///< as people write it
   std::uint64_t events = 0;
-  std::uint64_t period = 0;       ///< stated Period in ns: the longest one of its publishers
-  std::uint64_t jitter = 0;       ///< ns
-  std::uint64_t median = 0;       ///< observed median of the gaps, ns
-  std::uint64_t longest_gap = 0;  ///< ns
-  std::uint64_t omission = 0;     ///< stated Omission; only periodic channels have one
+  std::uint64_t period = 0;         ///< stated Period in ns: the longest one of its publishers
+  std::uint64_t jitter = 0;         ///< ns
+  std::uint64_t median = 0;         ///< observed median of the gaps, ns
+  std::uint64_t longest_gap = 0;    ///< ns
+  std::uint64_t pauses = 0;         ///< of cyclic traffic, see Flow::Pauses
+  std::uint64_t longest_pause = 0;  ///< ns
+  std::uint64_t omission = 0;       ///< stated Omission; only periodic channels have one
   std::uint32_t bytes = 0;
   double bytes_per_second = 0;  ///< observed
   bool periodic = false;

@@ -24,6 +24,11 @@ std::uint64_t Flow::middle_of(std::size_t part) {
   return low + (std::uint64_t{1} << (octave - 5)) / 2;
 }
 
+std::uint64_t Flow::end_of(std::size_t part) {
+  const auto octave = static_cast<unsigned>(part / kParts) + kLowest;
+  return (kParts + part % kParts + 1) << (octave - 5);
+}
+
 void Flow::add(std::uint64_t ns, std::uint32_t bytes, Stretch stretch) {
   // Frames from several queues may be out of order by so much, in ns.
   constexpr std::uint64_t disorder = 1'000'000;
@@ -80,19 +85,21 @@ std::uint64_t Flow::quantile(double share) const {
   return longest_;
 }
 
-double Flow::regular_share() const {
+double Flow::regular_share(std::uint64_t longest) const {
   if (gaps_ == 0) return 0;
   constexpr double near = 0.25;
   const auto median = static_cast<double>(median_gap());
   std::uint64_t regular = 0;
+  std::uint64_t all = 0;
   for (std::size_t part = 0; part < histogram_->size(); ++part) {
-    if ((*histogram_)[part] == 0) continue;
+    if ((*histogram_)[part] == 0 || middle_of(part) > longest) continue;
+    all += (*histogram_)[part];
     const double times = static_cast<double>(middle_of(part)) / median;
     const double nearest = std::round(times);
     if (nearest >= 1 && nearest <= 10 && std::abs(times - nearest) <= near)
       regular += (*histogram_)[part];
   }
-  return static_cast<double>(regular) / static_cast<double>(gaps_);
+  return all == 0 ? 0 : static_cast<double>(regular) / static_cast<double>(all);
 }
 
 std::uint64_t Flow::longest_of_one() const {
@@ -104,14 +111,41 @@ std::uint64_t Flow::longest_of_one() const {
   return std::min(longest, longest_);
 }
 
+Flow::Pauses Flow::pauses(const Run& least) const {
+  // The longest gap that is none, as a gap of so many medians may have a rest.
+  const std::uint64_t longest = (median_gap() + 1) * kPause;
+  if (longest_ < longest) return {.longest_other = longest_};
+  Pauses out;
+  std::uint64_t cycles = 0;
+  std::uint64_t active = 0;
+  for (std::size_t part = 0; part < histogram_->size(); ++part) {
+    const std::uint64_t count = (*histogram_)[part];
+    if (count == 0) continue;
+    if (end_of(part) > longest) {
+      out.count += count;
+      continue;
+    }
+    cycles += count;
+    active += count * middle_of(part);
+    out.longest_other = std::min(end_of(part), longest_);
+  }
+  const std::uint64_t runs = out.count + 1;
+  if (cycles < runs * least.cycles || active < runs * least.ns) return {.longest_other = longest_};
+  return out;
+}
+
+std::uint64_t Flow::gaps_below(std::uint64_t ns) const {
+  std::uint64_t count = 0;
+  for (std::size_t part = 0; gaps_ != 0 && part < histogram_->size() && middle_of(part) < ns;
+       ++part)
+    count += (*histogram_)[part];
+  return count;
+}
+
 bool Flow::comes_in_bursts() const {
   constexpr std::uint64_t fewest = 4;
   if (gaps_ < fewest) return false;
-  const std::uint64_t soon = sum_ / gaps_ / 10;
-  std::uint64_t count = 0;
-  for (std::size_t part = 0; part < histogram_->size() && middle_of(part) < soon; ++part)
-    count += (*histogram_)[part];
-  return count * 4 >= gaps_;
+  return gaps_below(sum_ / gaps_ / 10) * 4 >= gaps_;
 }
 
 /// Chooses the periods, from the median or mean of the first gaps downwards.
@@ -132,6 +166,10 @@ void Flow::choose_periods() {
   for (std::uint64_t times = 2; period * times <= longest; times *= 2)
     longer_.push_back({.period = period * times});
   std::ranges::reverse(longer_);
+  const std::uint64_t median = std::max<std::uint64_t>(tools::nominal(gaps[gaps.size() / 2]), 1000);
+  if (period > median && std::ranges::max(gaps) > gaps[gaps.size() / 2] * kPause)
+    for (const unsigned part : percent)
+      cyclic_.push_back({.period = std::max<std::uint64_t>(median * part / 100, 1)});
   for (const Moment& one : begin_) judge(one);
   begin_ = {};
 }
@@ -139,6 +177,7 @@ void Flow::choose_periods() {
 void Flow::judge(const Moment& event) {
   for (Policer& p : policers_) p.take(event);
   for (Policer& p : longer_) p.take(event);
+  for (Policer& p : cyclic_) p.take(event);
 }
 
 void Flow::Policer::take(const Moment& event) {
@@ -148,11 +187,15 @@ void Flow::Policer::take(const Moment& event) {
   due = std::max(due, ns) + period;
 }
 
-std::uint64_t Flow::mean_of_few() const {
+std::uint64_t Flow::mean_of_few(std::uint64_t longest) const {
   std::uint64_t sum = 0;
-  for (std::size_t i = 1; i < begin_.size(); ++i)
-    if (!begin_[i].is_new) sum += begin_[i].ns - begin_[i - 1].ns;
-  return gaps_ == 0 ? 0 : sum / gaps_;
+  std::uint64_t count = 0;
+  for (std::size_t i = 1; i < begin_.size(); ++i) {
+    if (begin_[i].is_new || begin_[i].ns - begin_[i - 1].ns > longest) continue;
+    sum += begin_[i].ns - begin_[i - 1].ns;
+    ++count;
+  }
+  return count == 0 ? 0 : sum / count;
 }
 
 std::uint64_t Flow::early_of_few(std::uint64_t period) const {
@@ -161,18 +204,21 @@ std::uint64_t Flow::early_of_few(std::uint64_t period) const {
   return policer.early;
 }
 
-std::vector<Rate> Flow::rates() const {
+std::vector<Rate> Flow::of_each(std::span<const Policer> policers) {
   std::vector<Rate> out;
-  if (gaps_ + 1 < kFirst) return out;
-  for (const Policer& p : policers_) out.push_back({p.period, p.early});
+  out.reserve(policers.size());
+  for (const Policer& p : policers) out.push_back({p.period, p.early});
   return out;
 }
 
-std::vector<Rate> Flow::longer_rates() const {
-  std::vector<Rate> out;
-  out.reserve(longer_.size());
-  for (const Policer& p : longer_) out.push_back({p.period, p.early});
-  return out;
+std::vector<Rate> Flow::rates() const {
+  return gaps_ + 1 < kFirst ? std::vector<Rate>() : of_each(policers_);
 }
+
+std::vector<Rate> Flow::cyclic_rates() const {
+  return cyclic_.empty() ? rates() : of_each(cyclic_);
+}
+
+std::vector<Rate> Flow::longer_rates() const { return of_each(longer_); }
 
 }  // namespace mlcca::learn

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "tools/learn/timeline.hpp"
@@ -46,10 +47,28 @@ class Flow {
   /// The share of gaps within a quarter of the median around the median or a multiple of it up to
   /// 10 (events may be lost). A gate assigns a gap to the nearest number of periods, and about a
   /// third of random gaps would be within these ranges.
-  [[nodiscard]] double regular_share() const;
+  /// Gaps longer than `longest` (ns) do not count.
+  [[nodiscard]] double regular_share(std::uint64_t longest = UINT64_MAX) const;
   /// The longest gap within which, judged by the median, no event is missing: below 1.5 times the
   /// median.
   [[nodiscard]] std::uint64_t longest_of_one() const;
+
+  /// Times in which cyclic traffic paused: gaps of more than kPause times the median.
+  struct Pauses {
+    std::uint64_t count = 0;
+    std::uint64_t longest_other =
+        0;  ///< ns: the longest of all other gaps, rounded up by up to 3 %
+  };
+  /// The events between two pauses: so many cycles, for so many ns.
+  struct Run {
+    std::uint64_t cycles = 0;
+    std::uint64_t ns = 0;
+  };
+  /// Its pauses, if the runs between them are at least that long on average. `count` is 0 if it has
+  /// no pauses, or if its runs are shorter, which are bursts then.
+  [[nodiscard]] Pauses pauses(const Run& least) const;
+  /// A gap of so many times the median, or less, may be due to lost events.
+  static constexpr std::uint64_t kPause = 10;
 
   // The times of the first and the latest event, and the clocks that they are from.
   [[nodiscard]] std::uint64_t first() const { return first_; }
@@ -61,15 +80,20 @@ class Flow {
   /// than 4 gaps.
   [[nodiscard]] bool comes_in_bursts() const;
 
+  /// The number of gaps shorter than `ns`, accurate to 3 % of that time.
+  [[nodiscard]] std::uint64_t gaps_below(std::uint64_t ns) const;
+
   // For a flow with fewer than kFirst - 1 gaps:
-  /// The mean time between two events, in ns.
-  [[nodiscard]] std::uint64_t mean_of_few() const;
+  /// The mean time between two events, in ns. Gaps longer than `longest` do not count.
+  [[nodiscard]] std::uint64_t mean_of_few(std::uint64_t longest = UINT64_MAX) const;
   /// The tolerance in ns with which all events conform to `period`.
   [[nodiscard]] std::uint64_t early_of_few(std::uint64_t period) const;
 
   /// Rates for several periods up to the median or mean of the first gaps, the longest period
   /// first. Empty with fewer than kFirst - 1 gaps.
   [[nodiscard]] std::vector<Rate> rates() const;
+  /// The same for periods up to the median, whatever the mean: of cyclic traffic that paused.
+  [[nodiscard]] std::vector<Rate> cyclic_rates() const;
   /// The same for longer periods up to a second: of bursts that the first gaps are within.
   [[nodiscard]] std::vector<Rate> longer_rates() const;
 
@@ -93,6 +117,7 @@ class Flow {
 
   static std::size_t part_of(std::uint64_t gap);
   static std::uint64_t middle_of(std::size_t part);
+  static std::uint64_t end_of(std::size_t part);
   void keep(Moment event);
   void count_gap(std::uint64_t gap);
   void choose_periods();
@@ -105,6 +130,7 @@ class Flow {
     void take(const Moment& event);
   };
   static constexpr std::size_t kPolicers = 12;
+  static std::vector<Rate> of_each(std::span<const Policer> policers);
 
   std::uint64_t events_ = 0;
   std::uint64_t gaps_ = 0;
@@ -122,6 +148,7 @@ class Flow {
   std::vector<Moment> begin_;         ///< the first events, until periods are chosen
   std::array<Policer, kPolicers> policers_{};
   std::vector<Policer> longer_;  ///< the longest period first
+  std::vector<Policer> cyclic_;  ///< from the median, if the mean is longer because of a pause
   std::unique_ptr<Histogram> histogram_;
 };
 

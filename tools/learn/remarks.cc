@@ -21,6 +21,10 @@ using core::Profile;
 constexpr std::size_t kMostNamed = 8;                  // channels in a line
 constexpr std::uint64_t kManyGaps = 10;                // in gaps of a channel
 constexpr std::uint64_t kShortestEnd = 1'000'000'000;  // ns
+// The times of a bus are doubtful if so many events, and one of so many, come too soon after
+// another of the same identifier.
+constexpr std::uint64_t kFewestClose = 8;
+constexpr std::uint64_t kCloseOf = 200;
 
 class Remarks {
  public:
@@ -31,7 +35,9 @@ class Remarks {
     for (std::uint32_t i = 0; i < names_.size(); ++i) {
       profile(i);
       ends(i);
+      pauses(i);
       stamps(i);
+      times(i);
       services(i);
     }
     return std::move(out_);
@@ -102,6 +108,48 @@ class Remarks {
     if (!begun.empty())
       out_.push_back(fmt::format("{}: {} began only when others had been there for long",
                                  names_[interface], listed(begun)));
+  }
+
+  /// Notes channels whose silence a gate reports, although it may be as it should be.
+  void pauses(std::uint32_t interface) {
+    const Timeline& timeline = at(interface).timeline;
+    const Numbers all = numbers(interface, [&](const FlowKey&, const Seen& seen) {
+      const Times times = times_of(seen.flow, timeline);
+      return times.periodic && times.pauses != 0;
+    });
+    if (!all.empty())
+      out_.push_back(fmt::format(
+          "{}: {} paused while others went on: the draft has {} cycle, so {} subscribers are told "
+          "when {} {}",
+          names_[interface], listed(all), all.size() == 1 ? "its" : "their",
+          all.size() == 1 ? "its" : "their", all.size() == 1 ? "it" : "they",
+          all.size() == 1 ? "pauses" : "pause"));
+  }
+
+  /// Notes a bus whose frames have times closer to each other than any bus can carry frames: who
+  /// recorded them has given them times later. Frames of several identifiers may be read at once,
+  /// somewhat later than they came; but if one identifier comes again at once, its times are lost.
+  void times(std::uint32_t interface) {
+    if (at(interface).medium != Medium::can) return;
+    std::uint64_t gaps = 0;
+    std::uint64_t close = 0;
+    for (const auto& [key, seen] : observer_.flows()) {
+      if (key.interface != interface) continue;
+      gaps += seen.flow.gaps();
+      close += seen.flow.gaps_below(Timeline::kTooClose);
+    }
+    if (close < kFewestClose || close * kCloseOf < gaps) return;
+    const auto percent = [](std::uint64_t part, std::uint64_t all) {
+      return all == 0 ? 0 : (part * 100 + all / 2) / all;
+    };
+    const std::uint64_t frames = at(interface).frames;
+    out_.push_back(fmt::format(
+        "{}: the times are not those of the bus: {} % of {} frames are within {} of the one "
+        "before, and {} % of the events within {} of the one before with the same identifier, "
+        "which no bus can carry. The recorder has made them up, or has lost frames: do not rely "
+        "on the Periods and Jitters of this draft",
+        names_[interface], percent(at(interface).timeline.too_close(), frames), frames,
+        about(Timeline::kTooClose), percent(close, gaps), about(Timeline::kTooClose)));
   }
 
   void stamps(std::uint32_t interface) {

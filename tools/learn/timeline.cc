@@ -15,6 +15,11 @@ namespace {
 /// So many frames must precede a pause, within so long a time.
 constexpr std::uint64_t kFewestFrames = 32;
 constexpr std::uint64_t kShortestActive = 1'000'000'000;  // ns
+/// A recording may begin shortly before a pause. Then it must be so much longer than the longest
+/// other time without a frame, after so many frames within so long a time.
+constexpr std::uint64_t kEarly = 100;
+constexpr std::uint64_t kFramesEarly = 128;
+constexpr std::uint64_t kActiveEarly = 100'000'000;  // ns
 
 /// A time stamp as in candump, so that it can be searched for: 1436509052.249713.
 std::string stamp(std::uint64_t ns) {
@@ -39,12 +44,13 @@ Stretch Timeline::take(std::uint64_t ns, std::uint32_t recording) {
   Range& range = ranges_.back();
   range.first = std::min(range.first, ns);
   range.last = std::max(range.last, ns);
+  if (ns + kTooClose > last_ && ns < last_ + kTooClose) ++too_close_;
   if (ns + kDisorder < last_) {
     if (times_back_++ == 0) first_back_ = {recording, last_, ns};
     last_ = ns;
     ++stretch_.clock;
   } else if (ns > last_) {
-    go_on(ns, frames_ > kFewestFrames && active_ >= kShortestActive);
+    go_on(ns, times_longer());
   }
   return stretch_;
 }
@@ -60,14 +66,19 @@ void Timeline::begin(std::uint64_t ns, std::uint32_t recording) {
     last_ = ns;
     ++stretch_.clock;
   } else if (ns > last_) {
-    go_on(ns, true);
+    go_on(ns, kFarLonger);
   }
 }
 
-void Timeline::go_on(std::uint64_t ns, bool may_pause) {
+std::uint64_t Timeline::times_longer() const {
+  if (frames_ > kFewestFrames && active_ >= kShortestActive) return kFarLonger;
+  return frames_ > kFramesEarly && active_ >= kActiveEarly ? kEarly : 0;
+}
+
+void Timeline::go_on(std::uint64_t ns, std::uint64_t times) {
   const std::uint64_t gap = ns - last_;
   last_ = ns;
-  if (may_pause && gap >= kPause && gap / kFarLonger > longest_) {
+  if (times != 0 && gap >= kPause && gap / times > longest_) {
     ++pauses_;
     longest_pause_ = std::max(longest_pause_, gap);
     ++stretch_.part;

@@ -27,6 +27,10 @@ class Timeline {
   /// A pause is so many times as long as the longest other time without a frame.
   static constexpr std::uint64_t kFarLonger = 10;
 
+  /// No CAN bus can carry two frames within so short a time, in ns: at 1 Mbit/s a frame takes 47
+  /// us, and the arbitration of an FD frame 30 us.
+  static constexpr std::uint64_t kTooClose = 20'000;
+
   /// Takes the time of a frame in the recording with that number. Returns the stretch of the frame.
   Stretch take(std::uint64_t ns, std::uint32_t recording);
 
@@ -35,6 +39,8 @@ class Timeline {
   [[nodiscard]] std::uint64_t first() const { return ranges_.empty() ? 0 : ranges_.front().first; }
   [[nodiscard]] std::uint64_t last() const { return last_; }
   [[nodiscard]] std::uint32_t clock() const { return stretch_.clock; }
+  /// The number of frames less than kTooClose after the one before.
+  [[nodiscard]] std::uint64_t too_close() const { return too_close_; }
   /// Remarks for a person about the times of `interface`, a line each; `recordings` are the names
   /// of recordings by number.
   [[nodiscard]] std::vector<std::string> notes(const std::string& interface,
@@ -56,7 +62,11 @@ class Timeline {
     std::uint64_t to = 0;
   };
   void begin(std::uint64_t ns, std::uint32_t recording);
-  void go_on(std::uint64_t ns, bool may_pause);
+  /// How many times as long as the longest other time without a frame a pause must be now; 0: there
+  /// was too little traffic to say.
+  [[nodiscard]] std::uint64_t times_longer() const;
+  /// `times`: see times_longer().
+  void go_on(std::uint64_t ns, std::uint64_t times);
   void note_order(const std::string& interface, std::span<const std::string> recordings,
                   std::vector<std::string>& out) const;
 
@@ -67,6 +77,7 @@ class Timeline {
   std::uint64_t covered_ = 0;
   std::uint64_t active_ = 0;   ///< ns between frames less than kPause apart
   std::uint64_t longest_ = 0;  ///< ns between two frames, without pauses
+  std::uint64_t too_close_ = 0;
   std::uint64_t pauses_ = 0;
   std::uint64_t longest_pause_ = 0;
   std::uint64_t times_back_ = 0;

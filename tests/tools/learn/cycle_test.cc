@@ -148,6 +148,60 @@ TEST(Remarks, OfEventsWithOneTimeStampThePeriodIsAssumed) {
   }
 }
 
+/// 100 frames of each of 16 identifiers; of each `often` times that one comes, a frame comes with
+/// the time of the one before it.
+std::vector<Sent> read_at_once(std::uint64_t often, std::uint64_t apart) {
+  std::vector<Sent> sent;
+  for (std::uint64_t i = 0; i < 1600; ++i) {
+    sent.push_back(
+        {.ns = kSecond + i * kMs, .id = 0x100 + static_cast<std::uint32_t>(i % 16), .data = {1}});
+    if (i % often == often - 1) {
+      sent.push_back(sent.back());
+      sent.back().ns += apart;
+    }
+  }
+  return sent;
+}
+
+/// A frame takes 47 us on the fastest bus.
+TEST(Remarks, TimesThatNoBusCanGiveAreNamed) {
+  const std::string note = "can0: the times are not those of the bus";
+  EXPECT_TRUE(says(drafted(read_at_once(100, 0), {}, {"can0"}), note));
+  EXPECT_TRUE(says(drafted(read_at_once(100, 15'000), {}, {"can0"}), note));
+  EXPECT_TRUE(says(drafted(read_at_once(160, 0), {}, {"can0"}), note));
+  EXPECT_FALSE(says(drafted(read_at_once(400, 0), {}, {"can0"}), note)) << "a few may be";
+  EXPECT_FALSE(says(drafted(read_at_once(100, 40'000), {}, {"can0"}), note));
+  EXPECT_FALSE(says(drafted(read_at_once(1601, 0), {}, {"can0"}), note));
+}
+
+TEST(Remarks, OfTimesThatNoBusCanGiveTheShareIsSaid) {
+  const Draft draft = drafted(read_at_once(2, 0), {}, {"can0"});
+  EXPECT_TRUE(says(draft,
+                   "can0: the times are not those of the bus: 33 % of 2400 frames are within 20us "
+                   "of the one before, and 34 % of the events within 20us of the one before with "
+                   "the same identifier"))
+      << (draft.left_out.empty() ? "nothing" : draft.left_out.front());
+  EXPECT_TRUE(says(draft, "do not rely on the Periods and Jitters of this draft"));
+}
+
+/// Frames of several identifiers that are read at once have late times, but none twice.
+TEST(Remarks, TimesAtWhichSeveralIdentifiersWereReadAtOnceAreThoseOfTheBus) {
+  std::vector<Sent> sent;
+  for (std::uint64_t i = 0; i < 1600; ++i)
+    sent.push_back({.ns = kSecond + i / 4 * 4 * kMs,
+                    .id = 0x100 + static_cast<std::uint32_t>(i % 16),
+                    .data = {1}});
+  EXPECT_FALSE(says(drafted(sent, {}, {"can0"}), "the times are not those of the bus"));
+}
+
+TEST(Remarks, AnEthernetIsFasterThanABus) {
+  std::vector<Sent> sent;
+  for (std::uint64_t i = 0; i < 1600; ++i)
+    sent.push_back(test::event(kSecond + i / 4 * 4 * kMs + i % 4 * 5'000, 0, test::kDistance,
+                               test::station(7), {1}));
+  EXPECT_FALSE(says(drafted(sent, {}, {"eth0"}), "the times are not those of the bus"));
+}
+
 TEST(Remarks, AProfileThatMayBeAnotherOneIsNamedWithTheOption) {
   test::Traffic traffic(10);
   traffic.periodic(0, 0x0c000003U | kExtended, 10 * kMs, 0, 8, 10)

@@ -9,11 +9,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <map>
 #include <set>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "tests/tools/learn/drafted.hpp"
@@ -42,31 +40,22 @@ std::vector<Sent> frames_of(const std::string& path, std::vector<std::string>& n
   return all;
 }
 
-/// Recordings of which more is dropped, by the names of their files, and why.
+/// Recordings of which more is dropped, but less than 1 %, by the names of their files, and why.
 struct Exception {
   std::string_view file;
   std::string_view why;
 };
 constexpr std::array<Exception, 2> kExceptions{{
     {"civic_19_type_r_turnonanddrive.log",
-     "pauses of 10 s and 8 s in the first half: cyclic traffic is drafted with their mean"},
+     "the bus sleeps for most of the first half, in which slow messages come 2 to 9 times"},
     {"vabsubaru_keyonYESecu.log", "the ignition is switched on in the second half"},
 }};
 
-/// The bus has set the times, not who has read the frames from an adapter some time later: no
-/// identifier comes twice within a time in which no bus can carry two frames.
-bool has_times_of_the_bus(const std::vector<Sent>& all) {
-  constexpr std::uint64_t two_frames = 100'000;
-  std::map<std::uint32_t, std::uint64_t> latest;
-  std::size_t pairs = 0;
-  std::size_t at_once = 0;
-  for (const Sent& one : all) {
-    const auto [it, first] = latest.try_emplace(one.id, one.ns);
-    if (first) continue;
-    ++pairs;
-    if (one.ns - std::exchange(it->second, one.ns) < two_frames) ++at_once;
-  }
-  return at_once * 100 <= pairs;
+/// Whether the bus has set the times, not who has read the frames from an adapter some time later.
+bool has_times_of_the_bus(const Draft& draft) {
+  return std::ranges::none_of(draft.left_out, [](const std::string& note) {
+    return note.contains("the times are not those of the bus");
+  });
 }
 
 bool is_exception(const std::string& path) {
@@ -107,11 +96,10 @@ TEST(Halves, TheSecondHalfOfARecordingPassesAndAttacksDoNot) {
         static_cast<unsigned long long>(all_dropped.of),
         static_cast<unsigned long long>(dropped.frames),
         static_cast<unsigned long long>(dropped.of));
-    if (!has_times_of_the_bus(all))
+    if (!has_times_of_the_bus(draft))
       std::printf("%s: its times are not those of the bus\n", path.c_str());
-    else if (!is_exception(path)) {
-      EXPECT_LT(dropped.frames * 1000, dropped.of) << path;
-    }
+    else
+      EXPECT_LT(dropped.frames * (is_exception(path) ? 100 : 1000), dropped.of) << path;
     const std::uint64_t later = all.back().ns + test::kSecond;
     const Sent& known = first.front();
     EXPECT_FALSE(gate.passes({.ns = later, .id = 0x7fd, .data = {1}})) << path << ": unknown";

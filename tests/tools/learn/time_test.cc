@@ -158,6 +158,35 @@ TEST_F(LearnTime, APauseOfAWholeBusIsNoneOfItsChannels) {
       << ran.error;
 }
 
+/// Forty identifiers, each every 10 ms, until a time and again 10 s later.
+std::string begun_shortly_before(std::uint64_t pause_ms) {
+  std::string out;
+  const auto put = [&](std::uint64_t us) {
+    for (unsigned id = 0; id < 40; ++id) {
+      std::array<char, 64> line{};
+      const std::uint64_t at = us + id * 230;
+      std::snprintf(line.data(), line.size(), "(%llu.%06llu) can0 1%02X#0011223344556677\n",
+                    static_cast<unsigned long long>(1'700'000'000 + at / 1'000'000),
+                    static_cast<unsigned long long>(at % 1'000'000), id);
+      out += line.data();
+    }
+  };
+  for (std::uint64_t ms = 0; ms < 20'000; ms += 10) put((ms < pause_ms ? ms : ms + 10'000) * 1000);
+  return out;
+}
+
+TEST_F(LearnTime, APauseSoonAfterTheBeginningIsOne) {
+  const Ran ran = learned({begun_shortly_before(200)});
+  EXPECT_TRUE(ran.error.contains("can0: 1 pause in which nothing at all came, of 10")) << ran.error;
+  EXPECT_EQ(stated(ran, "can0-100").period, "10ms");
+  EXPECT_EQ(stated(ran, "can0-127").omission, "1");
+}
+
+TEST_F(LearnTime, OfTooLittleTrafficNothingIsAPause) {
+  EXPECT_EQ(learned({begun_shortly_before(50)}).error.find("pause in which nothing"),
+            std::string::npos);
+}
+
 TEST_F(LearnTime, SeveralPausesAreCountedWithTheLongest) {
   const Ran ran = learned({bus(0, 90, [](std::uint64_t ns) {
     return ns + (ns < 30 * kSecond ? 0 : 5 * kSecond) + (ns < 60 * kSecond ? 0 : 7200 * kSecond);
@@ -185,10 +214,13 @@ TEST_F(LearnTime, APauseOfOneChannelIsItsOwn) {
     line.clear();
   }
   const Ran ran = learned({text});
-  EXPECT_EQ(stated(ran, "can0-200").omission, "")
-      << "its longest gap is more than 10 times another";
+  EXPECT_EQ(stated(ran, "can0-200").period, "100ms");
+  EXPECT_EQ(stated(ran, "can0-200").omission, "1") << "a pause is no loss";
   EXPECT_EQ(stated(ran, "can0-100").omission, "1");
-  EXPECT_EQ(ran.error, "");
+  EXPECT_TRUE(ran.error.contains("can0: 0x200 paused while others went on")) << ran.error;
+  const Ran json = run({"learn", folder.path("part1.log"), "--json"});
+  EXPECT_TRUE(json.out.contains(R"("pauses":1,"longest_pause_ns":3)")) << json.out;
+  EXPECT_TRUE(json.out.contains(R"("pauses":0,"longest_pause_ns":0)")) << json.out;
 }
 
 TEST_F(LearnTime, WhereEventsAreSeldomTheirGapsAreNoPauses) {
