@@ -201,7 +201,10 @@ Others others_on(const System& system, const World& world, std::size_t network,
   constexpr Attribute rate = Attribute::bandwidth;
   if (medium.provision.has(rate) && !medium.provision.is_dynamic(rate))
     others.most_bytes = medium.provision[rate];
-  if (view != nullptr) others.most_time = mesh::limit_of(*medium.mesh);
+  if (view != nullptr) {
+    others.most_time = mesh::limit_of(*medium.mesh);
+    others.busy = view->background;
+  }
   others.complete = !foreign.unreadable;
   std::map<Theirs, Value> rates;
   for (const cluster::RatePart& part : foreign.rates) {

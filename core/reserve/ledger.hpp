@@ -53,6 +53,8 @@ struct Others {
   std::vector<Placeholder> standing;  ///< flows rising
   Value most_bytes = kUnbounded;      ///< payload bytes/s that the network has
   Value most_time = kUnbounded;       ///< ps/s that each domain has
+  std::vector<Value> busy;            ///< ps/s of each domain that are measured as taken beside
+                                      ///< all of this; empty: none
   bool complete = true;               ///< there is nothing else that is not known
   [[nodiscard]] bool empty() const {
     return messages.empty() && bytes_per_second == 0 && shares.empty() && standing.empty();
@@ -243,6 +245,8 @@ class Ledger {
                                                  std::span<const Holding> gone);
   [[nodiscard]] bool has_room(std::size_t network, Value bytes_per_second,
                               std::span<const mesh::Share> shares) const;
+  [[nodiscard]] bool is_fuller(std::size_t network, std::span<const Value> before,
+                               std::span<const Value> busy) const;
   void forget_others(std::size_t network);
   [[nodiscard]] bool change_messages(std::size_t network, std::vector<can::Message> messages,
                                      bool& relieved);

@@ -232,12 +232,25 @@ bool Ledger::change_standing(std::size_t network, std::vector<Placeholder> stand
   return fits && !left;
 }
 
+/// Whether a domain has more than its limit beside what is measured as busy, and more than before.
+/// What does not fit for that reason counts all the same: all other gateways count it, too.
+bool Ledger::is_fuller(std::size_t network, std::span<const Value> before,
+                       std::span<const Value> busy) const {
+  const std::vector<Value>& now = domains_[network];
+  for (std::size_t d = 0; d < now.size(); ++d) {
+    const Value taken = add_saturating(now[d], d < busy.size() ? busy[d] : 0);
+    if (now[d] > before[d] && taken > others_[network].most_time) return true;
+  }
+  return false;
+}
+
 Ledger::Change Ledger::set_others(std::size_t network, Others others) {
   assert(!marked_);
   if (others_.empty()) {
     if (others.empty()) return {};
     others_.resize(networks_);
   }
+  const std::vector<Value> before = domains_[network];
   others_[network].most_bytes = others.most_bytes;
   others_[network].most_time = others.most_time;
   Change change;
@@ -246,6 +259,7 @@ Ledger::Change Ledger::set_others(std::size_t network, Others others) {
       change_messages(network, std::move(others.messages), change.relieved) && change.fits;
   change.fits =
       change_standing(network, std::move(others.standing), change.relieved) && change.fits;
+  if (is_fuller(network, before, others.busy)) change.fits = false;
   return change;
 }
 

@@ -17,6 +17,7 @@
 #include "core/admission/state.hpp"
 #include "core/cluster/baseline.hpp"
 #include "core/cluster/footprint.hpp"
+#include "core/model/text.hpp"
 
 namespace mlcca::core::testing {
 
@@ -255,6 +256,39 @@ inline std::vector<can::Message> sorted(std::vector<can::Message> all) {
 inline std::vector<can::Message> messages_on(const State& state, std::size_t network) {
   const auto there = state.ledger().schedule(network)->messages();
   return sorted({there.begin(), there.end()});
+}
+
+/// Two gateways with one description, and the store between them.
+struct Pair {
+  explicit Pair(System described) : system(std::move(described)), baseline(system) {
+    for (std::size_t g = 0; g < kGateways; ++g)
+      peers[g] = std::make_unique<Peer>(system, baseline, g, store);
+  }
+  Peer& operator[](std::size_t g) { return *peers[g]; }
+
+  System system;
+  cluster::Baseline baseline;
+  Store store;
+  std::array<std::unique_ptr<Peer>, kGateways> peers;
+};
+
+inline std::string why(const State& state, std::size_t channel) {
+  return reason(state.system(), state.members(), state.decisions()[channel].verdicts.front());
+}
+inline bool granted(const State& state, std::size_t channel) {
+  return state.decisions()[channel].granted != 0;
+}
+
+/// From the bus of one gateway to that of the other.
+inline void describe(System& system, std::size_t channel, const AttributeSet& traffic,
+                     std::size_t gateway = 0) {
+  system.publishers.push_back(publisher(channel, on(kOwn + gateway), traffic));
+  system.subscribers.push_back(subscriber(channel, on(kOwn + 1 - gateway), traffic));
+}
+inline Admission both_ends(std::size_t channel, AdmissionId id, const AttributeSet& traffic,
+                           std::size_t gateway = 0) {
+  return {id, channel, publisher(channel, on(kOwn + gateway), traffic),
+          subscriber(channel, on(kShared), traffic)};
 }
 
 }  // namespace mlcca::core::testing

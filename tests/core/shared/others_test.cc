@@ -263,6 +263,31 @@ TEST(OthersTest, SharesOfAMeshAreWithinItsLimit) {
   EXPECT_FALSE(l.has_others(kMesh));
 }
 
+/// Every other gateway counts a promise in full, however busy the medium is. If this one did not,
+/// two gateways could each keep what is theirs.
+TEST(OthersTest, WhatDoesNotFitBesideWhatIsMeasuredCountsAllTheSame) {
+  Ledger l = two_networks();
+  Others others;
+  others.most_time = 100;
+  others.busy = {50};
+  others.shares = {{0, 50}, {1, 90}};
+  EXPECT_TRUE(l.set_others(kMesh, others).fits);
+  Placeholder p;
+  p.flow = flow(1, kMesh);
+  p.shares = {{0, 30}};
+  others.standing = {p};
+  EXPECT_FALSE(l.set_others(kMesh, others).fits);
+  EXPECT_EQ(l.medium_time(kMesh, 0), 80U);
+  EXPECT_TRUE(l.set_others(kMesh, others).fits) << "nothing is more than it was";
+  others.standing = {};
+  others.shares = {{0, 51}};
+  const Ledger::Change change = l.set_others(kMesh, others);
+  EXPECT_TRUE(change.relieved);
+  EXPECT_TRUE(change.fits) << "it is less than it was";
+  others.shares = {{0, 52}};
+  EXPECT_FALSE(l.set_others(kMesh, others).fits);
+}
+
 TEST(OthersTest, ARollBackIsExactWhateverHappened) {
   for (unsigned seed = 1; seed <= 60; ++seed) {
     std::mt19937_64 random(seed);

@@ -8,39 +8,6 @@
 namespace mlcca::core::testing {
 namespace {
 
-/// Two gateways with one description, and the store between them.
-struct Pair {
-  explicit Pair(System described) : system(std::move(described)), baseline(system) {
-    for (std::size_t g = 0; g < kGateways; ++g)
-      peers[g] = std::make_unique<Peer>(system, baseline, g, store);
-  }
-  Peer& operator[](std::size_t g) { return *peers[g]; }
-
-  System system;
-  cluster::Baseline baseline;
-  Store store;
-  std::array<std::unique_ptr<Peer>, kGateways> peers;
-};
-
-std::string why(const State& state, std::size_t channel) {
-  return reason(state.system(), state.members(), state.decisions()[channel].verdicts.front());
-}
-bool granted(const State& state, std::size_t channel) {
-  return state.decisions()[channel].granted != 0;
-}
-
-/// From the bus of one gateway to that of the other.
-void describe(System& system, std::size_t channel, const AttributeSet& traffic,
-              std::size_t gateway = 0) {
-  system.publishers.push_back(publisher(channel, on(kOwn + gateway), traffic));
-  system.subscribers.push_back(subscriber(channel, on(kOwn + 1 - gateway), traffic));
-}
-Admission both_ends(std::size_t channel, AdmissionId id, const AttributeSet& traffic,
-                    std::size_t gateway = 0) {
-  return {id, channel, publisher(channel, on(kOwn + gateway), traffic),
-          subscriber(channel, on(kShared), traffic)};
-}
-
 TEST(PermitsTest, WhatIsDescribedNeedsNoReservation) {
   System system = networks(false);
   const std::size_t c = add_channel(system, every(50 * kMs));
