@@ -94,7 +94,7 @@ Result<void> check_foreign(const System& system, const std::vector<cluster::Fore
                     network.name + " with another identifier, by " + by);
       if (part.subject != wanted.subject && same)
         return fail("identifier " + hexadecimal(own.id) + " on " + network.name + " is taken by " +
-                    by + ": choose another");
+                    by + " for channel " + format_subject(part.subject) + ": choose another");
     }
   }
   return {};

@@ -293,8 +293,10 @@ TEST(PermitsTest, IdentifiersThatOthersHaveAreTaken) {
   ASSERT_TRUE(pair[0].admit(both_ends(*listed, 1, every(50 * kMs))));
   State& other = pair[1].state;
   pair[1].read();
-  EXPECT_EQ(other.list(unlisted(0x2000, 0x300)).error().text,
-            "identifier 0x300 on shared is taken by gateway g0: choose another");
+  EXPECT_EQ(
+      other.list(unlisted(0x2000, 0x300)).error().text,
+      "identifier 0x300 on shared is taken by gateway g0 for channel 0x0000000000001000: choose "
+      "another");
   EXPECT_EQ(other.list(unlisted(0x1000, 0x301)).error().text,
             "channel 0x0000000000001000 is admitted on shared with another identifier, by gateway "
             "g0");
