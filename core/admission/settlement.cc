@@ -392,6 +392,7 @@ std::vector<Change> State::settle() {
   if (new_conditions_.empty() && new_graphs_.empty() && new_failed_.empty() && touched_.empty() &&
       relieved_.empty() && others_stale_.empty() && are_permits_seen())
     return {};
+  for (const auto& [network, condition] : new_conditions_) held_.erase(network);
   return Settlement(*this).run();
 }
 

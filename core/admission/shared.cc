@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <span>
+#include <string>
 #include <utility>
 
 #include "core/admission/permit_check.hpp"
@@ -141,6 +143,27 @@ void note_shared(const World& world, const Route& route, std::set<std::size_t>& 
     if (hop.kind == Place::Kind::network && world.shared[hop.index]) networks.insert(hop.index);
 }
 
+/// Of what gateways hold of a mesh: what they have in the domains that the verdict needs.
+std::vector<HeldBy> held_on_way(std::span<const HeldBy> held, const Verdict& v, std::size_t network,
+                                const MeshView* view) {
+  std::set<std::uint32_t> needed;
+  for (const MediumUse& use : v.media)
+    for (const auto& [from, to] : use.pairs)
+      if (use.network == network && view != nullptr)
+        for (const std::uint32_t link : view->path(from, to)) {
+          const auto& here = view->domains().of_link(link);
+          needed.insert(here.begin(), here.end());
+        }
+  std::vector<HeldBy> there;
+  for (const HeldBy& one : held) {
+    HeldBy part = one;
+    std::erase_if(part.shares,
+                  [&](const mesh::Share& share) { return !needed.contains(share.domain); });
+    if (!part.shares.empty()) there.push_back(std::move(part));
+  }
+  return there;
+}
+
 /// Networks of several gateways on the ways that deliveries of the channel may take.
 std::set<std::size_t> shared_ways(const Situation& s, std::size_t channel) {
   std::set<std::size_t> networks;
@@ -154,6 +177,7 @@ std::set<std::size_t> shared_ways(const Situation& s, std::size_t channel) {
 }  // namespace
 
 void State::set_foreign(std::size_t network, cluster::Foreign foreign) {
+  held_.erase(network);
   if (foreign == world_.foreign[network]) return;
   world_.foreign[network] = std::move(foreign);
   note_own_there(network);
@@ -251,6 +275,57 @@ std::map<std::size_t, Obstacle> State::barred_to_wishes(std::size_t channel) {
       barred.emplace(n, Obstacle::crowded);
   }
   return barred;
+}
+
+const std::vector<HeldBy>& State::held_by_others(std::size_t network) const {
+  static const std::vector<HeldBy> nobody;
+  if (holdings_ == nullptr || !world_.shared[network]) return nobody;
+  const auto& view = world_.meshes[network];
+  const auto known = held_.find(network);
+  if (known != held_.end() && known->second.view == view) return known->second.by;
+  Held held{view, held_by(system_, world_, network, holdings_->of_others(network))};
+  return held_.insert_or_assign(network, std::move(held)).first->second.by;
+}
+
+std::string State::excess_of_others(std::size_t network) const {
+  // What is cheap to know comes first.
+  const auto& view = world_.meshes[network];
+  const AttributeSet& provision = system_.networks[network].provision;
+  bool full = provision.has(Attribute::bandwidth) &&
+              ledger_.reserved(network) > provision[Attribute::bandwidth];
+  if (const can::Schedule* const bus = ledger_.schedule(network))
+    full = full || bus->spares_any() || !bus->late().empty();
+  for (std::size_t d = 0; !full && view && d < view->domains().count(); ++d)
+    full = ledger_.medium_time(network, d) > mesh::limit_of(*system_.networks[network].mesh);
+  return full ? excess_words(system_, world_, network, held_by_others(network)) : std::string();
+}
+
+/// Why it is not known what others hold.
+std::string State::why_others_unknown(std::size_t network) const {
+  if (const std::string words = holdings_->unreadable(network); !words.empty()) return ": " + words;
+  const std::string words = uncountable_words(system_, held_by_others(network));
+  return words.empty()
+             ? words
+             : ": reservations cannot be counted with the network as it is now, those of " + words;
+}
+
+std::string State::who_holds(const Verdict& v) const {
+  if (v.granted || holdings_ == nullptr) return {};
+  std::vector<HeldBy> held;
+  Place at = v.obstacle_at;
+  if (v.obstacle == Obstacle::others_unknown) return why_others_unknown(at.index);
+  if (v.obstacle == Obstacle::crowded) {
+    held = held_by_others(at.index);
+  } else if (const Row* const row = v.obstacle == Obstacle::none ? deciding_row(v) : nullptr;
+             row != nullptr && row->place.kind == Place::Kind::network) {
+    at = row->place;
+    if (row->against == Against::capacity || row->against == Against::schedule)
+      held = held_by_others(at.index);
+    else if (row->against == Against::medium_time)
+      held = held_on_way(held_by_others(at.index), v, at.index, world_.meshes[at.index].get());
+  }
+  const std::string words = holders_words(system_, at.index, held);
+  return words.empty() ? words : "; reserved there by " + words;
 }
 
 std::vector<std::size_t> State::wishes() const {

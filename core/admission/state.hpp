@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "core/admission/admission.hpp"
+#include "core/admission/holders.hpp"
 #include "core/admission/onward.hpp"
 #include "core/admission/permits.hpp"
 #include "core/admission/unlisted.hpp"
@@ -153,6 +155,19 @@ class State {
   /// the only gateway.
   void set_permits(const Permits* permits);
   [[nodiscard]] const Permits* permits() const { return permits_; }
+  /// From where refusals know who holds what; it must outlive this. Null: they name nobody.
+  void set_holdings(const Holdings* holdings) {
+    holdings_ = holdings;
+    held_.clear();
+  }
+  /// What other gateways have reserved of a network; nothing without set_holdings().
+  [[nodiscard]] const std::vector<HeldBy>& held_by_others(std::size_t network) const;
+  /// If other gateways have reserved more of a network than it has: how much, and who they are.
+  /// Empty otherwise.
+  [[nodiscard]] std::string excess_of_others(std::size_t network) const;
+  /// Of a refusal for want of room on a shared network: which gateways hold it, as the end of the
+  /// line that reason() gives. Empty for all others, and where nobody holds anything.
+  [[nodiscard]] std::string who_holds(const Verdict& verdict) const;
 
   /// Others may be on all networks of that gateway: before anything is decided.
   void share_all(std::size_t gateway);
@@ -248,6 +263,7 @@ class State {
     return permits_ != nullptr || !world_.foreign[network].empty() || ledger_.has_others(network);
   }
   [[nodiscard]] std::map<std::size_t, Obstacle> barred_to_wishes(std::size_t channel);
+  [[nodiscard]] std::string why_others_unknown(std::size_t network) const;
   void note_reservations(AdmissionId id);
   void note_own_there(std::size_t network);
   void note_permits();
@@ -289,6 +305,14 @@ class State {
   std::unordered_map<std::string, std::size_t> channel_of_name_;
   std::unordered_map<Subject, std::size_t> channel_of_subject_;
   std::unordered_map<std::string, Place> place_of_name_;
+
+  /// What held_by_others() has found, as long as that lasts.
+  struct Held {
+    std::shared_ptr<const MeshView> view;
+    std::vector<HeldBy> by;
+  };
+  const Holdings* holdings_ = nullptr;
+  mutable std::map<std::size_t, Held> held_;  // by network
 
   const Permits* permits_ = nullptr;
   std::vector<std::uint64_t> seen_grown_;  // of the permits, by network
