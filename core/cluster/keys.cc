@@ -204,6 +204,15 @@ bool Keys::is_of_removed_network(std::string_view key, std::size_t gateway) cons
   return own && !words[1].empty() && !network_of_.contains(words[1]);
 }
 
+std::optional<std::size_t> Keys::writer_of(std::string_view key) const {
+  if (!key.starts_with(prefix_)) return std::nullopt;
+  key.remove_prefix(prefix_.size());
+  if (!key.starts_with("r/")) return std::nullopt;
+  key.remove_prefix(2);
+  key.remove_prefix(std::min(key.find('/'), key.size() - 1) + 1);
+  return index_in(gateway_of_, key.substr(0, key.find('/')));
+}
+
 std::optional<std::size_t> Keys::network_of(std::string_view key) const {
   if (!key.starts_with(prefix_)) return std::nullopt;
   key.remove_prefix(prefix_.size());

@@ -76,6 +76,9 @@ class Keys {
   [[nodiscard]] std::optional<LeftKey> parse_left(std::string_view key) const;
   /// Whether `gateway` has written this key about a network that the description does not contain.
   [[nodiscard]] bool is_of_removed_network(std::string_view key, std::size_t gateway) const;
+  /// For a key that parse() does not understand: the gateway that may write it, where it is one of
+  /// a reservation.
+  [[nodiscard]] std::optional<std::size_t> writer_of(std::string_view key) const;
   /// For a key that parse() does not understand: the network of which it may reserve something.
   [[nodiscard]] std::optional<std::size_t> network_of(std::string_view key) const;
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/cluster/lease.hpp"
+#include "core/model/text.hpp"
 #include "mlcca/arithmetic.hpp"
 
 namespace mlcca::core::cluster {
@@ -289,8 +290,13 @@ std::string Member::why_not(std::uint64_t id, Value now) const {
       return "this gateway is joining the cluster";
     case Standing::gone_back:
       return "the store has gone back: it needs another epoch (docs/how-to/cluster-etcd.md)";
-    case Standing::waiting:
-      return "the store was restored: leases from before have not ended yet";
+    case Standing::waiting: {
+      const auto longest = view_.with_too_long_lease();
+      return "the store was restored: leases from before have not ended yet" +
+             (longest ? ", and " + keys_->gateway_name(*longest) + " states one of " +
+                            format_span(view_.records().members[*longest].lease)
+                      : std::string());
+    }
     case Standing::other_digest:
       return why_no_description();
     case Standing::draining:
@@ -359,7 +365,7 @@ bool Member::beat_wanted(Value now) const {
 
 Value Member::fence_time(std::size_t gateway, Value from) const {
   const auto& beat = view_.records().members[gateway].beat;
-  const Value lease = beat ? beat->lease : kMostLease;
+  const Value lease = beat ? beat->lease : kMostLease;  // only a part of it is added to `from`
   const Value place = lease / kFenceSpread * identity_.gateway / keys_->gateways();
   return add_saturating(from, place);
 }

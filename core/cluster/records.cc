@@ -6,10 +6,6 @@
 namespace mlcca::core::cluster {
 namespace {
 
-/// The most entries that are not understood and are remembered by name. With more, all is
-/// unreadable.
-constexpr std::size_t kMostStrange = 4096;
-
 /// The most gateways that only a former description had. Entries of further ones are never
 /// considered to be over.
 constexpr std::size_t kMostLeft = 1024;
@@ -29,6 +25,7 @@ void keep(Record<T>& record, const Entry& entry, Read read) {
 
 void keep_member(MemberRecord& member, const Codec& codec, const Entry& entry) {
   member.beat = value_of(entry, [&](const auto& v) { return codec.beat(v); });
+  member.lease = member.beat ? member.beat->lease : 0;
   if (member.beat && (member.beat->lease < kLeastLease || member.beat->lease > kMostLease))
     member.beat.reset();
   member.mod = entry.gone ? 0 : entry.mod;
@@ -36,13 +33,16 @@ void keep_member(MemberRecord& member, const Codec& codec, const Entry& entry) {
 
 }  // namespace
 
-void Records::note(const Entry& entry, bool understood, std::optional<std::size_t> network) {
+void Records::note(const Entry& entry, bool understood, std::optional<std::size_t> network,
+                   Strangeness why) {
+  if (why == Strangeness::value && entry.value.size() > kMostEntryBytes)
+    why = Strangeness::too_long;
   if (understood || entry.gone)
     strange.erase(entry.key);
-  else if (strange.size() < kMostStrange)
-    strange[entry.key] = network;
+  else if (strange.size() < kMostStrange || strange.contains(entry.key))
+    strange[entry.key] = {.network = network, .why = why, .octets = entry.value.size()};
   else
-    too_many = true;
+    too_many = Exceeded::strange;
 }
 
 void Records::put_reservation(const Codec& codec, const Key& key, const Entry& entry) {
@@ -53,7 +53,7 @@ void Records::put_reservation(const Codec& codec, const Key& key, const Entry& e
     return;
   }
   if (reservations.size() >= kMostReservations && !reservations.contains(at)) {
-    too_many = true;
+    too_many = Exceeded::reservations;
     return;
   }
   auto taken = value_of(entry, [&](const auto& v) { return codec.taken(v, key.network); });
@@ -75,7 +75,8 @@ void Records::put_asked(const Codec& codec, const Key& key, const Entry& entry) 
 void Records::put_member(const Codec& codec, const Key& key, const Entry& entry) {
   MemberRecord& member = members[key.gateway];
   keep_member(member, codec, entry);
-  note(entry, member.beat.has_value(), std::nullopt);
+  note(entry, member.beat.has_value(), std::nullopt,
+       member.lease != 0 ? Strangeness::lease : Strangeness::value);
 }
 
 void Records::put_blob(const Key& key, const Entry& entry) {
@@ -133,7 +134,7 @@ void Records::put_left(const Codec& codec, const LeftKey& key, const Entry& entr
 std::optional<Key> Records::put(const Keys& keys, const Codec& codec, const Entry& entry) {
   auto key = keys.parse(entry.key);
   if (!key) {
-    note(entry, false, keys.network_of(entry.key));
+    note(entry, false, keys.network_of(entry.key), Strangeness::key);
     if (const auto of = keys.parse_left(entry.key)) put_left(codec, *of, entry);
     return key;
   }
@@ -177,8 +178,8 @@ std::optional<Key> Records::put(const Keys& keys, const Codec& codec, const Entr
 }
 
 bool Records::unreadable(std::size_t network) const {
-  return too_many || std::ranges::any_of(strange, [&](const auto& entry) {
-           return entry.second == std::optional(network);
+  return too_many != Exceeded::no || std::ranges::any_of(strange, [&](const auto& entry) {
+           return entry.second.network == std::optional(network);
          });
 }
 

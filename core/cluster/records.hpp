@@ -21,11 +21,12 @@
 namespace mlcca::core::cluster {
 
 /// The beat and fence of one gateway. If `mod` is above 0 and there is no beat, the entry is
-/// unreadable.
+/// unreadable, or its lease is not one that a gateway may have.
 struct MemberRecord {
   std::int64_t mod = 0;    ///< revision of m/<gateway>; 0: there is no such entry
   std::int64_t fence = 0;  ///< revision of f/<gateway>
   std::optional<Beat> beat;
+  Value lease = 0;  ///< as the entry states it, ns; 0: there is none, or it cannot be read
 };
 /// A reservation. Without `taken` it is unreadable.
 struct ReservationRecord {
@@ -34,6 +35,21 @@ struct ReservationRecord {
   Value over_from = kUnbounded;  ///< for a dead gateway: when it ends, since all gateways on its
                                  ///< way have closed it; kUnbounded: not known yet
 };
+/// Why an entry is not understood.
+enum class Strangeness : std::uint8_t {
+  key,       ///< the description has no gateway or network of that name, or it is no key at all
+  too_long,  ///< it is longer than kMostEntryBytes
+  value,     ///< it is damaged, or of another version or description
+  lease,     ///< a beat with a lease below kLeastLease or above kMostLease
+};
+/// An entry that is not understood.
+struct StrangeEntry {
+  std::optional<std::size_t> network;  ///< of which it may reserve something
+  Strangeness why = Strangeness::key;
+  std::size_t octets = 0;  ///< of its value
+};
+/// A limit that the entries of the store exceed.
+enum class Exceeded : std::uint8_t { no, reservations, strange, changes };
 /// A request for an admission that others must agree to: x/<gateway>/<id>.
 struct AskedRecord {
   Asked asked;
@@ -64,6 +80,10 @@ struct LeftRecord {
   };
   std::map<std::string, Key, std::less<>> keys;
 };
+
+/// The most entries that are not understood and are remembered by name. With more, all is
+/// unreadable.
+inline constexpr std::size_t kMostStrange = 4096;
 
 /// All entries of the store, decoded. put() takes one in.
 class Records {
@@ -96,12 +116,12 @@ class Records {
   std::vector<Record<RolloutVote>> rollout_votes;
   /// By digest and number of the chunk.
   std::map<std::pair<std::string, std::uint64_t>, std::string> blobs;
-  /// Keys of entries that are not understood, with the network of which they may reserve something.
-  std::map<std::string, std::optional<std::size_t>, std::less<>> strange;
+  /// By key: entries that are not understood.
+  std::map<std::string, StrangeEntry, std::less<>> strange;
   /// By encoded name of the gateway.
   std::map<std::string, LeftRecord, std::less<>> left;
-  std::size_t left_keys = 0;  ///< number of keys of all of them
-  bool too_many = false;      ///< the limit was exceeded; stays set until the next snapshot
+  std::size_t left_keys = 0;         ///< number of keys of all of them
+  Exceeded too_many = Exceeded::no;  ///< stays set until the next snapshot
 
  private:
   void put_reservation(const Codec& codec, const Key& key, const Entry& entry);
@@ -110,7 +130,8 @@ class Records {
   void put_blob(const Key& key, const Entry& entry);
   void put_left(const Codec& codec, const LeftKey& key, const Entry& entry);
   void put_description(const Codec& codec, const Key& key, const Entry& entry);
-  void note(const Entry& entry, bool understood, std::optional<std::size_t> network);
+  void note(const Entry& entry, bool understood, std::optional<std::size_t> network,
+            Strangeness why = Strangeness::value);
 };
 
 }  // namespace mlcca::core::cluster

@@ -48,7 +48,7 @@ void View::apply(const Batch& batch, Value now) {
   parts_.insert(parts_.end(), batch.entries.begin(), batch.entries.end());
   if (parts_.size() > kMostParts) {
     parts_.clear();
-    records_.too_many = true;
+    records_.too_many = Exceeded::changes;
     touch_all();
   }
   if (!batch.last) return;
@@ -121,7 +121,8 @@ void View::take_in(const Entry& entry, Value now) {
 bool View::time_record(const MemberRecord& record, Timer& timer, Value now) {
   if (record.mod != timer.mod) {
     if (record.mod != 0) {
-      timer.lease = record.beat ? record.beat->lease : kMostLease;
+      // A gateway that states a longer lease than it may have could send for so long.
+      timer.lease = record.beat ? record.beat->lease : std::max(kMostLease, record.lease);
       timer.drained = record.beat && record.beat->draining;
     }
     if (record.mod != 0 || !timer.drained)
@@ -248,12 +249,22 @@ void View::expire(Value now) {
 }
 
 Foreign View::foreign(std::size_t network) const {
+  return collected(network, [this](const Records::ReservationKey& key) {
+    return !adopted_.contains({key.gateway, key.id});
+  });
+}
+
+Foreign View::of_others(std::size_t network) const {
+  return collected(network, [](const Records::ReservationKey&) { return true; });
+}
+
+template <class Counts>
+Foreign View::collected(std::size_t network, Counts counts) const {
   Foreign all;
   all.unreadable = records_.unreadable(network);
   for (auto it = records_.reservations.lower_bound({.network = network, .gateway = 0, .id = 0});
        it != records_.reservations.end() && it->first.network == network; ++it) {
-    if (it->first.gateway == self_ || adopted_.contains({it->first.gateway, it->first.id}))
-      continue;
+    if (it->first.gateway == self_ || !counts(it->first)) continue;
     if (it->second.taken)
       add(all, it->second.taken->part, it->first.gateway);
     else
@@ -274,6 +285,12 @@ Value View::all_leases_end(Value now, Value own_lease) const {
   for (std::size_t g = 0; g < timers_.size(); ++g)
     if (g != self_ && timers_[g].mod != 0) longest = std::max(longest, timers_[g].lease);
   return may_fence_at(now, longest);
+}
+
+std::optional<std::size_t> View::with_too_long_lease() const {
+  for (std::size_t g = 0; g < timers_.size(); ++g)
+    if (g != self_ && records_.members[g].lease > kMostLease) return g;
+  return std::nullopt;
 }
 
 std::optional<Value> View::next_event(Value now) const {

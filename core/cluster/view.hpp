@@ -41,6 +41,8 @@ class View {
   /// What the others hold: those that are dead, too, as long as they or a gateway on their way may
   /// still send.
   [[nodiscard]] Foreign foreign(std::size_t network) const;
+  /// The same with what is decided here as well.
+  [[nodiscard]] Foreign of_others(std::size_t network) const;
   /// An admission of another gateway is decided here as well, so it is not foreign.
   void adopt(std::size_t gateway, std::uint64_t id, bool adopted);
 
@@ -61,6 +63,8 @@ class View {
   [[nodiscard]] bool surely_closed(std::size_t gateway, std::int64_t revision, Value now) const;
   /// When nobody who is known now can hold anything any more by what was committed before now.
   [[nodiscard]] Value all_leases_end(Value now, Value own_lease) const;
+  /// Another gateway that states a longer lease than it may have; nullopt: none does.
+  [[nodiscard]] std::optional<std::size_t> with_too_long_lease() const;
   /// When time alone changes something; nullopt: never.
   [[nodiscard]] std::optional<Value> next_event(Value now) const;
 
@@ -82,7 +86,7 @@ class View {
   /// What the clock says of another gateway.
   struct Timer {
     std::int64_t mod = 0, fence = 0;  ///< to which it refers
-    Value lease = kMostLease;         ///< of the last beat
+    Value lease = kMostLease;         ///< of the last beat, also one with a lease that is refused
     bool drained = false;             ///< that was the last one
     Value counts_until = 0;           ///< it may send until then
     Value dead_at = 0;                ///< what was written before the fence ends then
@@ -98,6 +102,8 @@ class View {
   void time_member(std::size_t gateway, Value now);
   void time_left(std::string_view gateway, Value now);
   void expire_left(Value now);
+  template <class Counts>
+  [[nodiscard]] Foreign collected(std::size_t network, Counts counts) const;
   void touch_all();
   void touch_those_of(std::size_t gateway);
   void expire(Value now);

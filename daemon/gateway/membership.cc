@@ -154,6 +154,7 @@ void Membership::take_up() {
   if (!member_ || parts_.scene.digest != digest_ || parts_.scene.self != self_) begin();
   state.set_permits(nullptr);
   state.set_permits(&networks_->permits());
+  state.set_holdings(this);
   for (const cc::Event& event : std::exchange(early_, {})) take_in(event);
   adopting_->restore();
   forget_orphans();
@@ -365,7 +366,7 @@ void Membership::committed(const Result<void>& done) {
 void Membership::poll() {
   if (!member_) return;
   parts_.rollout.poll();
-  looks_for_wishes_ = true;
+  looks_for_wishes_ = looks_for_troubles_ = true;
   std::erase_if(wish_again_, [this](const auto& entry) { return entry.second <= now(); });
   enforce_again();
   reserving_->tidy();

@@ -15,6 +15,7 @@
 #include "base/clock.hpp"
 #include "base/problem.hpp"
 #include "base/result.hpp"
+#include "core/admission/holders.hpp"
 #include "core/cluster/member.hpp"
 #include "daemon/cluster/codec.hpp"
 #include "daemon/gateway/adopting.hpp"
@@ -35,7 +36,7 @@ namespace mlcca {
 /// decided here. Owns the member of the protocol (core::cluster::Member), the shared networks, and
 /// what is reserved (Reserving) and adopted (Adopting). Journals before it sends, and never says
 /// that something is closed before the kernel has closed it.
-class Membership {
+class Membership final : private core::Holdings {
  public:
   using Number = SharedNetworks::Number;
   struct Parts {
@@ -185,6 +186,7 @@ class Membership {
   [[nodiscard]] bool write_down();
   void send();
   void report();
+  void report_troubles();
   void plan();
   [[nodiscard]] Value leased_end() const;
   void begin_leaving();
@@ -192,6 +194,9 @@ class Membership {
   [[nodiscard]] std::string closed_words() const;
   void add_troubles(std::vector<std::string>& to) const;
   [[nodiscard]] Result<void> write_drained(bool drained);
+  // Whom refusals name.
+  [[nodiscard]] core::cluster::Foreign of_others(std::size_t network) const override;
+  [[nodiscard]] std::string unreadable(std::size_t network) const override;
   [[nodiscard]] core::State& state() const { return *parts_.scene.state; }
 
   Parts parts_;
@@ -224,7 +229,10 @@ class Membership {
   std::map<std::string, Value> wish_again_;  ///< when a channel's wish is tried again, by channel
   std::vector<std::function<void(const Result<void>&)>> waits_;
   std::function<void(std::uint64_t)> ready_;
-  std::string said_;      ///< the latest reported line about its standing
+  std::string said_;                        ///< the latest reported line about its standing
+  std::vector<std::string> said_troubles_;  ///< the latest reported lines about the store
+  Value say_troubles_at_ = 0;               ///< others are not reported before that
+  bool looks_for_troubles_ = true;          ///< the store may have others now
   Value propose_at_ = 0;  ///< when the first description of a cluster may be proposed
   net::Timer timer_;
 };

@@ -3,11 +3,14 @@
 // texts about that.
 #include <fmt/format.h>
 
+#include "core/cluster/strange.hpp"
 #include "daemon/gateway/membership.hpp"
 #include "mlcca/arithmetic.hpp"
 
 namespace mlcca {
 namespace {
+
+namespace cc = core::cluster;
 
 constexpr Value kLeaveLimit = 5'000'000'000;  // ns
 
@@ -89,19 +92,34 @@ void Membership::add_troubles(std::vector<std::string>& to) const {
   if (store_.no_space)
     to.push_back(fmt::format("cluster {}: the store is full, it takes nothing new", system_));
   const auto& records = member_->view().records();
-  if (records.too_many) {
+  if (const auto words = cc::too_many_words(records, *keys_); !words.empty()) {
     to.push_back(
         fmt::format("cluster {}: the store has too many entries: nothing more is granted "
-                    "on networks of several gateways",
-                    system_));
+                    "on networks of several gateways: {}",
+                    system_, words));
     return;
   }
-  for (std::size_t n = 0; n < keys_->networks(); ++n)
-    if (records.unreadable(n))
+  const core::State& now = state();
+  for (std::size_t n = 0; n < keys_->networks(); ++n) {
+    if (const auto words = cc::unreadable_words(records, *keys_, n); !words.empty())
       to.push_back(
           fmt::format("cluster {}: what the store has of {} cannot be read: nothing more "
-                      "is granted there",
-                      system_, state().system().networks[n].name));
+                      "is granted there: {}",
+                      system_, now.system().networks[n].name, words));
+    if (const auto words = now.excess_of_others(n); !words.empty())
+      to.push_back(fmt::format("cluster {}: {}", system_, words));
+  }
+  if (const auto words = cc::unreadable_words(records, *keys_); !words.empty())
+    to.push_back(
+        fmt::format("cluster {}: an entry of the store cannot be read: {}", system_, words));
+}
+
+core::cluster::Foreign Membership::of_others(std::size_t network) const {
+  return member_ && networks_ ? networks_->of_others(network, member_->view()) : cc::Foreign{};
+}
+
+std::string Membership::unreadable(std::size_t network) const {
+  return member_ ? cc::unreadable_words(member_->view().records(), *keys_, network) : std::string();
 }
 
 }  // namespace mlcca

@@ -2,12 +2,18 @@
 // The texts about a gateway's standing in its cluster.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "daemon/gateway/membership.hpp"
+#include "mlcca/arithmetic.hpp"
 
 namespace mlcca {
 namespace {
 
 namespace cc = core::cluster;
+
+constexpr Value kTroublesAgain = 10'000'000'000;  // ns
 
 }  // namespace
 
@@ -39,7 +45,22 @@ std::vector<std::string> Membership::problems() const {
   return out;
 }
 
+/// What others write must not fill the log: the lines of a while are reported together.
+void Membership::report_troubles() {
+  if (now() < say_troubles_at_ || !looks_for_troubles_) return;
+  looks_for_troubles_ = false;
+  std::vector<std::string> troubles;
+  add_troubles(troubles);
+  for (const std::string& line : troubles) {
+    if (std::ranges::find(said_troubles_, line) != said_troubles_.end()) continue;
+    parts_.log.warning(Kind::gateway, line);
+    say_troubles_at_ = add_saturating(now(), kTroublesAgain);
+  }
+  said_troubles_ = std::move(troubles);
+}
+
 void Membership::report() {
+  report_troubles();
   const std::string why = standing();
   if (why == said_) return;
   said_ = why;

@@ -2,6 +2,7 @@
 #include "daemon/gateway/shared_networks.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
 
 #include "core/can/cover.hpp"
@@ -93,12 +94,16 @@ const cc::Part* part_on(const cc::Footprint& footprint, std::size_t network) {
 
 using Whose = std::pair<std::size_t, cc::Source>;
 
+/// Of what does not count beside what is decided: that of admissions, since what is of described
+/// publishers counts with their promises, or that of all.
+enum class Of : std::uint8_t { admissions, all };
+
 /// What is decided, in the numbers of the gateway that has reserved it: whatever else has as much
 /// of the same traffic does not count beside it.
-void leave_out_same(const cc::Part& decided, std::size_t gateway, cc::Foreign& all) {
+void leave_out_same(const cc::Part& decided, std::size_t gateway, Of of, cc::Foreign& all) {
   const auto drop = [&](auto& from, const auto& what, auto covers) {
     std::erase_if(from, [&](const auto& one) {
-      return one.gateway == gateway && one.source.admission != 0 &&
+      return one.gateway == gateway && (of == Of::all || one.source.admission != 0) &&
              std::ranges::any_of(what, [&](const auto& known) {
                return known.source == one.source && covers(known, one);
              });
@@ -167,14 +172,20 @@ void SharedNetworks::add_without_publisher(cc::Foreign& all, std::size_t network
 }
 
 /// What is to replace something, or brings a publisher that is not there yet.
-void SharedNetworks::leave_out_decided(cc::Foreign& all, std::size_t network) const {
-  if (!left_out_) return;
-  const auto held = held_.find(*left_out_);
+SharedNetworks::Decided SharedNetworks::decided(std::size_t network) const {
+  if (!left_out_) return {};
+  if (const auto held = held_.find(*left_out_); held != held_.end())
+    return {part_on(held->second.theirs, network), held->second.gateway};
   const auto counted = counted_.find(*left_out_);
-  const cc::Part* part = held != held_.end() ? part_on(held->second.theirs, network) : nullptr;
-  if (part != nullptr) leave_out_same(*part, held->second.gateway, all);
-  part = counted != counted_.end() ? part_on(counted->second.footprint, network) : nullptr;
-  if (part != nullptr) leave_out_same(*part, counted->second.gateway, all);
+  if (counted == counted_.end()) return {};
+  return {part_on(counted->second.footprint, network), counted->second.gateway};
+}
+
+cc::Foreign SharedNetworks::of_others(std::size_t network, const cc::View& view) const {
+  cc::Foreign all = view.of_others(network);
+  if (const auto [part, gateway] = decided(network); part != nullptr)
+    leave_out_same(*part, gateway, Of::all, all);
+  return all;
 }
 
 /// With what the store still has of this gateway from a process before.
@@ -197,7 +208,8 @@ cc::Foreign SharedNetworks::foreign(std::size_t network, const core::Members& me
       cc::add(all, *part, counted.gateway);
   }
   add_without_publisher(all, network, members);
-  leave_out_decided(all, network);
+  if (const auto [part, gateway] = decided(network); part != nullptr)
+    leave_out_same(*part, gateway, Of::admissions, all);
   name_carried(all, network, members);
   return all;
 }

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "core/admission/permits.hpp"
 #include "core/admission/state.hpp"
@@ -48,6 +49,9 @@ class SharedNetworks {
   /// Others hold something else there.
   void touch(std::size_t network) { stale_.insert(network); }
   void touch_all();
+  /// What others have reserved of a network, in their own numbers, without what is decided now.
+  [[nodiscard]] core::cluster::Foreign of_others(std::size_t network,
+                                                 const core::cluster::View& view) const;
   /// What has changed since goes to the state; settle() is due.
   void put_foreign(core::State& state, const core::cluster::View& view);
 
@@ -66,7 +70,10 @@ class SharedNetworks {
                                                const core::cluster::View& view) const;
   void add_without_publisher(core::cluster::Foreign& all, std::size_t network,
                              const core::Members& members) const;
-  void leave_out_decided(core::cluster::Foreign& all, std::size_t network) const;
+  /// What is decided now, as it is reserved, with the gateway that has reserved it; null: nothing
+  /// is.
+  using Decided = std::pair<const core::cluster::Part*, std::size_t>;
+  [[nodiscard]] Decided decided(std::size_t network) const;
   void name_carried(core::cluster::Foreign& all, std::size_t network,
                     const core::Members& members) const;
 

@@ -87,7 +87,7 @@ class Fingerprint {
   void add(const Records::ReservationKey& v) { (*this)(v.network, v.gateway, v.id); }
   void add(const ReservationRecord& v) { (*this)(v.taken, v.mod, v.over_from); }
   void add(const AskedRecord& v) { (*this)(v.asked.stage, v.asked.gateways, v.create, v.mod); }
-  void add(const MemberRecord& v) { (*this)(v.mod, v.fence, v.beat); }
+  void add(const MemberRecord& v) { (*this)(v.mod, v.fence, v.beat, v.lease); }
   void add(const Beat& v) {
     (*this)(v.incarnation, v.session, v.seq, v.digest[0], v.generation, v.applied, v.role,
             v.draining, v.lease);

@@ -144,6 +144,45 @@ TEST_F(ClusterView, ADeadGatewayCountsUntilItIsFencedAndItsLeaseHasEnded) {
   EXPECT_EQ(view.alive(1, end), Alive::fenced);
 }
 
+/// Such an entry is refused, and its gateway may send for so long all the same.
+TEST_F(ClusterView, WhoStatesALongerLeaseThanItMayHaveCountsForAllOfIt) {
+  const Value lease = 5 * kMostLease;
+  hold(1, 1, 5, 0);
+  Beat beat;
+  beat.lease = lease;
+  put(keys->member(1), codec.write(beat), 0);
+  EXPECT_EQ(view.alive(1, kSecond), Alive::silent) << "it is not understood";
+  EXPECT_EQ(view.fence_from(1), may_fence_at(0, lease));
+  EXPECT_EQ(view.all_leases_end(0, 10 * kSecond), may_fence_at(0, lease));
+  EXPECT_EQ(view.with_too_long_lease(), 1U);
+  put(keys->fence(1), "2", kSecond);
+  view.on_time(may_fence_at(0, lease) - 1);
+  EXPECT_EQ(held(), 5U) << "somebody hostile may have fenced it";
+  view.on_time(may_fence_at(0, lease));
+  EXPECT_EQ(held(), 0U);
+}
+
+TEST_F(ClusterView, ALeaseWithoutAnEndNeverEnds) {
+  hold(1, 1, 5, 0);
+  Beat beat;
+  beat.lease = kUnbounded;
+  put(keys->member(1), codec.write(beat), 0);
+  put(keys->fence(1), "2", kSecond);
+  view.on_time(kUnbounded - 1);
+  EXPECT_EQ(held(), 5U);
+  // What it has stated before does not end because it states less now.
+  beat.lease = 10 * kSecond;
+  put(keys->member(1), codec.write(beat), 2 * kSecond);
+  EXPECT_EQ(view.counts_until(1), kUnbounded);
+  EXPECT_EQ(view.with_too_long_lease(), std::nullopt);
+}
+
+TEST_F(ClusterView, ABeatThatCannotBeReadCountsForTheLongestLease) {
+  hold(1, 1, 5, 0);
+  put(keys->member(1), "?", 0);
+  EXPECT_EQ(view.fence_from(1), may_fence_at(0, kMostLease));
+}
+
 TEST_F(ClusterView, WhatItTakesAfterItsFenceCountsAtOnce) {
   beat(1, 0);
   hold(1, 1, 5, 0);
