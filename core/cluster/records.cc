@@ -64,12 +64,24 @@ void Records::put_reservation(const Codec& codec, const Key& key, const Entry& e
 void Records::put_asked(const Codec& codec, const Key& key, const Entry& entry) {
   auto value = value_of(entry, [&](const auto& v) { return codec.asked(v); });
   note(entry, value.has_value(), std::nullopt);
-  if (asked.size() >= kMostReservations) value.reset();
+  if (asked.size() >= kMostReservations && !asked.contains({key.gateway, key.id})) value.reset();
   if (value)
     asked[{key.gateway, key.id}] = {
         .asked = std::move(*value), .create = entry.create, .mod = entry.mod};
   else
     asked.erase({key.gateway, key.id});
+}
+
+/// Without a vote nothing is granted, so what exceeds the limit is only ignored.
+void Records::put_vote(const Codec& codec, const Key& key, const Entry& entry) {
+  const VoteKey at{key.gateway, key.from, key.id};
+  Record<VoteOf> record;
+  keep(record, entry, [&](const auto& v) { return codec.vote(v); });
+  note(entry, record.value.has_value(), std::nullopt);
+  if (!record.value)
+    votes.erase(at);
+  else if (votes.size() < kMostReservations || votes.contains(at))
+    votes[at] = std::move(record);
 }
 
 void Records::put_member(const Codec& codec, const Key& key, const Entry& entry) {
@@ -166,13 +178,9 @@ std::optional<Key> Records::put(const Keys& keys, const Codec& codec, const Entr
     case Key::Kind::asked:
       put_asked(codec, *key, entry);
       break;
-    case Key::Kind::vote: {
-      auto& record = votes[{key->gateway, key->from, key->id}];
-      keep(record, entry, [&](const auto& v) { return codec.vote(v); });
-      note(entry, record.value.has_value(), std::nullopt);
-      if (!record.value) votes.erase({key->gateway, key->from, key->id});
+    case Key::Kind::vote:
+      put_vote(codec, *key, entry);
       break;
-    }
   }
   return key;
 }

@@ -126,6 +126,7 @@ class Records {
  private:
   void put_reservation(const Codec& codec, const Key& key, const Entry& entry);
   void put_asked(const Codec& codec, const Key& key, const Entry& entry);
+  void put_vote(const Codec& codec, const Key& key, const Entry& entry);
   void put_member(const Codec& codec, const Key& key, const Entry& entry);
   void put_blob(const Key& key, const Entry& entry);
   void put_left(const Codec& codec, const LeftKey& key, const Entry& entry);

@@ -109,6 +109,27 @@ TEST_F(StrangeEntries, ABeatWithALeaseThatIsTooLongIsNamed) {
   EXPECT_EQ(of_no_network(), "") << "nobody needs it";
 }
 
+TEST_F(StrangeEntries, HoweverManyRequestsAndVotesThereAreTheyAreBounded) {
+  const std::string vote =
+      codec.write(VoteOf{.asked = 1, .vote = {.ok = true, .hop = {}, .reason = {}}});
+  const std::string asked =
+      codec.write(Asked{.stage = Stage::granted, .admission = {}, .gateways = {}});
+  for (std::uint64_t id = 0; id <= kMostReservations; ++id) {
+    put(keys->vote(1, 2, id), vote);
+    put(keys->asked(1, id), asked);
+  }
+  EXPECT_EQ(records.votes.size(), kMostReservations);
+  EXPECT_EQ(records.asked.size(), kMostReservations);
+  const std::string no =
+      codec.write(VoteOf{.asked = 2, .vote = {.ok = false, .hop = {}, .reason = {}}});
+  put(keys->vote(1, 2, 0), no);
+  EXPECT_FALSE(records.votes.at({1, 2, 0}).value->vote.ok) << "one that is known can change";
+  put(keys->asked(1, 0),
+      codec.write(Asked{.stage = Stage::ending, .admission = {}, .gateways = {}}));
+  ASSERT_TRUE(records.asked.contains({1, 0}));
+  EXPECT_EQ(records.asked.at({1, 0}).asked.stage, Stage::ending);
+}
+
 TEST_F(StrangeEntries, WhoHasTheMostOfTooManyIsNamed) {
   put(keys->reservation(0, 1, 7), "?");
   for (std::size_t i = 0; i < kMostStrange; ++i) put(folder(2) + "x" + std::to_string(i), "?");
