@@ -4,8 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdint>
-#include <ctime>
 #include <map>
 
 #include "tests/core/can/sets.hpp"
@@ -190,45 +188,6 @@ TEST(Schedule, AJitterLongerThanThePeriodLeavesTheLaterInstancesLate) {
   ASSERT_TRUE(late);
   EXPECT_EQ(late->key, 3U);
   EXPECT_EQ(late->response, 7100 * us);
-}
-
-/// ns of a processor that `work` takes at least.
-template <class Work>
-std::uint64_t least_time_of(const Work& work) {
-  const auto used = [] {
-    timespec now{};
-    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return static_cast<std::uint64_t>(now.tv_sec) * 1'000'000'000U +
-           static_cast<std::uint64_t>(now.tv_nsec);
-  };
-  std::uint64_t least = UINT64_MAX;
-  for (int i = 0; i < 5; ++i) {
-    const std::uint64_t begin = used();
-    work();
-    least = std::min(least, used() - begin);
-  }
-  return least;
-}
-
-/// It blocks those above for no longer than what was there, so they are as they were.
-TEST(Schedule, WhatIsAddedBelowAllOthersIsAnalysedAlone) {
-  constexpr std::uint32_t count = 400;
-  const auto bursty = [](std::uint32_t number) {
-    auto m = message(number, number, 222 * sets::kMicrosecond, 120 * kMillisecond);
-    m.jitter = 1000 * kMillisecond;
-    m.deadline = 10'000 * kMillisecond;
-    return m;
-  };
-  Schedule schedule(bus());
-  for (std::uint32_t i = 1; i < count; ++i) ASSERT_FALSE(schedule.add(bursty(i))) << i;
-  Schedule full = schedule;
-  ASSERT_FALSE(full.add(bursty(count)));
-  const auto alone = least_time_of([&] { EXPECT_GT(full.response(count), 0U); });
-  const auto added = least_time_of([&] {
-    Schedule copy = schedule;
-    EXPECT_FALSE(copy.add(bursty(count)));
-  });
-  EXPECT_LT(added, alone * 30);
 }
 
 /// A longer frame below blocks all above for longer: they are analysed, too.
