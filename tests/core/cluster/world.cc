@@ -142,12 +142,19 @@ bool World::fits(std::size_t g) const {
   return !own && !others.unreadable && bytes_of(others.rates) == 0;
 }
 
-void World::ask(std::size_t g, std::uint64_t id) {
+std::vector<std::size_t> World::way_of(std::size_t g) const {
+  if (scenario_->way && g == 0) return {1};
+  if (scenario_->behalf && g == 1) return {0};
+  return {};
+}
+
+/// Who asks another gateway to make the admission reserves nothing itself.
+void World::ask(std::size_t g, std::uint64_t id, const std::vector<std::size_t>& on_way) {
   Host& host = hosts_[g];
-  const std::vector<std::size_t> on_way =
-      scenario_->way && g == 0 ? std::vector<std::size_t>{1} : std::vector<std::size_t>{};
   host.answers[id] = 0;
-  host.member->reserve({.id = id, .footprint = {.parts = {part_of(kBus, 1)}, .gateways = on_way}},
+  std::vector<Part> parts;
+  if (!scenario_->behalf || g != 1) parts.push_back(part_of(kBus, 1));
+  host.member->reserve({.id = id, .footprint = {.parts = std::move(parts), .gateways = on_way}},
                        clock(g));
 }
 
@@ -165,53 +172,70 @@ void World::on_joined(std::size_t g) {
 void World::act(std::size_t g, const Event& event) {
   Host& host = hosts_[g];
   Member& member = *host.member;
-  std::visit(
-      Cases{
-          [&](const Reserved& e) {
-            answer(g, e.id, 1);
-            host.held.insert(e.id);
-            // V is stored in the kernel before the gate opens.
-            host.until = member.valid_until();
-            host.gates[{g, e.id}] = {.open = true};
-          },
-          [&](const Refused& e) { answer(g, e.id, 2); },
-          [&](const Conflict& e) {
-            if (bytes_of(member.view().foreign(kBus).rates) == 0) {
-              ask(g, e.id);
-              return;
-            }
-            answer(g, e.id, 2);
-            member.release(e.id, clock(g));
-          },
-          [&](const Withdrawn& e) {
-            close(g, {g, e.id});
-            host.held.erase(e.id);
-            member.release(e.id, clock(g));
-          },
-          [&](const Lost&) {
-            for (auto& [admission, gate] : host.gates) close_gate(g, gate);
-            close_gate(g, host.ways);
-            host.held.clear();
-            host.agreed.clear();
-          },
-          [&](const Found& e) { host.found.insert(e.id); },
-          [&](const Joined&) {
-            on_joined(g);
-            host.joined = true;
-          },
-          [&](const Adopt& e) {
-            host.agreed[e.origin] = true;
-            member.vote(e.origin, {.ok = true, .hop = {}, .reason = {}}, clock(g));
-          },
-          [&](const Opened& e) { host.gates[{e.origin.gateway, e.origin.id}] = {.open = true}; },
-          [&](const Ended& e) {
-            close(g, {e.origin.gateway, e.origin.id});
-            host.agreed.erase(e.origin);
-          },
-          [&](const Failed& e) { host.failed[e.gateway] = e.failed; },
-          [](const auto&) {},
-      },
-      event);
+  std::visit(Cases{
+                 [&](const Reserved& e) {
+                   answer(g, e.id, 1);
+                   if (scenario_->behalf && g == 1 && !made_.contains({g, e.id}))
+                     broken_ = "an admission is granted that the other gateway has not made";
+                   if (makes_for_others(g) && made_for(g, e.id) == nullptr)
+                     return member.release(e.id, clock(g));
+                   host.held.insert(e.id);
+                   // V is stored in the kernel before the gate opens.
+                   host.until = member.valid_until();
+                   if (!scenario_->behalf || g != 1) host.gates[{g, e.id}] = {.open = true};
+                   vote_as(g, e.id, true);
+                 },
+                 [&](const Refused& e) {
+                   answer(g, e.id, 2);
+                   vote_as(g, e.id, false);
+                 },
+                 [&](const Conflict& e) {
+                   const Origin* const origin = made_for(g, e.id);
+                   const bool wanted = !makes_for_others(g) || origin != nullptr;
+                   if (wanted && bytes_of(member.view().foreign(kBus).rates) == 0) {
+                     ask(g, e.id, origin == nullptr ? way_of(g) : std::vector{origin->gateway});
+                     return;
+                   }
+                   answer(g, e.id, 2);
+                   vote_as(g, e.id, false);
+                   member.release(e.id, clock(g));
+                 },
+                 [&](const Withdrawn& e) {
+                   close(g, {g, e.id});
+                   host.held.erase(e.id);
+                   vote_as(g, e.id, false);
+                   member.release(e.id, clock(g));
+                 },
+                 [&](const Lost&) {
+                   for (auto& [admission, gate] : host.gates) close_gate(g, gate);
+                   close_gate(g, host.ways);
+                   host.held.clear();
+                   host.agreed.clear();
+                   host.behalf.clear();
+                 },
+                 [&](const Found& e) { host.found.insert(e.id); },
+                 [&](const Joined&) {
+                   on_joined(g);
+                   host.joined = true;
+                 },
+                 [&](const Adopt& e) {
+                   if (makes_for_others(g)) return adopt_behalf(g, e.origin);
+                   host.agreed[e.origin] = true;
+                   member.vote(e.origin, {.ok = true, .hop = {}, .reason = {}}, clock(g));
+                 },
+                 [&](const Opened& e) {
+                   if (!makes_for_others(g))
+                     host.gates[{e.origin.gateway, e.origin.id}] = {.open = true};
+                 },
+                 [&](const Ended& e) {
+                   close(g, {e.origin.gateway, e.origin.id});
+                   host.agreed.erase(e.origin);
+                   end_behalf(g, e.origin);
+                 },
+                 [&](const Failed& e) { host.failed[e.gateway] = e.failed; },
+                 [](const auto&) {},
+             },
+             event);
 }
 
 /// The first gateway that has not failed carries the traffic that all could carry.
@@ -244,7 +268,11 @@ void World::turn(std::size_t g) {
   for (auto events = host.member->take_events(); !events.empty();
        events = host.member->take_events())
     for (const Event& event : events) act(g, event);
-  if (std::exchange(host.joined, false)) close_strange(g);
+  if (std::exchange(host.joined, false)) {
+    close_strange(g);
+    end_strange_behalf(g);
+  }
+  step_behalf(g);
   set_way(g);
   const Value slack =
       scenario_->mutant == Mutant::clock_error_ignored ? kLease * kClockError / kMillion : 0;

@@ -40,6 +40,8 @@ enum class Mutant : std::uint8_t {
   open_before_votes,       ///< an admission is granted before others agree
   ended_at_once,           ///< it leaves the store while other gateways still have it open
   active_without_asking,   ///< a gateway that comes back does not wait for the others
+  agreed_at_once,          ///< an admission for another gateway is agreed to before it is reserved
+  kept_after_its_end,      ///< it is not withdrawn when what was reserved for it ends
 };
 
 /// What may happen in a run, and how often.
@@ -49,6 +51,7 @@ struct Scenario {
   std::vector<int> clock_ppm = {0, 0};  ///< how much too fast each clock is, ppm
   int steps = 9;                        ///< number of steps of time
   bool way = false;                     ///< the requests of gateway 0 go through gateway 1
+  bool behalf = false;                  ///< gateway 0 makes the admissions that gateway 1 asks for
   bool elect = false;                   ///< the gateways can replace each other
   std::vector<int> wants = {1, 1};      ///< number of requests of each gateway
   int releases = 0;
@@ -153,6 +156,7 @@ class World {
     std::vector<bool> failed;
     std::set<std::uint64_t> found;
     std::map<Origin, bool> agreed;
+    std::map<Origin, std::uint64_t> behalf;  ///< own admissions for others; 0: not asked for yet
     std::uint64_t next_id = 1;
     std::map<std::uint64_t, int> answers;  ///< 1: granted, 2: refused
   };
@@ -182,7 +186,16 @@ class World {
   void deliver(std::size_t g, const TxnResult& result);
   void watch(std::size_t g);
   void read_all(std::size_t g);
-  void ask(std::size_t g, std::uint64_t id);
+  void ask(std::size_t g, std::uint64_t id, const std::vector<std::size_t>& on_way);
+  [[nodiscard]] std::vector<std::size_t> way_of(std::size_t g) const;
+  [[nodiscard]] bool makes_for_others(std::size_t g) const;
+  [[nodiscard]] const Origin* made_for(std::size_t g, std::uint64_t id) const;
+  void vote_as(std::size_t g, std::uint64_t id, bool ok);
+  void step_behalf(std::size_t g);
+  void adopt_behalf(std::size_t g, const Origin& origin);
+  void end_behalf(std::size_t g, const Origin& origin);
+  void end_strange_behalf(std::size_t g);
+  void check_behalf();
   void pass_time();
   void check();
   void forget();
@@ -199,6 +212,7 @@ class World {
   int now_ = 0;
   std::vector<Host> hosts_;
   std::vector<Late> late_;
+  std::set<Admission> made_;  ///< of other gateways, that gateway 0 has admitted at some time
   std::vector<int> wants_;
   int releases_ = 0, lates_ = 0, lost_ = 0, twice_ = 0, stalls_ = 0, pauses_ = 0, crashes_ = 0,
       fences_ = 0, compactions_ = 0, outages_ = 0, restores_ = 0, refusals_ = 0, drains_ = 0;

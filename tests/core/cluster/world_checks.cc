@@ -73,12 +73,13 @@ void World::recover() {
     if (hosts_[g].member->standing(clock(g)) != Member::Standing::joined)
       broken_ = "a gateway is no member though all is well: " + hosts_[g].member->why_not(clock(g));
   if (!broken_.empty()) return;
+  check_behalf();
   for (const Host& host : hosts_)
     for (const auto& [id, what] : host.answers)
       if (what == 0) broken_ = "an admission has no answer";
   for (std::size_t g = 0; g < hosts_.size(); ++g)
-    while (!hosts_[g].held.empty()) {
-      const std::uint64_t id = *hosts_[g].held.begin();
+    for (const std::uint64_t id : std::set(hosts_[g].held)) {
+      if (made_for(g, id) != nullptr) continue;  // it ends with what it is made for
       close(g, {g, id});
       hosts_[g].held.erase(id);
       hosts_[g].member->release(id, clock(g));
@@ -92,10 +93,15 @@ void World::recover() {
     broken_ = "something that nobody wants is left in the store";
   if (!fits(1) || !hosts_[1].member->why_not(clock(1)).empty()) broken_ = "nothing can be had";
   const std::uint64_t id = hosts_[1].next_id++;
-  ask(1, id);
+  ask(1, id, way_of(1));
   turn(1);
   run(until + 4);
   if (broken_.empty() && hosts_[1].answers[id] != 1) broken_ = "a free medium is not granted";
+  const auto carries = [](const Host& host) {
+    return std::ranges::any_of(host.gates, [](const auto& one) { return one.second.open; });
+  };
+  if (broken_.empty() && scenario_->behalf && (!carries(hosts_[0]) || !carries(hosts_[1])))
+    broken_ = "what is granted is not open at all gateways";
   if (broken_.empty() && scenario_->elect &&
       std::ranges::count_if(hosts_, [](const Host& h) { return h.ways.open; }) != 1)
     broken_ = "nobody carries, or two do";
@@ -118,7 +124,9 @@ std::pair<std::uint64_t, std::uint64_t> World::fingerprint() const {
     if (h.former) f(*h.former);
     if (h.flight) f(h.flight->txn, h.flight->result);
     for (const auto& [origin, ok] : h.agreed) f(origin.gateway, origin.id, origin.asked, ok);
+    for (const auto& [origin, id] : h.behalf) f(origin.gateway, origin.id, origin.asked, id);
   }
+  for (const auto& [gateway, id] : made_) f(gateway, id);
   for (const Late& one : late_) f(one.gateway, one.process, one.txn);
   return f.value();
 }

@@ -139,7 +139,7 @@ void World::take(const Step& step) {
       break;
     case Step::Kind::want:
       --wants_[g];
-      ask(g, host.next_id++);
+      ask(g, host.next_id++, way_of(g));
       turn(g);
       break;
     case Step::Kind::release: {
@@ -147,6 +147,7 @@ void World::take(const Step& step) {
       const std::uint64_t id = *host.held.begin();
       close(g, {g, id});
       host.held.erase(id);
+      vote_as(g, id, false);
       host.member->release(id, clock(g));
       turn(g);
       break;
