@@ -347,8 +347,12 @@ std::optional<cc::Epoch> Codec::epoch(Text value) const {
 }
 
 std::string text_of(const Asked& asked) {
-  return control::bytes_of(
-      Asking{.channel = asked.channel, .requests = asked.requests, .also = asked.also});
+  return control::bytes_of(Asking{.channel = asked.channel,
+                                  .requests = asked.requests,
+                                  .also = asked.also,
+                                  .on_behalf = asked.on_behalf,
+                                  .for_gateway = asked.for_gateway,
+                                  .for_number = asked.for_number});
 }
 
 std::optional<Asked> asked_in(std::string_view text) {
@@ -361,7 +365,10 @@ std::optional<Asked> asked_in(std::string_view text) {
     return std::nullopt;
   return Asked{.channel = std::move(asking->channel),
                .requests = std::move(asking->requests),
-               .also = std::move(asking->also)};
+               .also = std::move(asking->also),
+               .on_behalf = asking->on_behalf,
+               .for_gateway = std::move(asking->for_gateway),
+               .for_number = asking->for_number};
 }
 
 }  // namespace mlcca::cluster

@@ -3,6 +3,7 @@
 // gateways are checked against this description; what does not fit is rejected completely.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -60,6 +61,11 @@ struct Asked {
   std::string channel;
   std::vector<control::Request> requests;
   std::vector<control::Request> also = {};  ///< others of it, whose publishers count
+  /// The gateway that must agree is to make this admission in its own name.
+  bool on_behalf = false;
+  /// For an admission that is made so: the gateway that has asked for it, and its number there.
+  std::string for_gateway = {};
+  std::uint64_t for_number = 0;
 };
 [[nodiscard]] std::string text_of(const Asked& asked);
 /// nullopt if it is not such a text, or has requests of another kind.

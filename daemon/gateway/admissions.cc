@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "daemon/gateway/requests/asked.hpp"
+#include "daemon/gateway/requests/elsewhere.hpp"
 
 namespace mlcca {
 namespace {
@@ -66,7 +67,11 @@ Admissions::LeftOut Admissions::restore_into(core::State& state) const {
     const auto* admit = std::get_if<control::Admit>(&request.body);
     if (admit == nullptr) continue;
     const auto listed = list(state, *admit);
-    auto asked = listed ? understand(state, *admit, request.id) : std::unexpected(listed.error());
+    const bool alone = recorder_.contents().admissions.through_others().contains(request.id);
+    const control::Admit understandable =
+        alone ? requests::subscriber_alone(*admit, request.id) : *admit;
+    auto asked =
+        listed ? understand(state, understandable, request.id) : std::unexpected(listed.error());
     if (auto why = refuses_subscription(state, *admit)) asked = fail(std::move(*why));
     if (asked && asked->admission)
       state.restore(*asked->admission);

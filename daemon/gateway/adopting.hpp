@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Handles admissions that other gateways of the cluster have made and whose route crosses this
 // gateway. This gateway votes on them, and carries them until they end. They are not in its
-// journal, and it cannot release them.
+// journal, and it cannot release them. The same holds for admissions that this gateway makes for
+// another one, because it has admitted the publisher.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -15,6 +16,7 @@
 #include "core/admission/state.hpp"
 #include "core/cluster/member.hpp"
 #include "daemon/cluster/codec.hpp"
+#include "daemon/gateway/reserving.hpp"
 #include "daemon/gateway/shared_networks.hpp"
 
 namespace mlcca {
@@ -32,6 +34,15 @@ class Adopting {
     std::function<void(const std::vector<core::AdmissionId>&)> remove;
     /// Adds the request to the state of a description that is not decided yet.
     std::function<void(const control::Request&)> restore;
+    /// What to reserve for a subscriber that this gateway admits for another one.
+    std::function<Result<Reserving::Wish>(const control::Request&, std::size_t gateway)> wish;
+    /// Whether nobody publishes any more what it was admitted for.
+    std::function<bool(const control::Request&)> is_without_publisher;
+    /// Reserves; an error says why no further job can wait.
+    std::function<Result<void>(Reserving::Job)> ask;
+    /// Nothing more needs to be reserved for these admissions.
+    std::function<void(const std::vector<core::AdmissionId>&)> give_back;
+    std::function<std::string(std::size_t)> name_of;  ///< the name of a gateway
     std::function<core::AdmissionId()> new_id;
     std::function<Number()> new_number;
     std::function<void()> bring_in_line;
@@ -45,16 +56,31 @@ class Adopting {
   /// counted.
   void lost();
   /// Forgets everything without closing it, where the state that held it is gone already.
-  void forget() { adopted_.clear(); }
+  void forget() {
+    adopted_.clear();
+    found_.clear();
+  }
+  /// After a start the store has this reservation of this gateway, which was made for another one.
+  /// True if it is to be kept: the request of the other one follows, or it is given back in step().
+  [[nodiscard]] bool keep_found(const cluster::Asked& asked);
+  /// Publishers may have gone for which subscribers of other gateways were admitted here.
+  void publishers_gone();
+  /// What was reserved for an admission that was made for another gateway was withdrawn.
+  void withdrawn(core::AdmissionId id, const std::string& why);
   /// Votes on and opens what is due. True if anything was done.
   bool step(core::cluster::Member& member, Value now);
   /// Adds the open admissions to another state of the same description.
   void restore() const;
   [[nodiscard]] bool has(core::AdmissionId id) const;
+  /// Whether another gateway has made that admission for this one, which has one of its own for the
+  /// same subscriber.
+  [[nodiscard]] bool is_twin(core::AdmissionId id) const;
 
  private:
   using Key = std::pair<std::size_t, std::uint64_t>;  ///< gateway, and its own number
-  enum class Due : std::uint8_t { nothing, vote, open };
+  enum class Due : std::uint8_t { nothing, vote, open, resume, answer };
+  /// Identifies an admission that was made for another gateway: its name and its own number.
+  using For = std::pair<std::string, std::uint64_t>;
   struct Adopted {
     core::cluster::Origin origin;
     core::cluster::Footprint footprint;
@@ -64,6 +90,10 @@ class Adopting {
     std::vector<core::AdmissionId> theirs;  ///< numbers of the same requests at the other gateway
     Due due = Due::vote;
     bool open = false;
+    bool check = false;    ///< its publisher may have gone
+    std::string answer{};  ///< of Due::answer: why it is refused; empty: it is agreed to
+    /// This gateway makes the admission itself; `ours` has the one request.
+    [[nodiscard]] bool is_on_behalf() const { return asked && asked->on_behalf; }
   };
 
   [[nodiscard]] std::optional<core::AdmissionId> ours_of(std::size_t gateway,
@@ -75,10 +105,19 @@ class Adopting {
   [[nodiscard]] std::string open(Adopted& adopted);
   void close(Adopted& adopted) const;
   void vote(Adopted& adopted, core::cluster::Member& member, Value now);
+  void act_on(Adopted& adopted, Due due, core::cluster::Member& member, Value now);
+  [[nodiscard]] Adopted* find(const core::cluster::Origin& origin);
+  static void answer(Adopted& adopted, const std::string& why);
+  void begin_on_behalf(Adopted& adopted);
+  void resume(Adopted& adopted);
+  [[nodiscard]] bool ends_with_publisher(Adopted& adopted) const;
+  [[nodiscard]] std::optional<Reserving::Wish> wish_on_behalf(const core::cluster::Origin& origin);
+  [[nodiscard]] bool open_on_behalf(const core::cluster::Origin& origin);
 
   SharedNetworks& networks_;
   Hands hands_;
   std::map<Key, Adopted> adopted_;
+  std::map<For, control::Request> found_;  ///< reserved by an earlier process, see keep_found()
 };
 
 }  // namespace mlcca

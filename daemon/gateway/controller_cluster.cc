@@ -76,14 +76,22 @@ std::unique_ptr<Membership> Controller::make_membership() {
       .able = [this] { return presence_.can_carry(); },
       .before_commit = [this] { forwarding_.act(); },
       .rollout = *rollout_,
-      .hands = {.misfit =
-                    [this](const auto& r) { return requests::misfit_of_adopted(*context_, r); },
-                .admit = [this](const auto& r) { return requests::admit_adopted(*context_, r); },
-                .remove = [this](const auto& gone) { requests::remove_adopted(*context_, gone); },
-                .restore = [this](const auto& r) { requests::restore_adopted(*scene_.state, r); },
-                .new_id = {},
-                .new_number = {},
-                .bring_in_line = {}}});
+      .release = [this](const auto& ids, const auto& why) { return admissions_.release(ids, why); },
+      .hands =
+          {.misfit = [this](const auto& r) { return requests::misfit_of_adopted(*context_, r); },
+           .admit = [this](const auto& r) { return requests::admit_adopted(*context_, r); },
+           .remove = [this](const auto& gone) { requests::remove_adopted(*context_, gone); },
+           .restore = [this](const auto& r) { requests::restore_adopted(*scene_.state, r); },
+           .wish = [this](const auto& r,
+                          std::size_t g) { return requests::wish_for_another(*context_, r, g); },
+           .is_without_publisher =
+               [this](const auto& r) { return requests::is_without_publisher(*context_, r); },
+           .ask = {},
+           .give_back = {},
+           .name_of = {},
+           .new_id = {},
+           .new_number = {},
+           .bring_in_line = {}}});
 }
 
 }  // namespace mlcca

@@ -17,6 +17,7 @@ namespace {
 namespace cc = core::cluster;
 
 constexpr int kMostRounds = 32;                     // rounds of one turn
+constexpr std::size_t kMostOnBehalf = 64;           // admissions for others that wait at a time
 constexpr Value kWaitStep = 20'000'000;             // ns
 constexpr Value kUntilAgain = 1'000'000'000;        // ns
 constexpr Value kEnforceAgain = 5'000'000'000;      // ns
@@ -49,6 +50,14 @@ cc::Journalled journalled_in(const store::Membership& record) {
 }  // namespace
 
 Membership::Membership(Parts parts) : parts_(std::move(parts)), store_since_(now()) {
+  parts_.hands.ask = [this](Reserving::Job job) -> Result<void> {
+    if (reserving_->jobs_of_gateways() >= kMostOnBehalf)
+      return fail("too many admissions for other gateways wait here");
+    ask(std::move(job));
+    return {};
+  };
+  parts_.hands.give_back = [this](const auto& gone) { reserving_->admissions_gone(gone); };
+  parts_.hands.name_of = [this](std::size_t g) { return state().system().gateways[g].name; };
   parts_.hands.new_id = [this] { return parts_.recorder.new_id(); };
   parts_.hands.new_number = [this] { return reserving_->new_number(); };
   parts_.hands.bring_in_line = [this] { static_cast<void>(bring_in_line()); };
@@ -80,6 +89,13 @@ void Membership::begin() {
           .bring_in_line = [this] { return bring_in_line(); },
           .needs = [this](const std::string& channel,
                           Number number) { return needs(channel, number); },
+          .withdrawn =
+              [this](const auto& admissions, bool ended, const std::string& why) {
+                for (const core::AdmissionId id : admissions) {
+                  adopting_->withdrawn(id, why);
+                  if (ended) withdrawn_.push_back({.id = id, .why = why});
+                }
+              },
           .log = [this](const std::string& line) { parts_.log.warning(Kind::gateway, line); }},
       session >> 1U);
   member_ = std::make_unique<cc::Member>(keys_, *codec_,
@@ -93,6 +109,7 @@ void Membership::begin() {
   joined_ = false;
   early_.clear();
   wish_again_.clear();
+  ask_again_.clear();
   ++generation_;
   // A gateway that takes no part removes what the store may still have of it.
   draining_ = left_ = false;
@@ -201,12 +218,13 @@ void Membership::take_in(const cc::Event& event) {
     adopting_->lost();
     if (joined_) parts_.log.warning(Kind::gateway, "what was reserved is closed: " + lost->why);
   } else if (const auto* found = std::get_if<cc::Found>(&event)) {
-    reserving_->on(*found, *member_,
-                   [this](const cluster::Asked& asked) { return !leaving_ && is_known(asked); });
+    reserving_->on(*found, *member_, [this](const cluster::Asked& asked) {
+      return !leaving_ && (is_known(asked) || adopting_->keep_found(asked));
+    });
   } else if (std::holds_alternative<cc::Joined>(event)) {
-    joined_ = true;
+    joined_ = asks_others_ = true;
   } else if (const auto* withdrawn = std::get_if<cc::Withdrawn>(&event)) {
-    reserving_->on(*withdrawn);
+    reserving_->on(*withdrawn, *member_);
   } else if (const auto* adopt = std::get_if<cc::Adopt>(&event)) {
     adopting_->on(*adopt);
   } else if (const auto* opened = std::get_if<cc::Opened>(&event)) {
@@ -259,6 +277,7 @@ void Membership::act() {
     for (const cc::Event& event : events) take_in(event);
     static_cast<void>(bring_in_line());
     for (const cc::Event& event : events) decide(event);
+    end_withdrawn();
     more = adopting_->step(*member_, now()) || !events.empty();
     more = reserving_->step(*member_, now()) || more;
     more = parts_.rollout.step(*member_) || more;
@@ -367,7 +386,9 @@ void Membership::poll() {
   if (!member_) return;
   parts_.rollout.poll();
   looks_for_wishes_ = looks_for_troubles_ = true;
-  std::erase_if(wish_again_, [this](const auto& entry) { return entry.second <= now(); });
+  const auto is_over = [this](const auto& entry) { return entry.second <= now(); };
+  std::erase_if(wish_again_, is_over);
+  std::erase_if(ask_again_, is_over);
   enforce_again();
   reserving_->tidy();
 }
@@ -452,7 +473,9 @@ bool Membership::refuse(const std::string& key, const std::string& why) {
 void Membership::ask(Reserving::Job job) { reserving_->ask(std::move(job), now()); }
 
 void Membership::admissions_gone(const std::vector<core::AdmissionId>& gone) {
-  if (member_) reserving_->admissions_gone(gone);
+  if (!member_) return;
+  reserving_->admissions_gone(gone);
+  adopting_->publishers_gone();
 }
 
 void Membership::session_closed(std::uint64_t session) {
@@ -461,5 +484,8 @@ void Membership::session_closed(std::uint64_t session) {
 }
 
 bool Membership::is_adopted(core::AdmissionId id) const { return adopting_ && adopting_->has(id); }
+bool Membership::is_twin(core::AdmissionId id) const {
+  return adopting_ && id != 0 && adopting_->is_twin(id);
+}
 
 }  // namespace mlcca

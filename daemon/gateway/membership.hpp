@@ -57,7 +57,10 @@ class Membership final : private core::Holdings {
     /// Called before a commit that somebody waits for.
     std::function<void()> before_commit;
     Rollout& rollout;
-    Adopting::Hands hands;  ///< the last three (new_id, new_number, bring_in_line) are set here
+    /// Ends admissions of this gateway: on disk, in the kernel, and in the log with the reason.
+    std::function<Result<void>(const std::vector<core::AdmissionId>&, const std::string& why)>
+        release;
+    Adopting::Hands hands;  ///< those from ask() on are set here
   };
   explicit Membership(Parts parts);
 
@@ -121,6 +124,8 @@ class Membership final : private core::Holdings {
   void session_closed(std::uint64_t session);
   /// Whether the admission was made for another gateway, which alone releases it.
   [[nodiscard]] bool is_adopted(core::AdmissionId id) const;
+  /// See Adopting::is_twin().
+  [[nodiscard]] bool is_twin(core::AdmissionId id) const;
   [[nodiscard]] const core::cluster::Baseline& baseline() const { return networks_->baseline(); }
   /// Adds to `to` the admissions here that have brought the publishers that `footprint` counts.
   /// Other gateways need them to decide on it.
@@ -176,6 +181,12 @@ class Membership final : private core::Holdings {
   bool wish_some();
   void take_over();
   void wish(std::size_t channel);
+  bool ask_again_some();
+  void ask_again(const control::Request& request, std::size_t gateway);
+  bool ask_others_again_some();
+  void ask_others_again(std::size_t channel);
+  [[nodiscard]] bool crosses_others(std::size_t channel) const;
+  void end_withdrawn();
   [[nodiscard]] cluster::Asked asked_of(std::size_t channel) const;
   [[nodiscard]] bool is_known(const cluster::Asked& asked) const;
   [[nodiscard]] bool needs(const std::string& channel, Number number) const;
@@ -222,11 +233,19 @@ class Membership final : private core::Holdings {
   bool drained_ = false;        ///< an operator has drained this gateway
   bool until_restart_ = false;  ///< the drain ends with this daemon
   bool looks_for_wishes_ = true;
+  bool asks_others_ = false;  ///< what they have agreed to may have ended with a membership
   Value leave_until_ = 0;
   std::optional<std::uint64_t> until_;  ///< as it was last set in the kernel
   Value until_retry_ = 0;  ///< the kernel has refused: no further attempt before this time
   Problem until_trouble_;
   std::map<std::string, Value> wish_again_;  ///< when a channel's wish is tried again, by channel
+  /// When an admission that another gateway makes for this one is asked for again.
+  std::map<core::AdmissionId, Value> ask_again_;
+  struct Withdrawn {
+    core::AdmissionId id = 0;
+    std::string why;
+  };
+  std::vector<Withdrawn> withdrawn_;  ///< other gateways do not make them any more
   std::vector<std::function<void(const Result<void>&)>> waits_;
   std::function<void(std::uint64_t)> ready_;
   std::string said_;                        ///< the latest reported line about its standing

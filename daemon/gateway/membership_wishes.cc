@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The wishes of this gateway: reservations on shared networks for channels that exist already.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
 #include "core/cluster/footprint.hpp"
 #include "daemon/gateway/membership.hpp"
+#include "daemon/gateway/requests/elsewhere.hpp"
 #include "mlcca/arithmetic.hpp"
 
 namespace mlcca {
@@ -23,6 +26,7 @@ bool Membership::wish_some() {
   if (!joined_ || leaving_ || !looks_for_wishes_ || !reserving_->idle() ||
       !member_->why_not(now()).empty() || !networks_->permits().is_open())
     return false;
+  if (ask_again_some() || (asks_others_ && ask_others_again_some())) return true;
   for (const std::size_t channel : state().wishes()) {
     const auto again = wish_again_.find(state().system().channels[channel].name);
     if (again != wish_again_.end() && again->second > now()) continue;
@@ -67,6 +71,108 @@ void Membership::wish(std::size_t channel) {
   ask({.decide = decide, .granted = granted, .refused = refused});
 }
 
+/// Asks for an admission that another gateway has made for this one, where the store does not have
+/// it any more: this gateway was not there. True if one was asked for.
+bool Membership::ask_again_some() {
+  const auto& admissions = parts_.recorder.contents().admissions;
+  const auto& gateways = state().system().gateways;
+  if (admissions.through_others().empty()) return false;
+  const auto held = reserving_->held_admissions();
+  for (const auto& [id, name] : admissions.through_others()) {
+    const auto gateway = std::ranges::find(gateways, name, &core::Gateway::name);
+    const auto index = static_cast<std::size_t>(gateway - gateways.begin());
+    if (held.contains(id) || ask_again_.contains(id)) continue;
+    if (gateway == gateways.end() || index == self_) {
+      withdrawn_.push_back(
+          {.id = id, .why = fmt::format("{}, where its publisher was, is no other gateway", name)});
+      return true;
+    }
+    if (member_->view().alive(index, now()) != core::cluster::Alive::present ||
+        !state().admissions().contains(id))
+      continue;
+    ask_again_[id] = add_saturating(now(), kRefusedWishAgain);
+    ask_again(*admissions.find(id), index);
+    return true;
+  }
+  return false;
+}
+
+void Membership::ask_again(const control::Request& request, std::size_t gateway) {
+  const core::AdmissionId id = request.id;
+  const auto decide = [this, id, gateway]() -> std::optional<Reserving::Wish> {
+    const auto* const there = parts_.recorder.contents().admissions.find(id);
+    const auto channel = state().admissions().find(id);
+    if (there == nullptr || channel == state().admissions().end()) return std::nullopt;
+    return requests::wish_elsewhere(state().system().channels[channel->second].name, *there,
+                                    gateway);
+  };
+  const auto granted = [this, id] { return state().admissions().contains(id); };
+  const auto refused = [this, id](const std::string& why) {
+    parts_.log.info(Kind::gateway, fmt::format("admission {} waits: {}", id, why));
+  };
+  const auto refused_by_another = [this, id](const std::string& why) {
+    withdrawn_.push_back({.id = id, .why = why});
+  };
+  ask({.decide = decide,
+       .granted = granted,
+       .refused = refused,
+       .refused_by_another = refused_by_another});
+}
+
+bool Membership::crosses_others(std::size_t channel) const {
+  return std::ranges::any_of(state().decisions()[channel].verdicts, [this](const auto& v) {
+    return v.granted && std::ranges::any_of(v.route, [this](const core::Place& place) {
+             return place.kind == core::Place::Kind::gateway && place.index != self_;
+           });
+  });
+}
+
+/// Asks the other gateways again for admissions that need no reservation, and of which the store
+/// has nothing any more because this gateway was not there. True if one was asked for.
+bool Membership::ask_others_again_some() {
+  const auto& recorded = parts_.recorder.contents().admissions;
+  const auto held = reserving_->held_admissions();
+  std::set<std::size_t> seen;
+  asks_others_ = false;
+  for (const auto& [id, channel] : state().admissions()) {
+    if (held.contains(id) || recorded.find(id) == nullptr || !recorded.through(id).empty() ||
+        !seen.insert(channel).second || !crosses_others(channel))
+      continue;
+    asks_others_ = true;
+    if (!ask_again_.try_emplace(id, add_saturating(now(), kRefusedWishAgain)).second) continue;
+    ask_others_again(channel);
+    return true;
+  }
+  return false;
+}
+
+void Membership::ask_others_again(std::size_t channel) {
+  const std::string name = state().system().channels[channel].name;
+  const auto decide = [this, name]() -> std::optional<Reserving::Wish> {
+    const auto there = state().find_channel(name);
+    if (!there || !crosses_others(*there)) return std::nullopt;
+    auto footprint = core::cluster::footprint_of(state(), *there, baseline(), self_);
+    cluster::Asked asked = asked_of(*there);
+    add_publishers(footprint, asked);
+    return Reserving::Wish{
+        .footprint = std::move(footprint), .publisher = {}, .asked = std::move(asked)};
+  };
+  const auto granted = [this, name] { return state().find_channel(name).has_value(); };
+  const auto refused = [this, name](const std::string& why) {
+    parts_.log.info(Kind::gateway, name + " waits: " + why);
+  };
+  ask({.decide = decide, .granted = granted, .refused = refused});
+}
+
+/// Ends what other gateways do not make for this one any more. What cannot be written down is tried
+/// again.
+void Membership::end_withdrawn() {
+  for (Withdrawn& one : std::exchange(withdrawn_, {})) {
+    if (parts_.recorder.contents().admissions.find(one.id) == nullptr) continue;
+    if (!parts_.release({one.id}, one.why)) withdrawn_.push_back(std::move(one));
+  }
+}
+
 cluster::Asked Membership::asked_of(std::size_t channel) const {
   cluster::Asked asked{.channel = state().system().channels[channel].name, .requests = {}};
   for (const auto& [id, of] : state().admissions()) {
@@ -91,7 +197,9 @@ void Membership::add_publishers(const core::cluster::Footprint& footprint,
 }
 
 bool Membership::is_known(const cluster::Asked& asked) const {
-  const auto known = [this](const control::Request& request) {
+  const auto known = [&](const control::Request& request) {
+    // Another gateway was asked for the subscriber alone.
+    if (asked.on_behalf) return !parts_.recorder.contents().admissions.through(request.id).empty();
     const auto* const there = parts_.recorder.contents().admissions.find(request.id);
     return there != nullptr && *there == request;
   };

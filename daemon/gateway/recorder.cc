@@ -28,8 +28,9 @@ Recorder::Granted Recorder::granted() const {
 
 // --- what clients ask for ------------------------------------------------------------------------
 
-Result<void> Recorder::admit(const control::Request& request, std::uint32_t user) {
-  auto done = journal_->append(store::Admitted{request, user});
+Result<void> Recorder::admit(const control::Request& request, std::uint32_t user,
+                             const std::string& through) {
+  auto done = journal_->append(store::Admitted{request, user, through});
   if (done) uncommitted_.push_back(request.id);
   return done;
 }

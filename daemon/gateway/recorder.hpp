@@ -55,7 +55,9 @@ class Recorder {
   /// An id for an admission that is in the journal of another gateway.
   [[nodiscard]] core::AdmissionId new_id();
   /// Notes an admission for the next commit(). Until then it is uncommitted.
-  Result<void> admit(const control::Request& request, std::uint32_t user);
+  /// `through`: the gateway that has made it for this one; empty: none.
+  Result<void> admit(const control::Request& request, std::uint32_t user,
+                     const std::string& through = {});
   /// Removes a noted admission that was not granted after all.
   void take_back(core::AdmissionId id);
   [[nodiscard]] bool is_uncommitted(core::AdmissionId id) const;

@@ -38,6 +38,14 @@ std::optional<core::cluster::Footprint> found_footprint(const core::cluster::Vie
   return all;
 }
 
+/// With the name of the gateway that has refused, if one has.
+std::string words(const core::cluster::Vote& why, std::optional<std::size_t> by,
+                  const core::cluster::Member& member) {
+  if (!by) return why.reason;
+  const std::string name = member.view().keys().gateway_name(*by);
+  return why.reason.starts_with(name) ? why.reason : name + ": " + why.reason;
+}
+
 }  // namespace
 
 std::string Reserving::bar(uid_t user) const {
@@ -48,6 +56,18 @@ std::string Reserving::bar(uid_t user) const {
     now.of_others += *open.job.user != 0 ? 1 : 0;
   }
   return Quotas::refuse_waiting(user, now).value_or("");
+}
+
+std::unordered_set<core::AdmissionId> Reserving::held_admissions() const {
+  std::unordered_set<core::AdmissionId> all;
+  for (const auto& [number, held] : held_)
+    all.insert(held.admissions.begin(), held.admissions.end());
+  return all;
+}
+
+std::size_t Reserving::jobs_of_gateways() const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(jobs_, [](const Open& open) { return !open.job.user; }));
 }
 
 bool Reserving::waits_for(const std::string& key) const {
@@ -129,8 +149,9 @@ void Reserving::begin(Open& open, core::cluster::Member& member, Value now) {
 }
 
 void Reserving::put_in_force(const Open& open) {
-  held_.insert_or_assign(
-      open.number, Held{.channel = open.wish.asked.channel, .admissions = ids_of(open.wish.asked)});
+  held_.insert_or_assign(open.number, Held{.channel = open.wish.asked.channel,
+                                           .admissions = ids_of(open.wish.asked),
+                                           .on_behalf = open.wish.asked.on_behalf});
   parts_.networks.hold(open.number, open.wish.footprint);
   // The publisher of the channel may have been admitted together with it.
   parts_.networks.leave_out(open.number);
@@ -183,18 +204,22 @@ void Reserving::on(const core::cluster::Refused& event, const core::cluster::Mem
   const Open open = std::move(*it);
   jobs_.erase(it);
   parts_.networks.leave_out(std::nullopt);
-  const std::string who =
-      event.by ? member.view().keys().gateway_name(*event.by) + ": " : std::string();
-  if (!open.abandoned) open.job.refused(who + event.why.reason);
+  if (open.abandoned) return;
+  const bool by_another = event.by && open.job.refused_by_another;
+  const auto& refused = by_another ? open.job.refused_by_another : open.job.refused;
+  refused(words(event.why, event.by, member));
 }
 
-void Reserving::on(const core::cluster::Withdrawn& event) {
+void Reserving::on(const core::cluster::Withdrawn& event, const core::cluster::Member& member) {
+  const std::string why = words(event.why, event.by, member);
   // The reservation was made and withdrawn before this gateway had put it in force.
-  if (const auto job = find(event.id); job != jobs_.end()) job->withdrawn = event.why.reason;
-  if (!held_.contains(event.id)) return;
-  parts_.log("what " + held_.at(event.id).channel +
-             " had reserved is withdrawn: " + event.why.reason);
+  if (const auto job = find(event.id); job != jobs_.end()) job->withdrawn = why;
+  const auto it = held_.find(event.id);
+  if (it == held_.end()) return;
+  const Held held = it->second;
+  parts_.log("what " + held.channel + " had reserved is withdrawn: " + why);
   give_back(event.id);
+  parts_.withdrawn(held.admissions, held.on_behalf && event.by.has_value(), why);
 }
 
 void Reserving::on(const core::cluster::Found& event, const core::cluster::Member& member,
@@ -206,7 +231,9 @@ void Reserving::on(const core::cluster::Found& event, const core::cluster::Membe
     give_back(event.id);
     return;
   }
-  held_.emplace(event.id, Held{.channel = asked->channel, .admissions = ids_of(*asked)});
+  held_.emplace(
+      event.id,
+      Held{.channel = asked->channel, .admissions = ids_of(*asked), .on_behalf = asked->on_behalf});
   parts_.networks.hold(event.id, *footprint);
 }
 

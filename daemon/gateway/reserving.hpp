@@ -10,6 +10,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "core/admission/state.hpp"
@@ -38,6 +39,8 @@ class Reserving {
     /// Called when it is reserved and may be used. False if it is not used after all.
     std::function<bool()> granted;
     std::function<void(const std::string& why)> refused;
+    /// Called instead of `refused` if another gateway has refused it; empty: `refused` is.
+    std::function<void(const std::string& why)> refused_by_another{};
     std::uint64_t session = 0;    ///< the job ends with this session; 0: with none
     std::string key{};            ///< at most one job has this key; empty: no key
     std::optional<uid_t> user{};  ///< who has asked; nullopt: the gateway itself
@@ -49,6 +52,10 @@ class Reserving {
     std::function<bool()> bring_in_line;
     /// Whether something that is in use of that channel needs that reservation.
     std::function<bool(const std::string& channel, Number number)> needs;
+    /// Called when what was reserved for these admissions is withdrawn. `ended`: another gateway
+    /// had made them for this one, and does not make them any more.
+    std::function<void(const std::vector<core::AdmissionId>&, bool ended, const std::string& why)>
+        withdrawn;
     std::function<void(const std::string&)> log;
   };
   /// Reservations are numbered from `first` on.
@@ -76,7 +83,7 @@ class Reserving {
   void on(const core::cluster::Refused& event, const core::cluster::Member& member);
   /// The store has withdrawn a reservation: it is closed with the next bring_in_line(), and
   /// released by step().
-  void on(const core::cluster::Withdrawn& event);
+  void on(const core::cluster::Withdrawn& event, const core::cluster::Member& member);
   /// Takes over a reservation that the store has of an earlier process of this gateway, if `known`
   /// says that it is still wanted; otherwise gives it back.
   void on(const core::cluster::Found& event, const core::cluster::Member& member,
@@ -96,8 +103,13 @@ class Reserving {
   struct Held {
     std::string channel;
     std::vector<core::AdmissionId> admissions;  ///< empty: for the channel as it is described
+    bool on_behalf = false;  ///< another gateway has made the admission for this one
   };
   [[nodiscard]] const std::map<Number, Held>& held() const { return held_; }
+  /// The admissions for which something is held.
+  [[nodiscard]] std::unordered_set<core::AdmissionId> held_admissions() const;
+  /// The number of jobs that no user has asked for.
+  [[nodiscard]] std::size_t jobs_of_gateways() const;
 
  private:
   struct Open {

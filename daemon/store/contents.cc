@@ -32,7 +32,7 @@ struct Apply {
 
   void operator()(const Admitted& entry) const {
     to.next_id = std::max(to.next_id, entry.request.id + 1);
-    to.admissions.put(entry.request, entry.by);
+    to.admissions.put(entry.request, entry.by, entry.through);
   }
   void operator()(const Removed& entry) const { to.admissions.erase(entry.id); }
   void operator()(const Released& entry) const {
@@ -70,14 +70,14 @@ struct Inverse {
   Answer operator()(const Admitted& entry) const {
     const control::Request* old = of.admissions.find(entry.request.id);
     if (old == nullptr) return Removed{entry.request.id};
-    Admitted before{*old, of.admissions.user_of(old->id)};
+    Admitted before{*old, of.admissions.user_of(old->id), of.admissions.through(old->id)};
     if (before == entry) return std::nullopt;
     return before;
   }
   Answer operator()(const Removed& entry) const {
     const control::Request* old = of.admissions.find(entry.id);
     if (old == nullptr) return std::nullopt;
-    return Admitted{*old, of.admissions.user_of(old->id)};
+    return Admitted{*old, of.admissions.user_of(old->id), of.admissions.through(old->id)};
   }
   Answer operator()(const Released& entry) const {
     if (holds(of.released, entry.subject)) return std::nullopt;

@@ -41,21 +41,32 @@ class Admissions {
   }
   /// The user who asked for an existing admission.
   [[nodiscard]] std::uint32_t user_of(std::uint64_t id) const { return users_.at(id); }
+  /// The gateway that has made an existing admission for this one; empty: none.
+  [[nodiscard]] std::string through(std::uint64_t id) const {
+    const auto found = through_.find(id);
+    return found == through_.end() ? std::string() : found->second;
+  }
+  /// The admissions that other gateways have made for this one: their ids, and these gateways.
+  [[nodiscard]] const std::map<std::uint64_t, std::string>& through_others() const {
+    return through_;
+  }
   /// The number of admissions of a user.
   [[nodiscard]] std::size_t held_by(std::uint32_t user) const {
     const auto found = held_.find(user);
     return found == held_.end() ? 0 : found->second;
   }
   /// Adds an admission, or replaces the one with the same id.
-  void put(control::Request request, std::uint32_t user = 0) {
+  void put(control::Request request, std::uint32_t user = 0, const std::string& through = {}) {
     const std::uint64_t id = request.id;
     erase(id);
     by_id_.emplace(id, std::move(request));
     users_.emplace(id, user);
     ++held_[user];
+    if (!through.empty()) through_.emplace(id, through);
   }
   void erase(std::uint64_t id) {
     if (by_id_.erase(id) == 0) return;
+    through_.erase(id);
     const auto held = held_.find(users_.extract(id).mapped());
     if (--held->second == 0) held_.erase(held);
   }
@@ -66,6 +77,7 @@ class Admissions {
   std::map<std::uint64_t, control::Request> by_id_;
   std::unordered_map<std::uint64_t, std::uint32_t> users_;  ///< by id
   std::map<std::uint32_t, std::size_t> held_;               ///< number of admissions, by user
+  std::map<std::uint64_t, std::string> through_;            ///< by id, where it is not empty
 };
 
 /// Everything that the journal says.

@@ -124,7 +124,7 @@ std::string snapshot(std::uint64_t salt, const Contents& contents) {
   };
   add(NextId{contents.next_id});
   for (const control::Request& r : contents.admissions)
-    add(Admitted{r, contents.admissions.user_of(r.id)});
+    add(Admitted{r, contents.admissions.user_of(r.id), contents.admissions.through(r.id)});
   for (const std::string& subject : contents.released) add(Released{subject});
   for (const auto& [subject, state] : contents.granted) add(Granted{subject, state});
   for (const auto& [identity, gated] : contents.gated) add(gated);

@@ -190,6 +190,16 @@ TEST_F(CodecTest, WhatIsAskedForIsAdmissionsAlone) {
   ASSERT_TRUE(read);
   EXPECT_EQ(read->channel, "c");
   EXPECT_EQ(read->requests, asked.requests);
+  EXPECT_FALSE(read->on_behalf);
+  cluster::Asked behalf = asked;
+  behalf.on_behalf = true;
+  behalf.for_gateway = "g1";
+  behalf.for_number = 9;
+  const auto again = cluster::asked_in(cluster::text_of(behalf));
+  ASSERT_TRUE(again);
+  EXPECT_TRUE(again->on_behalf);
+  EXPECT_EQ(again->for_gateway, "g1");
+  EXPECT_EQ(again->for_number, 9U);
   const cluster::Asked other{.channel = "c",
                              .requests = {{.id = 7, .body = control::StatusRequest{}}}};
   EXPECT_FALSE(cluster::asked_in(cluster::text_of(other)));

@@ -197,6 +197,40 @@ TEST_F(ClusterDaemons, OneTruthAboutWhatTheyShare) {
   EXPECT_FALSE(has_keys("m/gw1"));
 }
 
+TEST_F(ClusterDaemons, ASubscriberOfWhatAnotherGatewayHasAdmittedIsOneDecisionOfBoth) {
+  const auto subscribes = [&] {
+    int status = -1;
+    answer = ask(nodes[1], {"admit", "c1", "--to", "gw2", "--key", "s"}, &status);
+    return status == 0;
+  };
+  ASSERT_TRUE(says(nodes[0], {"explain", "c0"}, "granted  c0")) << logs();
+  ASSERT_TRUE(all_are_there()) << logs();
+  EXPECT_FALSE(subscribes());
+  EXPECT_NE(answer.find("no endpoint publishes c1"), std::string::npos) << answer;
+  ASSERT_TRUE(admits(nodes[0])) << answer << logs();
+  ASSERT_TRUE(becomes(subscribes)) << answer << logs();
+  EXPECT_TRUE(says(nodes[1], {"explain", "c1"}, "granted  c1")) << logs();
+  EXPECT_TRUE(has_keys("a/gw1/gw2/"));
+  EXPECT_TRUE(has_keys("a/gw2/gw1/"));
+  EXPECT_FALSE(has_keys("r/lan/gw2/")) << "the traffic of the publisher counts once";
+  // Each of them is killed, and both continue.
+  for (Node& node : nodes) {
+    node.daemon.end();
+    start(node);
+    EXPECT_TRUE(says(nodes[1], {"explain", "c1"}, "granted  c1")) << node.name << logs();
+  }
+  ASSERT_TRUE(all_are_there()) << logs();
+  // It ends with the publisher.
+  int status = -1;
+  const std::string released = ask(nodes[0], {"release", "--key", "k"}, &status);
+  EXPECT_EQ(status, 0) << released;
+  EXPECT_TRUE(becomes([&] { return !has_keys("x/") && !has_keys("r/") && !has_keys("a/"); }))
+      << logs();
+  EXPECT_TRUE(says(nodes[1], {"history", "--kind", "released"},
+                   "gw1: the publisher that it is for is not admitted any more"))
+      << logs();
+}
+
 /// The same with another one in place of some words.
 std::string with(const std::string& words, const std::string& others) {
   std::string out = kSystem;

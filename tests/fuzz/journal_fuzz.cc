@@ -103,7 +103,7 @@ Entry some_entry(FuzzedDataProvider& in) {
       if (in.ConsumeBool())
         admit.offered.push_back({some_text(in), in.ConsumeIntegral<std::uint64_t>(), "ns", false});
       const auto by = in.ConsumeIntegralInRange<std::uint32_t>(0, 2);
-      return Admitted{{in.ConsumeIntegralInRange<std::uint64_t>(0, 12), admit}, by};
+      return Admitted{{in.ConsumeIntegralInRange<std::uint64_t>(0, 12), admit}, by, some_text(in)};
     }
     case 1:
       return Removed{in.ConsumeIntegralInRange<std::uint64_t>(0, 12)};

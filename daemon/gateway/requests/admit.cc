@@ -52,8 +52,9 @@ std::optional<Response> admit_again(Context& context, const Asker& asker,
 /// Writes the admission to the journal and the gates, or to neither. After an error nothing has
 /// changed.
 Result<void> put_in_force(Context& context, core::Proposal proposal,
-                          const control::Request& request, const Asker& asker) {
-  auto done = context.recorder.admit(request, asker.peer.uid);
+                          const control::Request& request, const Asker& asker,
+                          const std::string& through) {
+  auto done = context.recorder.admit(request, asker.peer.uid, through);
   if (done) done = context.gates.apply(proposal.changes(context.scene.self));
   if (done) std::move(proposal).accept();
   return done;
@@ -64,8 +65,9 @@ Response admit_new(Context& context, const Asker& asker, const control::Admit& r
   if (const auto why = bars(context, asker, request, asked)) return *why;
   core::State& state = *context.scene.state;
   if (context.membership != nullptr) static_cast<void>(context.turn.settle());
+  if (gateway_to_ask(context, request, asked)) return ask_other_gateway(context, asker, request);
   std::optional<core::Proposal> proposal(state.propose(*asked.admission));
-  if (proposal->fit() || context.membership == nullptr)
+  if (context.membership == nullptr || (proposal->fit() && !crosses_others(context, *proposal)))
     return decided(context, asker, request, asked, std::move(*proposal));
   proposal.reset();
   proposal.emplace(state.wish(*asked.admission));
@@ -107,12 +109,19 @@ std::optional<Response> bars(const Context& context, const Asker& asker,
     return failed("nothing was changed: " + *why);
   if (const auto lack = lacks_pairs(context, asked)) return invalid(*lack);
   if (const auto why = exceeds_policy(context, request)) return invalid(*why);
-  if (const auto why = admitted_elsewhere(context, request, asked)) return invalid(*why);
   return std::nullopt;
 }
 
+bool crosses_others(const Context& context, const core::Proposal& proposal) {
+  return std::ranges::any_of(proposal.verdicts(), [&](const core::Verdict* v) {
+    return std::ranges::any_of(v->route, [&](const core::Place& place) {
+      return place.kind == core::Place::Kind::gateway && place.index != context.scene.self;
+    });
+  });
+}
+
 Response decided(Context& context, const Asker& asker, const control::Admit& request,
-                 const Asked& asked, core::Proposal proposal) {
+                 const Asked& asked, core::Proposal proposal, const std::string& through) {
   if (const auto lack = proposal.exceeds_capacity(context.scene.self)) return invalid(*lack);
   const core::State& state = *context.scene.state;
   const core::AdmissionId id = asked.admission->id;
@@ -122,7 +131,7 @@ Response decided(Context& context, const Asker& asker, const control::Admit& req
       if (!v->granted) context.deliveries.verdict(Kind::refused, *v, verdict_line(state, *v));
     return response;
   }
-  const auto done = put_in_force(context, std::move(proposal), {id, request}, asker);
+  const auto done = put_in_force(context, std::move(proposal), {id, request}, asker, through);
   if (!done) {
     context.recorder.take_back(id);
     static_cast<void>(context.turn.enforce());

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/gateway/requests/adopted.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
+#include <variant>
 
+#include "core/cluster/footprint.hpp"
 #include "core/model/text.hpp"
 #include "daemon/gateway/can_forwarding.hpp"
 #include "daemon/gateway/delivery_events.hpp"
+#include "daemon/gateway/membership.hpp"
 #include "daemon/gateway/recorder.hpp"
 #include "daemon/gateway/report.hpp"
 #include "daemon/gateway/tag_bindings.hpp"
@@ -63,8 +67,51 @@ std::string misfit_of_adopted(Context& context, const control::Request& request)
   return wish.fit() ? std::string() : first_refusal(state, wish);
 }
 
+bool is_without_publisher(const Context& context, const control::Request& request) {
+  const core::State& state = *context.scene.state;
+  const auto& admit = std::get<control::Admit>(request.body);
+  const auto channel = state.find_channel(admit.channel);
+  if (!channel) return true;
+  const auto& members = state.members();
+  return std::ranges::none_of(members.publishers_of(*channel), [&](std::size_t p) {
+    const core::AdmissionId id = members.admission_of_publisher(p);
+    const bool own =
+        id == 0 || id == request.id || context.recorder.contents().admissions.find(id) != nullptr;
+    return own &&
+           (admit.from.empty() || state.find_place(admit.from) == members.publisher(p).place);
+  });
+}
+
+Result<Reserving::Wish> wish_for_another(Context& context, const control::Request& request,
+                                         std::size_t gateway) {
+  core::State& state = *context.scene.state;
+  const auto asked = understood_adopted(state, request);
+  const Tagged tagged(context, request);
+  if (!asked) return std::unexpected(asked.error());
+  if (!asked->admission->subscriber) return fail("it asks for no new subscriber");
+  if (!asked->admission->publisher && is_without_publisher(context, request))
+    return fail("no publisher of it is admitted here");
+  if (auto lack = lacks_pairs(context, *asked)) return fail(std::move(*lack));
+  const core::Proposal wish = state.wish(*asked->admission);
+  if (auto lack = wish.exceeds_capacity(context.scene.self)) return fail(std::move(*lack));
+  if (!wish.fit()) return fail(first_refusal(state, wish));
+  auto footprint =
+      core::cluster::footprint_of(wish, context.membership->baseline(), context.scene.self);
+  // The other gateway follows the publisher, also where the way does not lead over it.
+  auto& gateways = footprint.gateways;
+  if (const auto at = std::ranges::lower_bound(gateways, gateway);
+      at == gateways.end() || *at != gateway)
+    gateways.insert(at, gateway);
+  cluster::Asked for_others{.channel = state.system().channels[asked->channel].name,
+                            .requests = {request}};
+  context.membership->add_publishers(footprint, for_others);
+  return Reserving::Wish{
+      .footprint = std::move(footprint), .publisher = {}, .asked = std::move(for_others)};
+}
+
 Result<void> admit_adopted(Context& context, const control::Request& request) {
   core::State& state = *context.scene.state;
+  if (state.admissions().contains(request.id)) return {};
   const auto asked = understood_adopted(state, request);
   const Tagged tagged(context, request);
   if (!asked) return std::unexpected(asked.error());

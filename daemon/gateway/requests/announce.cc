@@ -15,6 +15,7 @@
 #include "daemon/gateway/channel_reports.hpp"
 #include "daemon/gateway/endpoints.hpp"
 #include "daemon/gateway/local_ends.hpp"
+#include "daemon/gateway/membership.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
 #include "mlcca/check.hpp"
 
@@ -69,8 +70,9 @@ class Ends {
         role_(role) {
     const auto& all = role == Role::publisher ? members_.publishers_of(channel)
                                               : members_.subscribers_of(channel);
-    std::ranges::copy_if(all, std::back_inserter(ends_),
-                         [this](std::size_t end) { return place_of(end) == here_; });
+    std::ranges::copy_if(all, std::back_inserter(ends_), [&](std::size_t end) {
+      return place_of(end) == here_ && !is_twin(context, end);
+    });
   }
 
   [[nodiscard]] const std::string& name_of(std::size_t end) const {
@@ -125,6 +127,12 @@ class Ends {
   }
 
  private:
+  /// Where another gateway has admitted a subscriber for this one, the program takes up the
+  /// admission of this gateway.
+  [[nodiscard]] bool is_twin(const Context& context, std::size_t end) const {
+    return context.membership != nullptr && role_ == Role::subscriber &&
+           context.membership->is_twin(members_.admission_of_subscriber(end));
+  }
   [[nodiscard]] const AttributeSet& attributes_of(std::size_t end, std::size_t set) const {
     return role_ == Role::publisher ? core::attributes_in(members_.publisher(end), set)
                                     : core::attributes_in(members_.subscriber(end), set);

@@ -80,9 +80,15 @@ Body outcome_of(const Context& context, const core::Proposal& proposal, const As
     for (control::Channel& channel : out.channels)
       if (channel.admission == asked.admission->id) channel.admission = 0;
   if (!out.channels.empty()) return out;
-  return invalid(fmt::format("no endpoint {} {}: there is nothing to {}",
-                             asked.admission->publisher ? "subscribes" : "publishes",
-                             state.system().channels[asked.channel].name, to_do));
+  const bool publishes = asked.admission->publisher.has_value();
+  const bool elsewhere = context.membership != nullptr && !publishes;
+  return invalid(fmt::format(
+      "no endpoint {} {}: there is nothing to {}{}", publishes ? "subscribes" : "publishes",
+      state.system().channels[asked.channel].name, to_do,
+      elsewhere
+          ? ". A publisher that another gateway has admitted on its own networks alone is not "
+            "in the store: say where it is (--from)"
+          : ""));
 }
 
 std::optional<std::string> lacks_pairs(const Context& context, const Asked& asked) {

@@ -5,13 +5,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cstddef>
+#include <utility>
 #include <variant>
 #include <vector>
 
-#include "base/text.hpp"
 #include "daemon/cluster/codec.hpp"
 #include "daemon/gateway/membership.hpp"
+#include "daemon/gateway/recorder.hpp"
 
 namespace mlcca::requests {
 namespace {
@@ -19,15 +19,18 @@ namespace {
 namespace cc = core::cluster;
 
 constexpr std::size_t kMostRead = 64;  // most entries of the store that are read for one answer
-constexpr std::size_t kLongestShown = 63;
 
-/// Whether this gateway knows the publisher: from the description, from an admission, or because it
-/// carries the traffic for another gateway.
-bool is_published_here(const core::State& state, const control::ChannelRequest& request,
+/// Whether this gateway has the publisher: from the description, or from an admission of its own.
+/// One that it only carries for another gateway ends with the admission of that gateway.
+bool is_published_here(const Context& context, const control::ChannelRequest& request,
                        std::size_t channel) {
+  const core::State& state = *context.scene.state;
   const auto& members = state.members();
   return std::ranges::any_of(members.publishers_of(channel), [&](std::size_t p) {
-    return request.from.empty() || state.find_place(request.from) == members.publisher(p).place;
+    const core::AdmissionId id = members.admission_of_publisher(p);
+    const bool own = id == 0 || context.recorder.contents().admissions.find(id) != nullptr;
+    return own &&
+           (request.from.empty() || state.find_place(request.from) == members.publisher(p).place);
   });
 }
 
@@ -37,54 +40,37 @@ bool is_of_admission(const cc::Taken& taken) {
                              [](const cc::RatePart& rate) { return rate.source.admission != 0; });
 }
 
-/// The request among `asked` that brought the publisher which `request` means; nullopt if there is
-/// none.
-std::optional<control::Admit> bringing(const cluster::Asked& asked,
-                                       const control::ChannelRequest& request) {
-  for (const auto* all : std::array{&asked.requests, &asked.also})
-    for (const control::Request& one : *all) {
-      const auto* const admit = std::get_if<control::Admit>(&one.body);
-      if (admit != nullptr && !admit->from.empty() &&
-          (request.from.empty() || admit->from == request.from))
-        return *admit;
-    }
-  return std::nullopt;
+/// Whether one of the requests in `asked` brought the publisher which `request` means.
+bool brings(const cluster::Asked& asked, const control::ChannelRequest& request) {
+  const auto does = [&](const control::Request& one) {
+    const auto* const admit = std::get_if<control::Admit>(&one.body);
+    return admit != nullptr && !admit->from.empty() &&
+           (request.from.empty() || admit->from == request.from);
+  };
+  return std::ranges::any_of(std::array{&asked.requests, &asked.also},
+                             [&](const auto* all) { return std::ranges::any_of(*all, does); });
 }
 
-std::string words(const core::State& state, const std::string& gateway,
-                  const control::Admit& publisher, const control::ChannelRequest& request) {
-  const std::string named =
-      publisher.publisher.empty()
-          ? std::string()
-          : fmt::format(" ({})", printable(publisher.publisher, kLongestShown));
-  const std::string from =
-      request.from.empty() ? std::string() : fmt::format(" --from {}", request.from);
-  const std::string to = request.to.empty() ? std::string() : fmt::format(" --to {}", request.to);
-  const std::string from_where =
-      state.find_place(publisher.from) ? publisher.from : std::string("elsewhere");
-  return fmt::format(
-      "the publisher of {} at {}{} was admitted by gateway {}, and nobody behind this gateway "
-      "receives it yet: ask at {} for those who are to, with the options as here: 'mlccactl admit "
-      "{}{}{}'",
-      request.channel, from_where, named, gateway, gateway, request.channel, from, to);
+/// The gateway with the only port at that place; nullopt if there are several or none.
+std::optional<std::size_t> only_gateway_at(const core::System& system, core::Place place) {
+  if (place.kind == core::Place::Kind::gateway) return place.index;
+  std::optional<std::size_t> only;
+  for (std::size_t g = 0; g < system.gateways.size(); ++g) {
+    if (system.gateways[g].port_on(place.index) == nullptr) continue;
+    if (only) return std::nullopt;
+    only = g;
+  }
+  return only;
 }
 
-}  // namespace
-
-std::optional<std::string> admitted_elsewhere(const Context& context,
-                                              const control::ChannelRequest& request,
-                                              const Asked& asked) {
-  const cc::Member* const member =
-      context.membership == nullptr ? nullptr : context.membership->begun_member();
-  const core::State& state = *context.scene.state;
-  if (member == nullptr || describes_publisher(request) ||
-      is_published_here(state, request, asked.channel))
-    return std::nullopt;
-  const cc::View& view = member->view();
-  const std::string& name = state.system().channels[asked.channel].name;
+/// The first gateway that has reserved for such a publisher, by the store.
+std::optional<std::size_t> gateway_in_store(const Context& context, const cc::Member& member,
+                                            const control::ChannelRequest& request,
+                                            const std::string& channel) {
+  const cc::View& view = member.view();
   std::size_t read = 0;
   for (const auto& [key, record] : view.records().reservations) {
-    if (key.gateway == member->self() || !record.taken || record.taken->channel != name ||
+    if (key.gateway == member.self() || !record.taken || record.taken->channel != channel ||
         !is_of_admission(*record.taken))
       continue;
     const cc::Alive alive = view.alive(key.gateway, context.membership->now());
@@ -94,11 +80,63 @@ std::optional<std::string> admitted_elsewhere(const Context& context,
       continue;
     if (++read > kMostRead) break;
     const auto in_store = cluster::asked_in(there->second.asked.admission);
-    if (!in_store) continue;
-    if (const auto publisher = bringing(*in_store, request))
-      return words(state, view.keys().gateway_name(key.gateway), *publisher, request);
+    if (in_store && brings(*in_store, request)) return key.gateway;
   }
   return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::size_t> gateway_to_ask(const Context& context,
+                                          const control::ChannelRequest& request,
+                                          const Asked& asked) {
+  const cc::Member* const member =
+      context.membership == nullptr ? nullptr : context.membership->begun_member();
+  const core::State& state = *context.scene.state;
+  if (member == nullptr || !asked.admission || !asked.admission->subscriber ||
+      describes_publisher(request) || is_published_here(context, request, asked.channel))
+    return std::nullopt;
+  const auto from = state.find_place(request.from);
+  if (const auto only = from ? only_gateway_at(state.system(), *from) : std::nullopt)
+    return *only == member->self() ? std::nullopt : only;
+  return gateway_in_store(context, *member, request, state.system().channels[asked.channel].name);
+}
+
+std::optional<std::string> decided_elsewhere(const Context& context,
+                                             const control::ChannelRequest& request,
+                                             const Asked& asked) {
+  const auto gateway = gateway_to_ask(context, request, asked);
+  if (!gateway) return std::nullopt;
+  const std::string& name = context.scene.state->system().gateways[*gateway].name;
+  const std::string from =
+      request.from.empty() ? std::string() : fmt::format(" --from {}", request.from);
+  return fmt::format(
+      "the publisher of {} is admitted by gateway {}, which decides with this one: ask at {} what "
+      "would be granted, with the options as here: 'mlccactl query {}{} --to {}'",
+      request.channel, name, name, request.channel, from, request.to);
+}
+
+control::Admit subscriber_alone(control::Admit request, core::AdmissionId id) {
+  request.from.clear();
+  // With a name it is a new subscriber, even where the other gateway's admission has put one.
+  if (request.subscriber.empty()) request.subscriber = fmt::format("subscriber-{}", id);
+  return request;
+}
+
+Reserving::Wish wish_elsewhere(const std::string& channel, const control::Request& request,
+                               std::size_t gateway) {
+  const auto& admit = std::get<control::Admit>(request.body);
+  control::Admit asked = subscriber_alone(admit, request.id);
+  asked.from = admit.from;
+  asked.key.clear();
+  asked.lease_ns = 0;
+  asked.hold = false;
+  return {.footprint = {.parts = {}, .gateways = {gateway}},
+          .publisher = {},
+          .asked = {.channel = channel,
+                    .requests = {{.id = request.id, .body = std::move(asked)}},
+                    .also = {},
+                    .on_behalf = true}};
 }
 
 }  // namespace mlcca::requests

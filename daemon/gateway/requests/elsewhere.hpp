@@ -1,19 +1,34 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Publishers that another gateway has admitted and that this gateway does not carry.
+// Subscribers of publishers that another gateway of the cluster has admitted. That gateway makes
+// the admission, for this one.
 #pragma once
+#include <cstddef>
 #include <optional>
 #include <string>
 
 #include "control/messages.hpp"
+#include "core/admission/state.hpp"
 #include "daemon/gateway/requests/context.hpp"
+#include "daemon/gateway/reserving.hpp"
 
 namespace mlcca::requests {
 
-/// Why no subscriber can be admitted here for the publisher that the request means: the store says
-/// that another gateway has admitted this publisher, and this gateway does not know it. The text
-/// has the command to use at that gateway. nullopt if that is not so.
-[[nodiscard]] std::optional<std::string> admitted_elsewhere(const Context& context,
-                                                            const control::ChannelRequest& request,
-                                                            const Asked& asked);
+/// The gateway that admits the subscriber of the request, because it has admitted the publisher
+/// that the request means: by the store, or because no other gateway has a port where that
+/// publisher is. nullopt: this gateway decides itself.
+[[nodiscard]] std::optional<std::size_t> gateway_to_ask(const Context& context,
+                                                        const control::ChannelRequest& request,
+                                                        const Asked& asked);
+/// Why this gateway alone cannot say what would be granted; nullopt if it can. The text has the
+/// command to use at the other gateway.
+[[nodiscard]] std::optional<std::string> decided_elsewhere(const Context& context,
+                                                           const control::ChannelRequest& request,
+                                                           const Asked& asked);
+/// The subscriber of such a request, as this gateway takes it in: its publisher comes with the
+/// admission of the other gateway.
+[[nodiscard]] control::Admit subscriber_alone(control::Admit request, core::AdmissionId id);
+/// What to ask of the other gateway.
+[[nodiscard]] Reserving::Wish wish_elsewhere(const std::string& channel,
+                                             const control::Request& request, std::size_t gateway);
 
 }  // namespace mlcca::requests

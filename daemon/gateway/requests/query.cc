@@ -12,7 +12,7 @@ namespace mlcca::requests {
 namespace {
 
 Body would_be(Context& context, const control::Query& request, const Asked& asked) {
-  if (const auto why = admitted_elsewhere(context, request, asked)) return invalid(*why);
+  if (const auto why = decided_elsewhere(context, request, asked)) return invalid(*why);
   if (const auto lack = lacks_pairs(context, asked)) return invalid(*lack);
   const core::Proposal proposal = as_it_could_be(context, *asked.admission);
   if (const auto lack = proposal.exceeds_capacity(context.scene.self)) return invalid(*lack);

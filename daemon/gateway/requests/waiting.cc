@@ -3,8 +3,10 @@
 // Other requests continue meanwhile.
 #include <fmt/core.h>
 
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <type_traits>
 #include <utility>
 
@@ -12,6 +14,7 @@
 #include "daemon/gateway/membership.hpp"
 #include "daemon/gateway/recorder.hpp"
 #include "daemon/gateway/requests/admitting.hpp"
+#include "daemon/gateway/requests/elsewhere.hpp"
 #include "daemon/gateway/tag_bindings.hpp"
 #include "daemon/gateway/turn.hpp"
 
@@ -22,12 +25,15 @@ namespace {
 /// description may have changed.
 class Waiting : public std::enable_shared_from_this<Waiting> {
  public:
-  Waiting(Context& context, Asker asker, control::Admit request)
+  /// Who decides about it: this gateway, or the one that has its publisher.
+  enum class Decides : std::uint8_t { here, elsewhere };
+  Waiting(Context& context, Asker asker, control::Admit request, Decides decides)
       : context_(context),
         asker_(std::move(asker)),
         request_(std::move(request)),
         id_(context.recorder.set_id_aside()),
-        actor_(context.log.actor()) {}
+        actor_(context.log.actor()),
+        decides_(decides) {}
 
   [[nodiscard]] Reserving::Job job() {
     const auto self = shared_from_this();
@@ -62,11 +68,13 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
   }
 
   [[nodiscard]] std::optional<Asked> understood() {
+    const control::Admit request =
+        decides_ == Decides::here ? request_ : subscriber_alone(request_, *id_);
     if (const auto listed = list(*context_.scene.state, request_); !listed) {
       answer(invalid(listed.error().text));
       return std::nullopt;
     }
-    auto asked = understand(*context_.scene.state, request_, *id_);
+    auto asked = understand(*context_.scene.state, request, *id_);
     if (!asked || !asked->admission) {
       answer(invalid(asked ? "these ends are described meanwhile" : asked.error().text));
       return std::nullopt;
@@ -83,10 +91,11 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
   std::optional<Reserving::Wish> decide() {
     const auto asked = understood();
     if (!asked) return std::nullopt;
+    if (decides_ == Decides::elsewhere) return wish_of_another(*asked);
     core::State& state = *context_.scene.state;
     {
       core::Proposal proposal = state.propose(*asked->admission);
-      if (proposal.fit()) {
+      if (proposal.fit() && !crosses_others(context_, proposal)) {
         answer(decided(context_, asker_, request_, *asked, std::move(proposal)));
         return std::nullopt;
       }
@@ -98,7 +107,7 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
     }
     auto footprint =
         core::cluster::footprint_of(*wish, context_.membership->baseline(), context_.scene.self);
-    if (footprint.parts.empty()) {
+    if (footprint.parts.empty() && footprint.gateways.empty()) {
       answer(
           failed("nothing was changed: the description promises what it needs, and that is closed "
                  "now: " +
@@ -114,11 +123,23 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
                            .asked = std::move(for_others)};
   }
 
+  std::optional<Reserving::Wish> wish_of_another(const Asked& asked) {
+    const auto gateway = gateway_to_ask(context_, request_, asked);
+    if (!gateway) {
+      answer(failed("nothing was changed: its publisher is not at another gateway any more"));
+      return std::nullopt;
+    }
+    const core::System& system = context_.scene.state->system();
+    through_ = system.gateways[*gateway].name;
+    return wish_elsewhere(system.channels[asked.channel].name, {.id = *id_, .body = request_},
+                          *gateway);
+  }
+
   bool put_in_force() {
     const auto asked = understood();
     if (!asked) return false;
     Response response = decided(context_, asker_, request_, *asked,
-                                context_.scene.state->propose(*asked->admission));
+                                context_.scene.state->propose(*asked->admission), through_);
     const bool granted = response.held;
     answer(std::move(response));
     return granted;
@@ -149,6 +170,8 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
   control::Admit request_;
   std::shared_ptr<const core::AdmissionId> id_;
   std::optional<control::Actor> actor_;
+  Decides decides_;
+  std::string through_;  ///< the gateway that has decided; empty: this one
   std::optional<Body> body_;
   core::AdmissionId owned_ = 0;
   bool is_answered_ = false;
@@ -156,12 +179,25 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
 
 }  // namespace
 
-Response ask_store(Context& context, const Asker& asker, const control::Admit& request) {
+namespace {
+
+Response ask_as(Context& context, const Asker& asker, const control::Admit& request,
+                Waiting::Decides decides) {
   if (const std::string why = context.membership->bar(asker.peer.uid); !why.empty())
     return failed("nothing was changed: " + why);
-  const auto waiting = std::make_shared<Waiting>(context, asker, request);
+  const auto waiting = std::make_shared<Waiting>(context, asker, request, decides);
   context.membership->ask(waiting->job());
   return Response([waiting] { return waiting->slice(); });
+}
+
+}  // namespace
+
+Response ask_store(Context& context, const Asker& asker, const control::Admit& request) {
+  return ask_as(context, asker, request, Waiting::Decides::here);
+}
+
+Response ask_other_gateway(Context& context, const Asker& asker, const control::Admit& request) {
+  return ask_as(context, asker, request, Waiting::Decides::elsewhere);
 }
 
 }  // namespace mlcca::requests

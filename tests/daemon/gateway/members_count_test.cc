@@ -72,6 +72,24 @@ class MembersCount : public MembershipBench {
   }
 };
 
+/// The publisher's gateway, the one between and the one that is asked decide together.
+TEST_F(MembersCount, ASubscriberThatIsAskedForAtTheLastGateway) {
+  ASSERT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");
+  ASSERT_EQ(asked(2, also("own2", {})), "granted");
+  pass(kSecondNs);
+  expect_once();
+  EXPECT_EQ(messages(2), 1U);
+  EXPECT_EQ(at(1).state().admissions().size(), 2U) << "the one between carries it";
+  EXPECT_EQ(entries("a/g1/g0/"), 1U);
+  EXPECT_EQ(entries("a/g2/g0/"), 1U);
+  EXPECT_EQ(entries("a/g0/g2/"), 1U);
+  release("c3own0");
+  pass(6 * kSecondNs);
+  for (std::size_t g = 0; g < 3; ++g) EXPECT_TRUE(at(g).state().admissions().empty()) << g;
+  EXPECT_EQ(messages(2), 0U);
+  EXPECT_EQ(entries("x/"), 0U);
+}
+
 TEST_F(MembersCount, ASecondSubscriberBehindAnotherGateway) {
   ASSERT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");
   expect_once();

@@ -26,6 +26,22 @@ TEST_F(MembersRollout, ComesIntoForceForAllUnderAnAdmission) {
   EXPECT_NE(std::ranges::find(at(0).events, "rollout"), at(0).events.end());
 }
 
+TEST_F(MembersRollout, WhatOneGatewayAdmitsForAnotherIsThereAgain) {
+  start_both();
+  ASSERT_EQ(asked(0, wanted("c2", "own0", "shared")), "granted");
+  control::Admit subscriber;
+  subscriber.channel = "c2";
+  subscriber.to = "own1";
+  subscriber.key = subscriber.subscriber = "also";
+  ASSERT_EQ(asked(1, subscriber), "granted");
+  ASSERT_EQ(roll_out(0, "2"), "checking");
+  pass(25 * kSecondNs);
+  ASSERT_EQ(state_of(0).state, "in-force") << state_of(0).why;
+  EXPECT_EQ(asked(1, subscriber), "granted") << "the same one";
+  EXPECT_EQ(entries("x/g1/"), 1U);
+  EXPECT_EQ(at(0).state().decisions()[2].granted, 2U);
+}
+
 TEST_F(MembersRollout, WhatOneRefusesComesIntoForceForNobody) {
   start_both();
   at(1).handed_on.erase(2);

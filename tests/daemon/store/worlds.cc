@@ -61,7 +61,7 @@ class Model {
 
   [[nodiscard]] Contents contents() const {
     Contents out;
-    for (const Admitted& a : living_) out.admissions.put(a.request, a.by);
+    for (const Admitted& a : living_) out.admissions.put(a.request, a.by, a.through);
     out.released = released_;
     std::ranges::sort(out.released);
     for (const Granted& g : granted_) out.granted[g.subject] = g.state;
@@ -81,6 +81,7 @@ class Model {
   Entry admit() {
     living_.push_back(admitted(next_ + pick(2), "c" + std::to_string(pick(1000)) + text()));
     living_.back().by = pick(3);
+    if (pick(3) == 0) living_.back().through = "gateway-" + std::to_string(pick(2));
     next_ = living_.back().request.id + 1;
     return living_.back();
   }
