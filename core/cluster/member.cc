@@ -132,6 +132,7 @@ void Member::on_joined(std::int64_t revision) {
   journal_.epoch = view_.records().epoch.value.value_or(Epoch{});
   journal_.epoch_revision = chain_.epoch();
   journal_.seen_revision = revision;
+  journal_.gone_back = false;
 }
 
 void Member::lose(const std::string& why, Value now) {
@@ -151,6 +152,7 @@ void Member::go_back(Value now) {
   if (phase_ == Phase::gone_back || phase_ == Phase::left) return;
   lose("the store has gone back: it was restored, or its entries were changed", now);
   phase_ = Phase::gone_back;
+  journal_.gone_back = true;
   wait_for_ = 0;
 }
 
@@ -162,9 +164,10 @@ bool Member::same_epoch() const {
 /// Whether the store lacks something that this gateway knows it had.
 bool Member::has_gone_back() const {
   const auto& own = view_.records().members[identity_.gateway];
-  return journal_.incarnation != 0 && same_epoch() &&
-         (view_.went_back() || own.mod < journal_.incarnation ||
-          view_.revision() < journal_.seen_revision);
+  const bool lacks =
+      journal_.incarnation != 0 && (view_.went_back() || own.mod < journal_.incarnation ||
+                                    view_.revision() < journal_.seen_revision);
+  return same_epoch() && (journal_.gone_back || lacks);
 }
 
 void Member::begin(Value now) {
@@ -182,6 +185,7 @@ void Member::begin(Value now) {
   if (!goes_on_) events_.emplace_back(Lost{.why = "this gateway joins again"});
   // Members from before the store was restored may send until their leases have ended.
   if (!same_epoch()) take_from_ = view_.all_leases_end(now, identity_.lease);
+  if (view_.went_back()) wait_for_ = 0;
   view_.forget_going_back();
   chain_.begin(own.mod, goes_on_ ? incarnation : 0, view_.records().epoch.mod,
                beat ? beat->lease : 0);
@@ -209,7 +213,7 @@ void Member::check_standing(Value now) {
     else if (fenced)
       lose("another gateway has taken this one for dead", now);
   }
-  if (phase_ == Phase::off && view_.revision() >= wait_for_) begin(now);
+  if (phase_ == Phase::off && (view_.went_back() || view_.revision() >= wait_for_)) begin(now);
 }
 
 void Member::step(Value now) {

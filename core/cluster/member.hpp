@@ -41,7 +41,8 @@ class Member {
     joining,
     joined,     ///< it may reserve
     silent,     ///< the store does not answer, so the leased traffic is closed
-    gone_back,  ///< the store lost entries; an operator must write another epoch
+    gone_back,  ///< the store lost entries; an operator must write another epoch. It lasts over a
+                ///< restart, by Journalled
     waiting,    ///< it may not reserve yet, because leases from before the store was restored may
                 ///< last
     other_digest,  ///< the description in force is another one, or is not open yet

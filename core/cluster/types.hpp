@@ -161,6 +161,7 @@ struct Journalled {
   std::int64_t incarnation = 0;    ///< 0: it is not a member of a cluster
   std::int64_t seen_revision = 0;  ///< may lag behind; never earlier than `incarnation`
   Digest voted_digest = {};        ///< the description that it last agreed to
+  bool gone_back = false;  ///< the store has gone back in that epoch; over when it joins in another
   bool operator==(const Journalled&) const = default;
 };
 

@@ -37,14 +37,16 @@ store::Membership record_of(const cc::Journalled& journalled) {
           .epoch_revision = static_cast<std::uint64_t>(journalled.epoch_revision),
           .incarnation = static_cast<std::uint64_t>(journalled.incarnation),
           .seen_revision = static_cast<std::uint64_t>(journalled.seen_revision),
-          .voted_digest = octets_of(journalled.voted_digest)};
+          .voted_digest = octets_of(journalled.voted_digest),
+          .gone_back = journalled.gone_back};
 }
 cc::Journalled journalled_in(const store::Membership& record) {
   return {.epoch = array_of<std::tuple_size_v<cc::Epoch>>(record.epoch),
           .epoch_revision = static_cast<std::int64_t>(record.epoch_revision),
           .incarnation = static_cast<std::int64_t>(record.incarnation),
           .seen_revision = static_cast<std::int64_t>(record.seen_revision),
-          .voted_digest = array_of<std::tuple_size_v<cc::Digest>>(record.voted_digest)};
+          .voted_digest = array_of<std::tuple_size_v<cc::Digest>>(record.voted_digest),
+          .gone_back = record.gone_back};
 }
 
 }  // namespace
@@ -409,10 +411,10 @@ bool Membership::write_down() {
 }
 
 void Membership::send() {
+  if (!write_down()) return;
   // Nothing is sent while a closing after a lost lease is not complete: others could take it as
   // closed.
   if (lost_ && decided_) return;
-  if (!write_down()) return;
   auto txns = member_->take_txns(now());
   const bool written = write_down();
   for (cc::Txn& txn : txns) {

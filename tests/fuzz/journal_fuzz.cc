@@ -124,6 +124,7 @@ Entry some_entry(FuzzedDataProvider& in) {
                      in.ConsumeIntegral<std::uint64_t>(), in.ConsumeIntegral<std::uint64_t>(),
                      some_octets(in)};
       out.drained = in.ConsumeBool();
+      out.gone_back = in.ConsumeBool();
       return out;
     }
     case 8:

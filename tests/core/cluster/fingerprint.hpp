@@ -100,7 +100,8 @@ class Fingerprint {
   void add(const RolloutVote& v) { (*this)(v.next, v.ok, v.reason); }
   void add(const Rollout& v) { (*this)(v.digest[0], v.chunks, v.without); }
   void add(const Journalled& v) {
-    (*this)(v.epoch[0], v.epoch_revision, v.incarnation, v.seen_revision, v.voted_digest[0]);
+    (*this)(v.epoch[0], v.epoch_revision, v.incarnation, v.seen_revision, v.voted_digest[0],
+            v.gone_back);
   }
   void add(const Footprint& v) {
     word(v.parts.size());

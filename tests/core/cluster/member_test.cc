@@ -172,6 +172,75 @@ TEST_F(ClusterMember, AStoreThatHasGoneBackNeedsAnOperator) {
   EXPECT_EQ(at(0).standing(now), Member::Standing::joined);
 }
 
+/// After the restart nothing in the store shows that it has gone back.
+TEST_F(ClusterMember, AStoreThatHasGoneBackStaysSoOverARestart) {
+  in_force(1);
+  start(0);
+  const StoreStub backup = store;
+  pass(kTen);
+  store = backup;
+  read_all(0);
+  run();
+  ASSERT_EQ(at(0).standing(now), Member::Standing::gone_back);
+  while (store.revision < at(0).journalled().seen_revision + 100)
+    store.write({{.key = keys->version(0), .value = "B"}});
+  start(0, at(0).journalled());
+  pass(kTen);
+  EXPECT_EQ(at(0).standing(now), Member::Standing::gone_back);
+  EXPECT_LE(at(0).valid_until(), now);
+
+  store.write({{.key = keys->epoch(), .value = "n"}});
+  run();
+  pass(12 * kSecond);
+  EXPECT_EQ(at(0).standing(now), Member::Standing::joined);
+  start(0, at(0).journalled());
+  EXPECT_EQ(at(0).standing(now), Member::Standing::joined) << "it is over";
+}
+
+/// A crash after the new epoch was seen, and before this gateway has joined in it.
+TEST_F(ClusterMember, AStoreThatHasGoneBackStaysSoUntilItHasJoinedInANewEpoch) {
+  in_force(1);
+  start(0);
+  const StoreStub backup = store;
+  pass(kTen);
+  store = backup;
+  read_all(0);
+  run();
+  const StoreStub again = store;
+  nodes[0].cut_off = true;
+  store.write({{.key = keys->epoch(), .value = "n"}});
+  read_all(0);
+  turn(nodes[0]);
+  ASSERT_EQ(at(0).standing(now), Member::Standing::joining);
+  store = again;
+  start(0, at(0).journalled());
+  EXPECT_EQ(at(0).standing(now), Member::Standing::gone_back);
+}
+
+/// It was fenced, and has not seen that before the store was restored.
+TEST_F(ClusterMember, WhatWasReadOfAStoreThatHasGoneBackIsNotWaitedFor) {
+  in_force(1);
+  start(0);
+  start(1);
+  const StoreStub backup = store;
+  pass(20 * kSecond);
+  nodes[0].cut_off = true;
+  store.write({{.key = keys->fence(0), .value = "B"}});
+  pass(3 * kSecond);
+  turn(nodes[0]);
+  for (const Txn& txn : std::exchange(nodes[0].lost, {})) at(0).on_result(store.apply(txn), now);
+  ASSERT_EQ(at(0).standing(now), Member::Standing::off);
+  store = backup;
+  read_all(0);
+  EXPECT_EQ(at(0).standing(now), Member::Standing::gone_back);
+  nodes[0].cut_off = false;
+  store.write({{.key = keys->epoch(), .value = "n"}});
+  for (std::size_t g = 0; g < 2; ++g) read_all(g);
+  run();
+  pass(12 * kSecond);
+  EXPECT_EQ(at(0).standing(now), Member::Standing::joined);
+}
+
 TEST_F(ClusterMember, RevisionsFromBeforeARestoreAreForgotten) {
   in_force(1);
   const StoreStub backup = store;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "tests/daemon/gateway/membership_bench.hpp"
@@ -14,7 +15,27 @@
 namespace mlcca::test {
 namespace {
 
-class MembershipTest : public MembershipBench {};
+class MembershipTest : public MembershipBench {
+ protected:
+  std::string phase(std::size_t g) {
+    const auto body = at(g).ask(control::ClusterRequest{}).reply.body;
+    const auto* const cluster = std::get_if<control::Cluster>(&body);
+    return cluster == nullptr ? "no answer" : cluster->phase;
+  }
+  /// A backup is restored, and others write to it: soon its revision is as late as before.
+  void go_back() {
+    const FakeStore backup = store;
+    pass(10 * kSecondNs);
+    const std::int64_t newest = store.revision;
+    for (auto& node : nodes) node->link.up = false;
+    run();
+    store = backup;
+    for (auto& node : nodes) node->link.up = true;
+    for (auto& node : nodes) node->link.deliver();
+    while (store.revision < newest + 100)
+      store.write({{.key = "/mlcca/pair/v/shared", .value = ""}});
+  }
+};
 
 TEST_F(MembershipTest, BeforeTheStoreIsKnownNothingSharedIsGrantedAndLocalIs) {
   link(0).up = false;
@@ -172,6 +193,45 @@ TEST_F(MembershipTest, ADaemonThatWasKilledTakesUpWhereItWas) {
   pass(15 * kSecondNs);
   EXPECT_TRUE(passes(0, 2));
   EXPECT_EQ(entries("r/shared/g0/"), 1U);
+}
+
+/// Nothing in the store shows it any more when the daemon starts again.
+TEST_F(MembershipTest, AStoreThatHasGoneBackStaysSoOverARestartAndADrain) {
+  start_both();
+  go_back();
+  run();
+  ASSERT_EQ(phase(0), "gone-back");
+
+  at(0).end();
+  start(0);
+  pass(15 * kSecondNs);
+  EXPECT_EQ(phase(0), "gone-back");
+  EXPECT_FALSE(passes(0, 0));
+  static_cast<void>(at(1).ask(control::DrainRequest{}));
+  pass(10 * kSecondNs);
+  static_cast<void>(at(1).ask(control::JoinRequest{}));
+  pass(15 * kSecondNs);
+  EXPECT_EQ(phase(1), "gone-back");
+
+  store.write({{.key = "/mlcca/pair/e", .value = std::string(16, 'n')}});
+  pass(30 * kSecondNs);
+  for (std::size_t g = 0; g < 2; ++g) EXPECT_EQ(phase(g), "in") << g;
+  EXPECT_TRUE(passes(0, 0));
+}
+
+TEST_F(MembershipTest, ThatTheStoreHasGoneBackIsOnDiskBeforeTheKernelHasClosed) {
+  start_both();
+  ASSERT_EQ(asked(0, wanted("c2", "own0", "shared")), "granted");
+  go_back();
+  at(0).kernel.calls.refuse(1, 1000);
+  run();
+  ASSERT_EQ(phase(0), "gone-back");
+  at(0).end();
+  at(0).kernel.calls.relent();
+  start(0);
+  pass(15 * kSecondNs);
+  EXPECT_EQ(phase(0), "gone-back");
+  EXPECT_FALSE(passes(0, 2));
 }
 
 TEST_F(MembershipTest, WithoutTheStoreADaemonThatStartsOpensNothingShared) {

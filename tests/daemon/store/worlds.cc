@@ -160,7 +160,8 @@ class Model {
                                       .incarnation = ++subjects_,
                                       .seen_revision = pick(1000),
                                       .voted_digest = text(),
-                                      .drained = pick(2) == 0};
+                                      .drained = pick(2) == 0,
+                                      .gone_back = pick(2) == 0};
     return membership_;
   }
 
