@@ -31,6 +31,7 @@ struct Work {
     propose,
     judge,
     decide,
+    call_off,
     leave,
     clean,  ///< deletes entries that nobody can use any more
   };

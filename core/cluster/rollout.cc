@@ -48,29 +48,9 @@ bool is_in_force(const Records& records, const std::optional<Digest>& digest) {
   return records.current.value && digest && records.current.value->digest == *digest;
 }
 
-/// Whether the gateway is absent, or dead and fenced.
-bool is_gone(const View& view, std::size_t gateway, Value now) {
-  const Alive alive = view.alive(gateway, now);
-  return alive == Alive::absent || alive == Alive::fenced;
-}
-
-/// Whether a gateway that is called off is really gone. Adds a compare to `work`, so that it fails
-/// if the gateway has come back when it is committed.
-bool is_off(const View& view, std::size_t gateway, Value now, Work& work) {
-  // If no description is in force, nobody has anything to leave.
-  if (view.records().current.mod == 0) return true;
-  if (!is_gone(view, gateway, now)) return false;
-  work.compares.push_back(
-      {.key = view.keys().member(gateway), .revision = view.records().members[gateway].mod});
-  return true;
-}
-
-bool is_among(const std::vector<std::string>& names, const std::string& name) {
-  return std::ranges::find(names, name) != names.end();
-}
-
 bool has_all(const std::vector<std::string>& names, const std::vector<std::string>& others) {
-  return std::ranges::all_of(others, [&](const auto& name) { return is_among(names, name); });
+  return std::ranges::all_of(
+      others, [&](const auto& name) { return std::ranges::find(names, name) != names.end(); });
 }
 
 }  // namespace
@@ -81,6 +61,7 @@ void Rollouts::stage(Rollout rollout) {
   ++stage_;
   chunk_ = 0;
   claimed_ = 0;
+  has_called_off_ = false;
   trouble_.clear();
 }
 
@@ -153,11 +134,19 @@ bool Rollouts::is_staged(const Next& next) const {
 }
 
 /// Drops the staged description if another proposal bars it, or if this gateway may not roll out.
-void Rollouts::step_staged(const View& view, std::vector<Event>& events) {
+void Rollouts::step_staged(const View& view, Value now, std::vector<Event>& events) {
   const auto& next = view.records().next;
   if (!staged_ || claimed_ != 0) return;
   if (!knows_all(view)) {
     give_up(kElsewhere, events);
+    return;
+  }
+  if (const auto& current = view.records().current.value;
+      current && current->digest == staged_->digest) {
+    if (current->open)
+      staged_.reset();
+    else
+      step_calling_off(view, now, events);
     return;
   }
   if (next.mod == 0) return;
@@ -189,7 +178,7 @@ void Rollouts::step_pending(const View& view, std::vector<Event>& events) {
 void Rollouts::step(const View& view, Value now, bool caught_up, std::vector<Event>& events) {
   const Records& records = view.records();
   step_next(view, now, events);
-  step_staged(view, events);
+  step_staged(view, now, events);
   if (caught_up) step_pending(view, events);
   if (records.current.mod != current_seen_) {
     current_seen_ = records.current.mod;
@@ -214,7 +203,7 @@ void Rollouts::step(const View& view, Value now, bool caught_up, std::vector<Eve
 std::optional<Work> Rollouts::propose(const View& view, const Codec& codec) const {
   const Keys& keys = view.keys();
   const Records& records = view.records();
-  if (!staged_) return std::nullopt;
+  if (!staged_ || calls_off(records)) return std::nullopt;
   const std::string digest = hex_of(staged_->digest);
   const auto& current = records.current.value;
   if (claimed_ == 0) {
@@ -261,7 +250,7 @@ Rollouts::Tally Rollouts::tally(const View& view, const Next& next, Work& work, 
       if (is_off(view, g, now, work)) continue;
       tally.all = false;
       tally.refused = true;
-      tally.objection = name + ": it was called off, and is there";
+      tally.objection = there(name);
       continue;
     }
     const auto& vote = records.rollout_votes[g];
@@ -289,6 +278,24 @@ Value Rollouts::over_at(const View& view) const {
   const auto& next = view.records().next.value;
   const bool ours = next && is_ours(view, *next);
   return add_saturating(next_since_, ours ? std::min(next->patience, kPatience) : 2 * kPatience);
+}
+
+/// The entry d/current with which the proposal comes into force. The one before it is the one that
+/// was in force last: one that all were only changing to is not.
+Current Rollouts::successor(const Records& records, const Next& next) {
+  Current current{.generation = next.generation,
+                  .digest = next.digest,
+                  .former = {},
+                  .open = false,
+                  .waits = {}};
+  const auto& was = records.current.value;
+  if (!was) return current;
+  const bool same = was->digest == next.digest;
+  const bool comes = !was->open && !was->undone;
+  const bool returns = comes ? was->former == next.digest : same && !was->open;
+  current.former = same || (comes && !returns) ? was->former : was->digest;
+  current.undone = returns;
+  return current;
 }
 
 /// Puts the proposal in force if all agree, or ends it if one objects or time is up.
@@ -321,11 +328,7 @@ std::optional<Work> Rollouts::decide(const View& view, const Codec& codec, Value
     work.compares.resize(1);
     return work;
   }
-  Current current{.generation = next.generation,
-                  .digest = next.digest,
-                  .former = records.current.value ? records.current.value->digest : Digest{},
-                  .open = false,
-                  .waits = {}};
+  Current current = successor(records, next);
   for (std::size_t g = 0; g < keys.gateways(); ++g)
     if (!is_among(next.without, keys.gateway_name(g)))
       current.waits.push_back(keys.gateway_name(g));
@@ -400,6 +403,7 @@ std::optional<Work> Rollouts::next_work(const View& view, const Codec& codec, Va
   if (view.revision() < not_before_) return std::nullopt;
   // decide() also ends a rollout whose text the store refuses, so it comes first.
   if (auto work = decide(view, codec, now)) return work;
+  if (auto work = call_off(view, codec, now)) return work;
   if (auto work = propose(view, codec)) return work;
   if (auto work = undo(view, codec, now)) return work;
   return open(view, codec, now);
@@ -430,6 +434,12 @@ void Rollouts::on_done(const Done& done, Value now, std::vector<Event>& events) 
       on_staged(done, events);
       break;
     case Work::Kind::decide:
+      break;
+    case Work::Kind::call_off:
+      if (done.work.stage == stage_ && staged_) {
+        has_called_off_ = has_called_off_ || done.fate == Done::Fate::done;
+        if (forbidden) give_up("the store does not take it: " + done.why, events);
+      }
       break;
     case Work::Kind::judge:
       if (settled && ballot_ && ballot_->next == done.work.compares.front().revision)

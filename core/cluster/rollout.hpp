@@ -29,7 +29,9 @@ class Rollouts {
   /// `own`: digest of the description from which this gateway decides.
   Rollouts(std::size_t self, const Digest& own) : self_(self), own_(own) {}
 
-  /// Starts a rollout. Its one result is an event: NotRolledOut, or a Switch to it.
+  /// Starts a rollout. Its one result is an event: NotRolledOut, or a Switch to it. If the
+  /// description is coming into force already, gateways that have died are called off, so that
+  /// nobody waits for them.
   void stage(Rollout rollout);
   /// Continues to wait for a rollout that a former Member of this process staged; it ends as in
   /// stage().
@@ -62,7 +64,7 @@ class Rollouts {
   void visit_state(Visit&& visit) const {
     visit(staged_, stage_, chunk_, claimed_, current_since_, quiet_until_, current_seen_,
           next_seen_, judged_, next_since_, proposed_, why_, ballot_, left_at_, not_before_,
-          pending_, trouble_);
+          pending_, trouble_, has_called_off_);
   }
 
  private:
@@ -75,13 +77,26 @@ class Rollouts {
 
   [[nodiscard]] std::optional<Work> propose(const View& view, const Codec& codec) const;
   [[nodiscard]] std::optional<Work> undo(const View& view, const Codec& codec, Value now) const;
-  void step_staged(const View& view, std::vector<Event>& events);
+  [[nodiscard]] static bool is_among(const std::vector<std::string>& names,
+                                     const std::string& name);
+  /// Why a gateway cannot be called off.
+  [[nodiscard]] static std::string there(const std::string& name);
+  /// Whether the gateway is absent, or dead and fenced.
+  [[nodiscard]] static bool is_gone(const View& view, std::size_t gateway, Value now);
+  /// Whether a gateway that is called off is really gone. Adds a compare to `work`, so that it
+  /// fails if the gateway has come back when it is committed.
+  [[nodiscard]] static bool is_off(const View& view, std::size_t gateway, Value now, Work& work);
+  [[nodiscard]] bool calls_off(const Records& records) const;
+  [[nodiscard]] std::optional<Work> call_off(const View& view, const Codec& codec, Value now) const;
+  void step_calling_off(const View& view, Value now, std::vector<Event>& events);
+  void step_staged(const View& view, Value now, std::vector<Event>& events);
   void step_pending(const View& view, std::vector<Event>& events);
   void give_up(std::string why, std::vector<Event>& events);
   void step_next(const View& view, Value now, std::vector<Event>& events);
   void on_staged(const Done& done, std::vector<Event>& events);
   [[nodiscard]] std::optional<Work> decide(const View& view, const Codec& codec, Value now);
   [[nodiscard]] std::optional<Work> open(const View& view, const Codec& codec, Value now);
+  [[nodiscard]] static Current successor(const Records& records, const Next& next);
   [[nodiscard]] bool is_ours(const View& view, const Next& next) const;
   [[nodiscard]] bool is_staged(const Next& next) const;
   /// When the proposal is called off unless something else has ended it.
@@ -99,6 +114,7 @@ class Rollouts {
   std::uint64_t stage_ = 0;        ///< counts the calls of stage()
   std::optional<Digest> pending_;  ///< staged here, and its outcome is unknown yet
   std::string trouble_;            ///< why the store refuses its text
+  bool has_called_off_ = false;    ///< nobody waits any more for those that it calls off
   std::size_t chunk_ = 0;          ///< number of the next chunk to be stored
   std::int64_t claimed_ = 0;       ///< revision of the d/next to which the chunks belong; 0: not
                                    ///< proposed yet

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/gateway/rollout.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <set>
@@ -374,15 +375,19 @@ bool Rollout::stage(cc::Member& member) {
     own_.state = "judged";
   if (!staged_) return false;
   const auto& current = member.view().records().current.value;
-  if (current && current->digest == staged_->digest) {
+  const bool same = current && current->digest == staged_->digest;
+  if (same && (current->open || staged_->without.empty())) {
     staged_.reset();
     own_.state = current->open ? "in-force" : "switching";
     return true;
   }
   own_.state = "staging";
   const EventLog::Acting acting(parts_.log, own_.actor);
-  parts_.log.notice(Kind::rollout, fmt::format("description {} is proposed to all gateways",
-                                               shown_digits(staged_->digest)));
+  const std::string digits = shown_digits(staged_->digest);
+  parts_.log.notice(Kind::rollout,
+                    same ? fmt::format("called off while description {} comes into force: {}",
+                                       digits, fmt::join(staged_->without, ", "))
+                         : fmt::format("description {} is proposed to all gateways", digits));
   member.stage(*std::exchange(staged_, std::nullopt));
   return true;
 }

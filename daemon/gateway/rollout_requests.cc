@@ -70,11 +70,13 @@ Response Rollout::back(const control::RolloutRequest& request, const cc::Member&
   const auto& current = member.view().records().current.value;
   if (!current || current->former == Digest{})
     return failed("nothing was changed: there was no description before");
-  auto text = kept(current->former);
-  if (const Text stored = text ? nullptr : in_store(current->former, member)) text = *stored;
+  // The one before may be coming back already.
+  const Digest& before = current->undone && !current->open ? current->digest : current->former;
+  auto text = kept(before);
+  if (const Text stored = text ? nullptr : in_store(before, member)) text = *stored;
   if (!text)
     return failed(fmt::format("nothing was changed: description {} is not kept any more",
-                              shown_digits(current->former)));
+                              shown_digits(before)));
   return begin(std::move(*text), request.without, member);
 }
 

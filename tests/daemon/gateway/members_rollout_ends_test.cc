@@ -37,6 +37,32 @@ class MembersRolloutEnds : public MembersRollout {
     // The turn ends before the store says anything to the member of the description that is back.
     at(0).act();
   }
+  /// Both have agreed to the second one. The other gateway dies, and the first one changes to it.
+  void die_before_the_change() {
+    until_loaded();
+    at(1).end();
+    at(0).reading().finish();
+    finish_reading = true;
+    pass(kSecondNs);
+    ASSERT_TRUE(has(0, 2));
+  }
+  void wait_for_the_way_back() {
+    pass(80 * kSecondNs);
+    ASSERT_TRUE(has(0, 1));
+    pass(60 * kSecondNs);
+    ASSERT_FALSE(passes(0, 0)) << "the other one may still send what it was promised";
+    ASSERT_EQ(state_of(0).waiting, std::vector<std::string>{"g1"});
+  }
+  void expect_back_without_g1() {
+    pass(3 * kSecondNs);
+    EXPECT_EQ(state_of(0).state, "in-force") << state_of(0).why;
+    EXPECT_TRUE(has(0, 1));
+    EXPECT_TRUE(passes(0, 0));
+    start(1);
+    pass(5 * kSecondNs);
+    EXPECT_TRUE(has(1, 1));
+    EXPECT_EQ(asked(1, wanted("c3", "own1", "shared")), "granted");
+  }
   std::string rolled_in_journal(std::size_t g) {
     std::mt19937 random(1);
     return at(g).recorded(random).membership.rolled_digest;
@@ -102,6 +128,41 @@ TEST_F(MembersRolloutEnds, WhatTheKernelHasRefusedIsNotLoadedAtTheNextStart) {
   at(0).end();
   ASSERT_FALSE(at(0).start());
   EXPECT_TRUE(has(0, 1));
+}
+
+/// After a minute the former one comes back, and waits for the dead gateway as well.
+TEST_F(MembersRolloutEnds, WhereOneDiesItIsCalledOffWhileTheFormerOneComesBack) {
+  die_before_the_change();
+  wait_for_the_way_back();
+  ASSERT_EQ(roll_out(0, "1", {"g1"}), "checking");
+  expect_back_without_g1();
+}
+
+TEST_F(MembersRolloutEnds, WhereOneDiesItIsCalledOffOnTheWayBackByTheWayBack) {
+  die_before_the_change();
+  wait_for_the_way_back();
+  ASSERT_EQ(rolled(0, {.without = {"g1"}, .back = true}), "checking");
+  expect_back_without_g1();
+}
+
+TEST_F(MembersRolloutEnds, WhereOneDiesItIsCalledOffWhileTheNewOneComesIntoForce) {
+  die_before_the_change();
+  pass(20 * kSecondNs);
+  ASSERT_TRUE(has(0, 2));
+  ASSERT_FALSE(passes(0, 5));
+  ASSERT_EQ(roll_out(0, "2", {"g1"}), "checking");
+  pass(3 * kSecondNs);
+  EXPECT_EQ(state_of(0).state, "in-force") << state_of(0).why;
+  EXPECT_TRUE(passes(0, 5));
+}
+
+TEST_F(MembersRolloutEnds, WhoIsThereIsNotCalledOffWhileADescriptionComesIntoForce) {
+  die_before_the_change();
+  ASSERT_EQ(roll_out(0, "2", {"g1"}), "checking");
+  pass(kSecondNs);
+  EXPECT_EQ(state_of(0).state, "refused");
+  EXPECT_NE(state_of(0).why.find("g1: it was called off, and is there"), std::string::npos)
+      << state_of(0).why;
 }
 
 TEST_F(MembersRolloutEnds, AnEntryThatCannotBeReadDoesNotBarItForEver) {
