@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/clock.hpp"
+#include "base/many.hpp"
 #include "cluster/grpc.hpp"
 #include "cluster/outcome.hpp"
 
@@ -23,6 +24,7 @@ constexpr std::uint64_t kLongestPause = 3'200'000;  // µs
 constexpr std::uint64_t kRefusedPause = 1'600'000;  // µs; longer, because an administrator must
                                                     // grant access first
 constexpr unsigned kMostFailures = 3;
+constexpr std::uint64_t kStandsStill = 5;  // timeouts after which the watch must have reported
 
 }  // namespace
 
@@ -116,6 +118,8 @@ void Bridge::take_status(const End& end, std::uint64_t asked) {
     drop("an answer is not understood");
   } else if (fresh_->leader == 0) {
     drop("this member knows no leader");
+  } else if (stands_still()) {
+    drop("the watch stands still");
   } else {
     status_ = fresh_;
     latency_ = monotonic_ns() - asked;
@@ -131,7 +135,21 @@ void Bridge::take_status(const End& end, std::uint64_t asked) {
   }
 }
 
+/// A watch has no limit of time. If it works it soon reports what was written here.
+void Bridge::note_written(std::int64_t revision) {
+  if (lacking_ != 0) return;
+  lacking_ = revision;
+  lacking_since_ = monotonic_ns();
+}
+
+bool Bridge::stands_still() {
+  if (!follower_.lacks(lacking_)) lacking_ = 0;
+  return lacking_ != 0 &&
+         monotonic_ns() - lacking_since_ > kStandsStill * settings_.timeout_ms * kNanosInAMilli;
+}
+
 void Bridge::follow() {
+  lacking_ = 0;
   follower_.stop();
   if (follower_.has_prefixes()) follower_.start(*channel_, settings_.timeout_ms);
 }
@@ -163,6 +181,8 @@ void Bridge::run(const Txn& txn) {
     const std::uint64_t id = txn.id;
     UnderWay& one = under_way_[id];
     one.gets = txn.else_get;
+    one.followed = std::ranges::any_of(
+        txn.puts, [this](const auto& put) { return follower_.follows(put.key); });
     one.call =
         channel_->start({.method = etcd::kTxn,
                          .message = etcd::txn_request(txn),
@@ -184,11 +204,14 @@ void Bridge::end_txn(std::uint64_t id, const End& end) {
     auto& read = *of.mapped().answer;
     result.outcome = read.succeeded ? Outcome::committed : Outcome::conflict;
     result.revision = read.header.revision;
+    if (read.succeeded && of.mapped().followed) note_written(result.revision);
     for (auto& entry : read.read) result.read.push_back(wire::bounded(std::move(entry)));
   }
   const bool failed = end.status == End::kNoStatus || end.status == grpc::kUnavailable;
   answer(result);
-  if (failed)
+  if (end.stuck && end.sent)
+    drop(end.text);
+  else if (failed)
     note_failure(end.text);
   else
     failures_ = 0;
@@ -237,13 +260,22 @@ void Bridge::put_state() {
     state.no_space = status_->no_space;
     state.latency_ns = latency_;
   }
-  const bool had = logged_.lasts();
-  if (logged_.is_new(state.problem))
-    outside_.log(state.problem);
-  else if (had && !logged_.lasts())
-    outside_.log(state.endpoint + " answers");
+  log_state(state);
   outbox_.put(std::move(state));
   if (wrote_) wrote_();
+}
+
+void Bridge::log_state(const StoreState& state) {
+  const auto report = outage_.take(!state.problem.empty(), monotonic_ns());
+  if (report == Outage::Report::none) return;
+  if (report == Outage::Report::back) {
+    outside_.log(state.endpoint + " answers");
+    return;
+  }
+  const unsigned more = outage_.take_unreported();
+  outside_.log(
+      "the store is lost: " + state.problem +
+      (more == 0 ? "" : " (and " + many(more, "time") + " for a moment since the last report)"));
 }
 
 }  // namespace mlcca::cluster

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "base/problem.hpp"
+#include "base/outage.hpp"
 #include "base/result.hpp"
 #include "cluster/channel.hpp"
 #include "cluster/endpoints.hpp"
@@ -62,6 +62,7 @@ class Bridge {
   /// answer once it is there.
   struct UnderWay {
     std::vector<std::string> gets;
+    bool followed = false;  ///< the feed reports what it writes
     std::optional<etcd::TxnAnswer> answer;
     std::unique_ptr<Call> call;
   };
@@ -74,9 +75,12 @@ class Bridge {
   void run(const core::cluster::Txn& txn);
   void end_txn(std::uint64_t id, const End& end);
   void note_failure(const std::string& why);
+  void note_written(std::int64_t revision);
+  [[nodiscard]] bool stands_still();
   void answer(const core::cluster::TxnResult& result);
   void drop(const std::string& why);
   void put_state();
+  void log_state(const core::cluster::StoreState& state);
 
   sd_event* loop_;
   Settings settings_;
@@ -96,9 +100,11 @@ class Bridge {
   bool confirmed_ = false;  ///< the present member has stated that it knows a leader
   unsigned failures_ = 0;   ///< consecutive transactions that have failed
   std::uint64_t latency_ = 0;
-  std::string refused_;  ///< why the store refuses to give the feed; empty: it does not
-  std::string problem_;  ///< why no member can be asked; empty: one can
-  Problem logged_;
+  std::int64_t lacking_ = 0;  ///< a revision that the feed has not reported; 0: none is known
+  std::uint64_t lacking_since_ = 0;  ///< CLOCK_MONOTONIC ns
+  std::string refused_;              ///< why the store refuses to give the feed; empty: it does not
+  std::string problem_;              ///< why no member can be asked; empty: one can
+  Outage outage_;
   std::uint64_t pause_;  ///< µs until the feed is requested again
   net::Timer poll_;
   net::Timer reconnect_;

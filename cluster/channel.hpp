@@ -21,6 +21,7 @@ struct End {
   std::string text;        ///< a description for a person
   bool sent = true;        ///< false: certainly nothing of the request has reached the server
   bool too_long = false;   ///< an answer exceeded kLongestAnswer
+  bool stuck = false;  ///< the connection did not end the call in its time, and is to be given up
 };
 
 /// A call under way. Destroying it ends the call; its functions are not called afterwards.

@@ -61,6 +61,12 @@ class Follower {
   [[nodiscard]] bool is_active() const { return channel_ != nullptr; }
   /// Whether the snapshot is complete and changes are awaited.
   [[nodiscard]] bool watches() const { return watching_; }
+  /// Whether changes of that key are reported.
+  [[nodiscard]] bool follows(std::string_view key) const { return prefixes_.has(key); }
+  /// Whether a change of that revision was not reported, although only changes are awaited.
+  [[nodiscard]] bool lacks(std::int64_t revision) const {
+    return is_active() && !paging_ && revision_ < revision;
+  }
 
  private:
   void ask_page();

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/clock.hpp"
 #include "base/handle.hpp"
 #include "cluster/grpc.hpp"
 #include "daemon/net/sources/timer.hpp"
@@ -22,6 +23,10 @@ using Multi = std::unique_ptr<CURLM, FreeWith<curl_multi_cleanup>>;
 using Headers = std::unique_ptr<curl_slist, FreeWith<curl_slist_free_all>>;
 
 constexpr std::uint64_t kInAMilli = 1000;  // µs
+constexpr std::uint64_t kNanosInAMicro = 1000;
+/// libcurl ends a call at its limit. This engine ends it so much later if libcurl has not: it keeps
+/// no time, for example, for a call that waits for a connection that another call uses.
+constexpr std::uint64_t kLate = 20;  // ms
 
 struct Transfer {
   Request request;
@@ -32,6 +37,8 @@ struct Transfer {
   grpc::Trailers trailers;
   std::array<char, CURL_ERROR_SIZE> words{};
   CURLcode result = CURLE_OK;
+  std::uint64_t ends_at = 0;  ///< CLOCK_MONOTONIC ns at which it ends at the latest; 0: never
+  bool stuck = false;         ///< libcurl has not ended it in its time
   bool done = false;
   bool dropped = false;
   Easy easy;
@@ -40,11 +47,14 @@ struct Transfer {
 End end_of(const Transfer& transfer) {
   End end;
   end.sent = transfer.sent != 0;
+  end.stuck = transfer.stuck;
   end.too_long = transfer.frames.too_long();
   if (end.too_long)
     end.text = "an answer is too long";
   else if (!transfer.trailers.problem().empty())
     end.text = transfer.trailers.problem();
+  else if (transfer.stuck)
+    end.text = "there was no answer in time";
   else if (transfer.result != CURLE_OK)
     end.text =
         transfer.words[0] != '\0' ? transfer.words.data() : curl_easy_strerror(transfer.result);
@@ -120,12 +130,8 @@ class Engine : public std::enable_shared_from_this<Engine> {
     curl_multi_setopt(multi_.get(), CURLMOPT_PIPELINING, long{CURLPIPE_MULTIPLEX});
     curl_multi_setopt(multi_.get(), CURLMOPT_MAX_TOTAL_CONNECTIONS, 1L);
     // NOLINTEND(*-vararg)
-    sd_event_source* raw = nullptr;
-    const int e = sd_event_add_time_relative(loop_, &raw, CLOCK_MONOTONIC, 0, 1, on_time, this);
-    if (e < 0) return fail(net::error_words("timer", -e));
-    timer_.reset(raw);
-    sd_event_source_set_enabled(raw, SD_EVENT_OFF);
-    return {};
+    if (auto added = add_timer(timer_, on_time); !added) return added;
+    return add_timer(late_, on_late);
   }
 
   /// Starts a transfer; nullptr without memory.
@@ -137,7 +143,10 @@ class Engine : public std::enable_shared_from_this<Engine> {
     if (!transfer->easy || !prepare(*transfer) ||
         curl_multi_add_handle(multi_.get(), transfer->easy.get()) != CURLM_OK)
       return nullptr;
+    if (const std::uint64_t limit = transfer->request.timeout_ms; limit != 0)
+      transfer->ends_at = monotonic_ns() + ((limit + kLate) * kInAMilli * kNanosInAMicro);
     transfers_.push_back(transfer);
+    plan();
     return transfer;
   }
 
@@ -163,6 +172,8 @@ class Engine : public std::enable_shared_from_this<Engine> {
            set(easy, CURLOPT_HTTP_VERSION, long{CURL_HTTP_VERSION_2TLS}) &&
            set(easy, CURLOPT_PIPEWAIT, 1L) && set(easy, CURLOPT_PROXY, "") &&
            set(easy, CURLOPT_NOSIGNAL, 1L) && set(easy, CURLOPT_TCP_KEEPALIVE, 1L) &&
+           // The end of a call does not wait for the thread that looks up a name.
+           set(easy, CURLOPT_QUICK_EXIT, 1L) &&
            set(easy, CURLOPT_SSLVERSION, long{CURL_SSLVERSION_TLSv1_2}) &&
            set(easy, CURLOPT_CAINFO, settings_.ca.c_str()) &&
            // The authorities of the system are not trusted.
@@ -186,6 +197,16 @@ class Engine : public std::enable_shared_from_this<Engine> {
            set(easy, CURLOPT_PRIVATE, &transfer);
   }
 
+  /// Adds a timer that is off.
+  Result<void> add_timer(net::EventSource& to, sd_event_time_handler_t call) {
+    sd_event_source* raw = nullptr;
+    const int e = sd_event_add_time_relative(loop_, &raw, CLOCK_MONOTONIC, 0, 1, call, this);
+    if (e < 0) return fail(net::error_words("timer", -e));
+    to.reset(raw);
+    sd_event_source_set_enabled(raw, SD_EVENT_OFF);
+    return {};
+  }
+
   static int on_socket(CURL*, curl_socket_t fd, int what, void* self, void*) noexcept {
     static_cast<Engine*>(self)->watch(fd, what);
     return 0;
@@ -204,6 +225,10 @@ class Engine : public std::enable_shared_from_this<Engine> {
   }
   static int on_time(sd_event_source*, std::uint64_t, void* self) noexcept {
     static_cast<Engine*>(self)->act(CURL_SOCKET_TIMEOUT, 0);
+    return 0;
+  }
+  static int on_late(sd_event_source*, std::uint64_t, void* self) noexcept {
+    static_cast<Engine*>(self)->end_late();
     return 0;
   }
 
@@ -252,6 +277,34 @@ class Engine : public std::enable_shared_from_this<Engine> {
     deliver();
   }
 
+  /// Wakes up when the first call must have ended.
+  void plan() {
+    std::uint64_t next = 0;
+    for (const auto& one : transfers_)
+      if (!one->done && one->ends_at != 0 && (next == 0 || one->ends_at < next))
+        next = one->ends_at;
+    const std::uint64_t now = monotonic_ns();
+    if (next == 0) return;
+    sd_event_source_set_time_relative(late_.get(),
+                                      next > now ? ((next - now) / kNanosInAMicro) + 1 : 0);
+    sd_event_source_set_enabled(late_.get(), SD_EVENT_ONESHOT);
+  }
+
+  /// Ends the calls that libcurl has not ended in their time.
+  void end_late() {
+    const auto kept = shared_from_this();
+    act(CURL_SOCKET_TIMEOUT, 0);
+    const std::uint64_t now = monotonic_ns();
+    for (const auto& one : transfers_) {
+      if (one->done || one->ends_at == 0 || one->ends_at > now) continue;
+      one->done = one->stuck = true;
+      one->result = CURLE_OPERATION_TIMEDOUT;
+      curl_multi_remove_handle(multi_.get(), one->easy.get());
+    }
+    deliver();
+    plan();
+  }
+
   /// Hands received answers to the calls that still exist.
   void deliver() {
     const auto all = transfers_;
@@ -284,6 +337,7 @@ class Engine : public std::enable_shared_from_this<Engine> {
   Headers headers_;
   std::map<curl_socket_t, net::EventSource> sockets_;
   net::EventSource timer_;
+  net::EventSource late_;  ///< rings when a call must have ended
   std::vector<std::shared_ptr<Transfer>> transfers_;
   Multi multi_;
 };

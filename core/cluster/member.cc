@@ -289,7 +289,7 @@ std::string Member::why_not(std::uint64_t id, Value now) const {
   switch (standing(now)) {
     case Standing::off:
     case Standing::silent:
-      return "the store does not answer" + (problem_.empty() ? "" : ": " + problem_);
+      return no_answer();
     case Standing::joining:
       return "this gateway is joining the cluster";
     case Standing::gone_back:
@@ -308,7 +308,7 @@ std::string Member::why_not(std::uint64_t id, Value now) const {
     case Standing::joined:
       break;
   }
-  if (!reachable_) return "the store does not answer" + (problem_.empty() ? "" : ": " + problem_);
+  if (!reachable_) return no_answer();
   if (!found_ || admissions_.deciding(id)) return "another admission is being decided";
   return {};
 }

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/cluster/admissions.hpp"
@@ -36,6 +37,8 @@ class Member {
     /// Longest wait after a first conflict, ns; see Admissions.
     Value first_wait = Admissions::kFirstWait;
   };
+  /// Begins the text of why_not() if the store does not answer.
+  static constexpr std::string_view kNoAnswer = "the store does not answer";
   enum class Standing : std::uint8_t {
     off,  ///< it has left, or has no state of the store yet
     joining,
@@ -140,6 +143,9 @@ class Member {
   [[nodiscard]] bool digest_in_force() const;
   [[nodiscard]] bool other_is_open() const;
   [[nodiscard]] std::string why_no_description() const;
+  [[nodiscard]] std::string no_answer() const {
+    return std::string(kNoAnswer) + (problem_.empty() ? "" : ": " + problem_);
+  }
   [[nodiscard]] bool caught_up() const { return view_.revision() >= chain_.base(); }
   [[nodiscard]] Beat beat(Value now) const;
   [[nodiscard]] bool beat_wanted(Value now) const;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
+#include "base/outage.hpp"
 #include "base/problem.hpp"
 #include "base/result.hpp"
 #include "core/admission/holders.hpp"
@@ -252,6 +253,7 @@ class Membership final : private core::Holdings {
   std::vector<std::string> said_troubles_;  ///< the latest reported lines about the store
   Value say_troubles_at_ = 0;               ///< others are not reported before that
   bool looks_for_troubles_ = true;          ///< the store may have others now
+  Outage outage_;                           ///< of the store, as it is reported
   Value propose_at_ = 0;  ///< when the first description of a cluster may be proposed
   net::Timer timer_;
 };

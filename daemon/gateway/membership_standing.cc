@@ -62,7 +62,10 @@ void Membership::report_troubles() {
 void Membership::report() {
   report_troubles();
   const std::string why = standing();
-  if (why == said_) return;
+  // While the store does not answer, the reason changes with each of its members that is tried.
+  const bool lost = why.starts_with(cc::Member::kNoAnswer);
+  const bool is_new = outage_.take(lost, now()) == Outage::Report::lost;
+  if (lost ? !is_new : why == said_) return;
   said_ = why;
   if (why.empty())
     parts_.log.notice(Kind::gateway, fmt::format("cluster {}: this gateway takes part", system_));

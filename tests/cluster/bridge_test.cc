@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <protozero/pbf_writer.hpp>
 #include <variant>
 
@@ -82,6 +84,14 @@ std::string status(std::uint64_t leader, const std::string& error = {}) {
   return out;
 }
 
+std::string committed(std::int64_t revision) {
+  std::string out;
+  pbf_writer to(out);
+  to.add_message(1, header(revision));
+  to.add_bool(2, true);
+  return out;
+}
+
 class ClusterBridge : public ::testing::Test {
  protected:
   ClusterBridge()
@@ -96,7 +106,7 @@ class ClusterBridge : public ::testing::Test {
                    if (refuses_) return fail("no memory");
                    return std::make_unique<test::FakeChannel>(calls_);
                  },
-                 .log = [](const std::string&) {}}) {
+                 .log = [this](const std::string& line) { logged_.push_back(line); }}) {
     EXPECT_TRUE(bridge_.start().has_value());
   }
   ~ClusterBridge() override { bridge_.end_session(); }
@@ -122,6 +132,14 @@ class ClusterBridge : public ::testing::Test {
     bridge_.take(wire::Credit{1'000'000});
     finish(call(etcd::kStatus), status(1));
   }
+  /// Answers a status request if there is one; always true.
+  bool answers_status() {
+    const auto open = std::ranges::find_if(calls_, [](const auto& one) {
+      return !one->dropped && one->request.method == etcd::kStatus;
+    });
+    if (open != calls_.end()) finish(**open, status(1));
+    return true;
+  }
   /// Everything that waits for mlccad.
   std::vector<ClusterMessage> drain() {
     std::vector<ClusterMessage> out;
@@ -146,6 +164,7 @@ class ClusterBridge : public ::testing::Test {
   test::FakeChannel::Calls calls_;
   std::vector<std::shared_ptr<test::FakeCall>> kept_;
   std::vector<std::string> opened_;
+  std::vector<std::string> logged_;
   bool refuses_ = false;
   Bridge bridge_;
   wire::ReaderOfStore reader_;
@@ -354,6 +373,60 @@ TEST_F(ClusterBridge, WhereNoChannelCanBeMadeItIsTriedAgain) {
   refuses_ = false;
   finish(call(etcd::kStatus), status(1));
   EXPECT_TRUE(drain_of<StoreState>().back().reachable);
+}
+
+TEST_F(ClusterBridge, ALossOfTheStoreIsLoggedOnceWithItsReasonAndSoIsItsReturn) {
+  connect();
+  logged_.clear();
+  loop_.until([&] { return calls_.size() > 1; });
+  for (int n = 0; n < 6; ++n)
+    call(etcd::kStatus).end(End::kNoStatus, "reason " + std::to_string(n));
+  ASSERT_EQ(logged_.size(), 1U);
+  EXPECT_EQ(logged_[0], "the store is lost: https://a:1: reason 0");
+  finish(call(etcd::kStatus), status(1));
+  ASSERT_EQ(logged_.size(), 2U);
+  EXPECT_TRUE(logged_[1].ends_with(" answers")) << logged_[1];
+  // The next loss comes too soon.
+  call(etcd::kStatus).end(End::kNoStatus, "once more");
+  finish(call(etcd::kStatus), status(1));
+  EXPECT_EQ(logged_.size(), 2U) << logged_.back();
+}
+
+/// The watch is open, and status requests are answered on the same connection.
+TEST_F(ClusterBridge, AWatchThatDoesNotReportWhatWasCommittedIsGivenUp) {
+  connect({"/t/"});
+  finish(call(etcd::kRange), page(9, {}));
+  call(etcd::kWatch).answer(changes(9, {}));
+  auto txn = test::creation(1, {"/t/a"});
+  bridge_.take(txn);
+  finish(call(etcd::kTxn), committed(10));
+  ASSERT_TRUE(loop_.until([&] { return answers_status() && opened_.size() == 2; }));
+  EXPECT_EQ(std::ranges::count(logged_, "the store is lost: https://a:1: the watch stands still"),
+            1);
+}
+
+TEST_F(ClusterBridge, AWatchIsNotExpectedToReportWhatIsNotFollowed) {
+  connect({"/t/a/"});
+  finish(call(etcd::kRange), page(9, {}));
+  call(etcd::kWatch).answer(changes(9, {}));
+  bridge_.take(test::creation(1, {"/elsewhere"}));
+  finish(call(etcd::kTxn), committed(10));
+  bridge_.take(test::creation(2, {"/t/a/1"}));
+  finish(call(etcd::kTxn), committed(11));
+  call(etcd::kWatch).answer(changes(11, {{"/t/a/1", "x", 11}}));
+  EXPECT_FALSE(loop_.until([&] { return answers_status() && opened_.size() == 2; },
+                           std::chrono::milliseconds(800)));
+}
+
+TEST_F(ClusterBridge, AConnectionThatDoesNotKeepTheTimeOfACallIsGivenUp) {
+  connect();
+  bridge_.take(test::creation(1, {"/t/a"}));
+  call(etcd::kTxn)
+      .request.on_end({.status = End::kNoStatus, .text = "no answer", .sent = true, .stuck = true});
+  const auto results = drain_of<TxnResult>();
+  ASSERT_EQ(results.size(), 1U);
+  EXPECT_EQ(results[0].outcome, Outcome::unsure);
+  EXPECT_TRUE(loop_.until([&] { return opened_.size() == 2; }));
 }
 
 TEST_F(ClusterBridge, NothingIsAskedAfterMlccadHasGone) {

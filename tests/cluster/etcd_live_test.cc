@@ -3,11 +3,20 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
+#include "cluster/etcd.hpp"
+#include "cluster/http.hpp"
 #include "tests/cluster/gateway.hpp"
 #include "tests/cluster/store.hpp"
 #include "tests/cluster/tunnel.hpp"
+#include "tests/support/require.hpp"
 
 namespace mlcca::test {
 namespace {
@@ -228,14 +237,125 @@ TEST_F(ClusterStore, AStoreThatHangsIsNoticedInTime) {
   Txn txn = creation(1, {own("hang")});
   txn.patience_ns = 200'000'000;
   gateway.link.send(txn);
-  ASSERT_TRUE(loop_.until([&] { return gateway.results.contains(1); }, std::chrono::seconds(20)));
+  ASSERT_TRUE(loop_.until([&] { return gateway.results.contains(1); }));
   EXPECT_EQ(gateway.results[1].outcome, Outcome::unsure) << gateway.results[1].why;
-  ASSERT_TRUE(loop_.until([&] { return !gateway.state.reachable; }, std::chrono::seconds(20)));
+  ASSERT_TRUE(loop_.until([&] { return !gateway.state.reachable; }));
   const int before = gateway.snapshots;
   tunnel.hold(false);
   EXPECT_TRUE(loop_.until([&] {
     return gateway.state.reachable && gateway.snapshots > before && gateway.synced != 0;
   }));
+}
+
+/// A peer says nothing more after so many octets, which may be within a handshake, an answer, or
+/// between two of them.
+class FallsSilent {
+ public:
+  FallsSilent(sd_event* loop, int port, const WorkFolder& folder, std::size_t after,
+              bool half_closes, std::uint64_t limit_ms)
+      : limit_ms_(limit_ms), tunnel_(loop, port) {
+    tunnel_.fall_silent(after, half_closes);
+    const std::string endpoint = "https://127.0.0.1:" + std::to_string(tunnel_.port());
+    auto channel = cluster::open_http(loop,
+                                      {.endpoints = {endpoint},
+                                       .ca = folder / "ca.pem",
+                                       .certificate = folder / "gw1.pem",
+                                       .key = folder / "gw1.key",
+                                       .timeout_ms = limit_ms_},
+                                      endpoint);
+    require(channel.has_value(), "a channel");
+    channel_ = std::move(*channel);
+    // The watch has no limit: it is over when the connection is given up.
+    calls_.push_back(
+        channel_->start({.method = cluster::etcd::kWatch,
+                         .message = cluster::etcd::watch_request("/mlcca/t/", "/mlcca/t0", 1),
+                         .stays_open = true,
+                         .on_answer = [](const std::string&) {},
+                         .on_end = [](const cluster::End&) {}}));
+    ask_both();
+  }
+
+  void ask_both() {
+    ask(cluster::etcd::kStatus, {});
+    ask(cluster::etcd::kTxn, cluster::etcd::txn_request(creation(1, {"/mlcca/t/r/gw1/silent"})));
+  }
+  [[nodiscard]] bool all_ended() const { return open_ == 0; }
+  void close() {
+    calls_.clear();
+    channel_.reset();
+  }
+  [[nodiscard]] const Tunnel& tunnel() const { return tunnel_; }
+
+ private:
+  void ask(std::string_view method, std::string message) {
+    ++open_;
+    calls_.push_back(channel_->start({.method = method,
+                                      .message = std::move(message),
+                                      .timeout_ms = limit_ms_,
+                                      .on_answer = [](const std::string&) {},
+                                      .on_end = [this](const cluster::End&) { --open_; }}));
+  }
+
+  std::uint64_t limit_ms_;
+  Tunnel tunnel_;
+  std::unique_ptr<cluster::Channel> channel_;
+  std::vector<std::unique_ptr<cluster::Call>> calls_;
+  int open_ = 0;
+};
+
+TEST_F(ClusterStore, ACallEndsInItsTimeWhereverThePeerFallsSilent) {
+  require(cluster::prepare_http().has_value(), "libcurl");
+  constexpr std::size_t never = 1'000'000;
+  constexpr std::uint64_t longest = 50'000;  // ms; for all octets on a busy machine
+  FallsSilent whole(loop_.get(), store().port(0), folder(), never, false, longest);
+  ASSERT_TRUE(loop_.until([&] { return whole.all_ended(); }));
+  const std::size_t all = whole.tunnel().octets_of_server();
+  ASSERT_GT(all, 1000U);
+
+  std::vector<std::unique_ptr<FallsSilent>> peers;
+  for (std::size_t after = 0; after <= all; after += all / 30)
+    for (const bool half_closes : {false, true})
+      peers.push_back(std::make_unique<FallsSilent>(loop_.get(), store().port(0), folder(), after,
+                                                    half_closes, 500));
+  const auto all_ended = [&] {
+    return std::ranges::all_of(peers, [](const auto& peer) { return peer->all_ended(); });
+  };
+  ASSERT_TRUE(loop_.until(all_ended));
+  // On the connection that the peer has left, too.
+  for (const auto& peer : peers) peer->ask_both();
+  ASSERT_TRUE(loop_.until(all_ended));
+  for (const auto& peer : peers) peer->close();
+  EXPECT_TRUE(loop_.until([&] {
+    return std::ranges::all_of(peers,
+                               [](const auto& peer) { return peer->tunnel().connections() == 0; });
+  }));
+}
+
+TEST_F(ClusterStore, AMemberThatFallsSilentIsLeftAndTriedAgain) {
+  for (const std::string name : {"all-silent", "half-closed"}) {
+    Tunnel tunnel(loop_.get(), store().port(0));
+    const Bridged bridged(folder(), "gw1", {"https://127.0.0.1:" + std::to_string(tunnel.port())});
+    Gateway gateway(loop_.get(), bridged.socket(), {own(name)});
+    gateway.link.send(creation(0, {}));
+    ASSERT_TRUE(loop_.until([&] { return gateway.state.reachable && gateway.synced != 0; }))
+        << bridged.log();
+    gateway.link.send(creation(1, {own(name)}));
+    ASSERT_TRUE(loop_.until([&] { return !gateway.changes.empty(); })) << "it watches";
+    const std::size_t before = gateway.states.size();
+    tunnel.fall_silent(name == "half-closed");
+    Txn txn = creation(2, {own(name) + "2"});
+    txn.patience_ns = 200'000'000;
+    gateway.link.send(txn);
+    ASSERT_TRUE(loop_.until([&] { return gateway.results.contains(2); }));
+    ASSERT_TRUE(loop_.until([&] {
+      return std::any_of(gateway.states.begin() + static_cast<std::ptrdiff_t>(before),
+                         gateway.states.end(), [](const auto& state) { return !state.reachable; });
+    })) << name
+        << bridged.log();
+    EXPECT_TRUE(loop_.until([&] { return gateway.state.reachable && gateway.synced != 0; }))
+        << bridged.log();
+    EXPECT_TRUE(loop_.until([&] { return tunnel.connections() == 1; })) << "the old one is closed";
+  }
 }
 
 TEST_F(ClusterStore, ASnapshotThatWasCompactedBeginsAgain) {
@@ -262,7 +382,12 @@ TEST_F(ClusterStore, ASnapshotThatWasCompactedBeginsAgain) {
   ASSERT_TRUE(reader.read_until<ClusterSnapshot>()) << slow.log();
   EXPECT_GT(reader.revision(), first);
   ASSERT_TRUE(reader.read_until<ClusterSynced>()) << slow.log();
-  EXPECT_EQ(reader.entries(), 300U);
+  // On a busy machine an answer may be too late.
+  const auto committed = std::ranges::count_if(writer.results, [](const auto& result) {
+    return result.second.outcome == Outcome::committed;
+  });
+  EXPECT_GE(reader.entries(), static_cast<std::size_t>(committed));
+  EXPECT_LE(reader.entries(), 300U);
 }
 
 TEST_F(ClusterStore, ProgramsEndAsTheyAreToldTo) {

@@ -50,6 +50,19 @@ void Tunnel::hold(bool holds) {
       sd_event_source_set_enabled(source->get(), holds ? SD_EVENT_OFF : SD_EVENT_ON);
 }
 
+void Tunnel::fall_silent(std::size_t after, bool half_closes) {
+  after_ = after;
+  half_closes_ = half_closes;
+}
+void Tunnel::fall_silent(bool half_closes) {
+  for (Pair& pair : pairs_) silence(pair, half_closes);
+}
+void Tunnel::silence(Pair& pair, bool half_closes) {
+  pair.left = 0;
+  pair.from_server.reset();
+  if (half_closes) ::shutdown(pair.client.get(), SHUT_WR);
+}
+
 int Tunnel::on_connection(sd_event_source*, int, std::uint32_t, void* self) noexcept {
   static_cast<Tunnel*>(self)->accept();
   return 0;
@@ -70,6 +83,8 @@ void Tunnel::accept() {
   pair.from_client = watched(loop_, pair.client.get(), on_octets, this);
   pair.from_server = watched(loop_, pair.server.get(), on_octets, this);
   if (holds_) hold(true);
+  pair.left = after_;
+  if (pair.left == 0) silence(pair, half_closes_);
 }
 
 void Tunnel::pass(int fd) {
@@ -88,8 +103,18 @@ void Tunnel::pass(int fd) {
     pairs_.erase(pair);
     return;
   }
+  if (!of_server && pair->left == 0) return;
   const int to = of_server ? pair->client.get() : pair->server.get();
-  if (::send(to, octets.data(), static_cast<std::size_t>(n), MSG_NOSIGNAL) != n) pairs_.erase(pair);
+  const std::size_t most = of_server ? pair->left : octets.size();
+  const std::size_t size = std::min(static_cast<std::size_t>(n), most);
+  if (::send(to, octets.data(), size, MSG_NOSIGNAL) != static_cast<ssize_t>(size)) {
+    pairs_.erase(pair);
+    return;
+  }
+  if (!of_server) return;
+  octets_of_server_ += size;
+  pair->left -= size;
+  if (pair->left == 0) silence(*pair, half_closes_);
 }
 
 SlowReader::SlowReader(const std::string& socket, std::vector<std::string> prefixes)

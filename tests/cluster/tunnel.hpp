@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <list>
 #include <map>
 #include <memory>
@@ -30,6 +31,13 @@ class Tunnel {
     cuts_ = true;
     resets_ = resets;
   }
+  /// After so many octets of the server nothing goes on in either direction, of each connection,
+  /// and the client can send. `half_closes`: the client is told that no more octets will come.
+  /// Without a number: of the present connections, from now on.
+  void fall_silent(std::size_t after, bool half_closes);
+  void fall_silent(bool half_closes);
+  [[nodiscard]] std::size_t octets_of_server() const { return octets_of_server_; }
+  [[nodiscard]] std::size_t connections() const { return pairs_.size(); }
   /// Nothing goes on in either direction, of new connections neither.
   void hold(bool holds);
 
@@ -37,11 +45,13 @@ class Tunnel {
   struct Pair {
     Fd client, server;
     net::EventSource from_client, from_server;
+    std::size_t left = std::numeric_limits<std::size_t>::max();  ///< octets of the server
   };
   static int on_connection(sd_event_source*, int, std::uint32_t, void* self) noexcept;
   static int on_octets(sd_event_source*, int fd, std::uint32_t, void* self) noexcept;
   void accept();
   void pass(int fd);
+  void silence(Pair& pair, bool half_closes);
 
   sd_event* loop_;
   int to_;
@@ -49,6 +59,9 @@ class Tunnel {
   bool cuts_ = false;
   bool resets_ = false;
   bool holds_ = false;
+  std::size_t after_ = std::numeric_limits<std::size_t>::max();
+  bool half_closes_ = false;
+  std::size_t octets_of_server_ = 0;
   Fd listening_;
   net::EventSource connections_;
   std::list<Pair> pairs_;

@@ -37,19 +37,22 @@ class FakeLink final : public ClusterLink {
 
   /// True: something was said.
   bool deliver() {
-    bool any = said_up_ != up;
+    bool any = said_up_ != up || (!up && said_problem_ != problem) || said_full_ != full;
     if (any) {
       said_up_ = up;
+      said_full_ = full;
+      said_problem_ = problem;
       core::cluster::StoreState state{};
       state.reachable = up;
-      if (!up) state.problem = "it is gone";
+      state.no_space = full;
+      if (!up) state.problem = problem;
       call_(state);
     }
     if (!up) {
       for (const auto& txn : std::exchange(sent, {})) {
         any = true;
         call_(core::cluster::TxnResult{
-            .id = txn.id, .outcome = core::cluster::Outcome::unavailable, .why = "it is gone"});
+            .id = txn.id, .outcome = core::cluster::Outcome::unavailable, .why = problem});
       }
       synced_ = false;
       return any;
@@ -75,7 +78,9 @@ class FakeLink final : public ClusterLink {
   }
 
   bool up = true;
-  bool answers = true;  ///< to transactions
+  std::string problem = "it is gone";  ///< while it is not up
+  bool full = false;                   ///< as it says
+  bool answers = true;                 ///< to transactions
   std::string name;
   std::deque<core::cluster::Txn> sent;
 
@@ -83,7 +88,8 @@ class FakeLink final : public ClusterLink {
   FakeStore& store_;
   FakeClock& clock_;
   std::function<void(ClusterMessage)> call_;
-  bool said_up_ = false, synced_ = false;
+  bool said_up_ = false, said_full_ = false, synced_ = false;
+  std::string said_problem_;
   std::size_t seen_ = 0;
 };
 

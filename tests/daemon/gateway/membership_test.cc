@@ -3,6 +3,7 @@
 // what happens to them when the store, a gateway or the disk fails.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <memory>
 #include <string>
@@ -193,6 +194,33 @@ TEST_F(MembershipTest, ADaemonThatWasKilledTakesUpWhereItWas) {
   pass(15 * kSecondNs);
   EXPECT_TRUE(passes(0, 2));
   EXPECT_EQ(entries("r/shared/g0/"), 1U);
+}
+
+/// Each member of the store that is tried fails for a reason of its own.
+TEST_F(MembershipTest, TheLossOfTheStoreIsReportedOnceAndSoIsItsReturn) {
+  start_both();
+  at(0).published.clear();
+  const auto reports = [&](const std::string& words) {
+    return std::ranges::count_if(at(0).published, [&](const control::Event& event) {
+      return event.message.find(words) != std::string::npos;
+    });
+  };
+  link(0).up = false;
+  for (int n = 0; n < 30; ++n) {
+    link(0).problem = "https://10.0.0." + std::to_string(n) + ": refused";
+    pass(kSecondNs / 2);
+  }
+  EXPECT_EQ(reports("the store does not answer: https://10.0.0.0: refused"), 1);
+  EXPECT_EQ(reports("the store does not answer"), 1);
+  link(0).up = true;
+  pass(5 * kSecondNs);
+  EXPECT_EQ(reports("this gateway takes part"), 1);
+  // It comes and goes.
+  for (int n = 0; n < 40; ++n) {
+    link(0).up = n % 2 == 1;
+    pass(kStepNs);
+  }
+  EXPECT_LE(reports("the store does not answer"), 2);
 }
 
 /// Nothing in the store shows it any more when the daemon starts again.
