@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <csignal>
+#include <set>
+#include <string>
 
 #include "tests/cluster/gateway.hpp"
 #include "tests/cluster/store.hpp"
@@ -18,20 +20,26 @@ using std::chrono::seconds;
 
 const std::string kOwn = "/mlcca/t/r/gw1/";
 
-/// Until one is committed, again and again; each with a number of its own.
-bool commits(const Loop& loop, Gateway& gateway, seconds patience = seconds(60)) {
+/// Until one is committed, again and again; each with a number of its own. A failure says what
+/// became of the last one, and of the connection.
+::testing::AssertionResult commits(const Loop& loop, Gateway& gateway,
+                                   seconds patience = seconds(120)) {
   static std::uint64_t number = 1000;
   const auto start = std::chrono::steady_clock::now();
+  std::set<std::string> whys;
   while (std::chrono::steady_clock::now() - start < patience) {
     const std::uint64_t id = ++number;
     Txn txn = creation(id, {kOwn + std::to_string(id)});
     txn.patience_ns = 1'000'000'000;
     gateway.link.send(txn);
-    if (!loop.until([&] { return gateway.results.contains(id); })) return false;
-    if (gateway.results[id].outcome == Outcome::committed) return true;
+    if (!loop.until([&] { return gateway.results.contains(id); }))
+      return ::testing::AssertionFailure() << "there is no result: " << gateway.state.problem;
+    if (gateway.results[id].outcome == Outcome::committed) return ::testing::AssertionSuccess();
+    whys.insert(gateway.results[id].why);
     loop.until([&] { return false; }, std::chrono::milliseconds(20));
   }
-  return false;
+  return ::testing::AssertionFailure()
+         << ::testing::PrintToString(whys) << " state: " << gateway.state.problem;
 }
 
 TEST(ClusterMembers, OneOfThreeMayGoWhicheverItIs) {
@@ -44,8 +52,7 @@ TEST(ClusterMembers, OneOfThreeMayGoWhicheverItIs) {
   const std::size_t third = (leader + 2) % 3;
   // The leader is asked first.
   const Bridged bridged(folder, "gw1",
-                        {store.endpoint(leader), store.endpoint(second), store.endpoint(third)},
-                        "timeout = 500\n");
+                        {store.endpoint(leader), store.endpoint(second), store.endpoint(third)});
   Gateway gateway(loop.get(), bridged.socket(), {kOwn});
   ASSERT_TRUE(loop.until([&] { return gateway.state.reachable && gateway.synced != 0; }));
   ASSERT_TRUE(commits(loop, gateway));
