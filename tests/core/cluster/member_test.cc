@@ -176,11 +176,7 @@ TEST_F(ClusterMember, AStoreThatHasGoneBackNeedsAnOperator) {
 TEST_F(ClusterMember, AStoreThatHasGoneBackStaysSoOverARestart) {
   in_force(1);
   start(0);
-  const StoreStub backup = store;
-  pass(kTen);
-  store = backup;
-  read_all(0);
-  run();
+  go_back();
   ASSERT_EQ(at(0).standing(now), Member::Standing::gone_back);
   while (store.revision < at(0).journalled().seen_revision + 100)
     store.write({{.key = keys->version(0), .value = "B"}});
@@ -201,11 +197,7 @@ TEST_F(ClusterMember, AStoreThatHasGoneBackStaysSoOverARestart) {
 TEST_F(ClusterMember, AStoreThatHasGoneBackStaysSoUntilItHasJoinedInANewEpoch) {
   in_force(1);
   start(0);
-  const StoreStub backup = store;
-  pass(kTen);
-  store = backup;
-  read_all(0);
-  run();
+  go_back();
   const StoreStub again = store;
   nodes[0].cut_off = true;
   store.write({{.key = keys->epoch(), .value = "n"}});

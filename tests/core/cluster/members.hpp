@@ -53,6 +53,14 @@ class ClusterMember : public testing::Test {
     read_all(g);
     run();
   }
+  /// The store is restored from what it had when the first gateway began, which reads that.
+  void go_back() {
+    const StoreStub backup = store;
+    pass(kTen);
+    store = backup;
+    read_all(0);
+    run();
+  }
   void read_all(std::size_t g) {
     Member& member = *nodes[g].member;
     member.on_snapshot_begin(store.revision, now);

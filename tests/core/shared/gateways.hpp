@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Gateways that decide alone and reserve in one store, as far as that concerns decisions.
 #pragma once
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -289,6 +291,14 @@ inline Admission both_ends(std::size_t channel, AdmissionId id, const AttributeS
                            std::size_t gateway = 0) {
   return {id, channel, publisher(channel, on(kOwn + gateway), traffic),
           subscriber(channel, on(kShared), traffic)};
+}
+/// The first gateway admits the channel from itself, with a message each 5 ms on the shared bus,
+/// and the second one has read it.
+inline void admit_at_first(Pair& pair, std::size_t channel) {
+  Admission a = both_ends(channel, 1, every(5 * kMs, 2 * kMs));
+  a.publisher->place = at(0);
+  ASSERT_TRUE(pair[0].admit(a));
+  pair[1].read();
 }
 
 }  // namespace mlcca::core::testing

@@ -93,10 +93,7 @@ TEST(HoldersTest, ARefusalForTheScheduleOfABusNamesMessagesAndTime) {
   const std::size_t first = add_channel(system, every(5 * kMs, 7 * kMs));
   const std::size_t second = add_channel(system, every(50 * kMs, 9 * kMs));
   Pair pair(system);
-  Admission a = both_ends(second, 1, every(5 * kMs, 2 * kMs));
-  a.publisher->place = at(0);
-  ASSERT_TRUE(pair[0].admit(a));
-  pair[1].read();
+  admit_at_first(pair, second);
   Stated stated;
   stated.there = kShared;
   stated.held = pair.store.without(1, kShared);

@@ -78,10 +78,7 @@ TEST(PermitsTest, ARefusalSaysWhoHasTakenTheBus) {
   const std::size_t first = add_channel(system, every(5 * kMs, 7 * kMs));
   const std::size_t second = add_channel(system, every(50 * kMs, 9 * kMs));
   Pair pair(system);
-  Admission a = both_ends(second, 1, every(5 * kMs, 2 * kMs));
-  a.publisher->place = at(0);
-  ASSERT_TRUE(pair[0].admit(a));
-  pair[1].read();
+  admit_at_first(pair, second);
   Admission b = both_ends(first, 2, every(5 * kMs, 4 * kMs), 1);
   b.publisher->place = at(1);
   const Proposal wish = pair[1].state.wish(b);
