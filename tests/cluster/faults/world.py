@@ -58,6 +58,12 @@ def inside(namespace, make):
             libc.setns(home.fileno(), 0)
 
 
+def remove_links():
+    """Those of a World, and its namespaces. The kernel removes what is in a namespace some time after the namespace."""
+    sh("for l in $(ls /sys/class/net); do case $l in [sdl]-*|store) ip link del $l ;; esac; done")
+    sh("for n in $(ip netns list | cut -d' ' -f1); do ip netns del $n; done")
+
+
 class Process:
     """Of a namespace. What it says goes to a log."""
 
