@@ -2,6 +2,7 @@
 #include "core/cluster/records.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace mlcca::core::cluster {
 namespace {
@@ -29,6 +30,39 @@ void keep_member(MemberRecord& member, const Codec& codec, const Entry& entry) {
   if (member.beat && (member.beat->lease < kLeastLease || member.beat->lease > kMostLease))
     member.beat.reset();
   member.mod = entry.gone ? 0 : entry.mod;
+}
+
+/// Makes room for one more entry that `gateway` has written, if there are as many as there may be:
+/// the gateway with the most of them loses its last. False if none has more than `gateway` would
+/// have then.
+template <class Entries>
+bool make_room(Entries& all, std::vector<std::size_t>& counts, std::size_t gateway) {
+  if (all.size() < kMostReservations) return true;
+  const auto most = std::ranges::max_element(counts);
+  if (*most <= counts[gateway] + 1) return false;
+  typename Entries::key_type after{};
+  std::get<0>(after) = static_cast<std::size_t>(most - counts.begin()) + 1;
+  all.erase(std::prev(all.lower_bound(after)));
+  --*most;
+  return true;
+}
+
+/// Keeps or removes an entry. The first part of its key is the gateway that has written it, and
+/// `counts` has the number of entries of each.
+template <class Entries>
+void keep_fairly(Entries& all, std::vector<std::size_t>& counts,
+                 const typename Entries::key_type& at,
+                 std::optional<typename Entries::mapped_type> value) {
+  const std::size_t gateway = std::get<0>(at);
+  if (!value) {
+    counts[gateway] -= all.erase(at);
+    return;
+  }
+  if (!all.contains(at)) {
+    if (!make_room(all, counts, gateway)) return;
+    ++counts[gateway];
+  }
+  all[at] = std::move(*value);
 }
 
 }  // namespace
@@ -64,24 +98,18 @@ void Records::put_reservation(const Codec& codec, const Key& key, const Entry& e
 void Records::put_asked(const Codec& codec, const Key& key, const Entry& entry) {
   auto value = value_of(entry, [&](const auto& v) { return codec.asked(v); });
   note(entry, value.has_value(), std::nullopt);
-  if (asked.size() >= kMostReservations && !asked.contains({key.gateway, key.id})) value.reset();
-  if (value)
-    asked[{key.gateway, key.id}] = {
-        .asked = std::move(*value), .create = entry.create, .mod = entry.mod};
-  else
-    asked.erase({key.gateway, key.id});
+  std::optional<AskedRecord> record;
+  if (value) record = {.asked = std::move(*value), .create = entry.create, .mod = entry.mod};
+  keep_fairly(asked, asked_counts_, {key.gateway, key.id}, std::move(record));
 }
 
 /// Without a vote nothing is granted, so what exceeds the limit is only ignored.
 void Records::put_vote(const Codec& codec, const Key& key, const Entry& entry) {
-  const VoteKey at{key.gateway, key.from, key.id};
   Record<VoteOf> record;
   keep(record, entry, [&](const auto& v) { return codec.vote(v); });
   note(entry, record.value.has_value(), std::nullopt);
-  if (!record.value)
-    votes.erase(at);
-  else if (votes.size() < kMostReservations || votes.contains(at))
-    votes[at] = std::move(record);
+  keep_fairly(votes, vote_counts_, {key.gateway, key.from, key.id},
+              record.value ? std::optional(std::move(record)) : std::nullopt);
 }
 
 void Records::put_member(const Codec& codec, const Key& key, const Entry& entry) {

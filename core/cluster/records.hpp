@@ -98,7 +98,11 @@ class Records {
 
   Records() = default;
   Records(std::size_t gateways, std::size_t networks)
-      : members(gateways), versions(networks), rollout_votes(gateways) {}
+      : members(gateways),
+        versions(networks),
+        rollout_votes(gateways),
+        asked_counts_(gateways),
+        vote_counts_(gateways) {}
 
   /// Takes in an entry, also one that is gone. Returns its key if that was understood.
   std::optional<Key> put(const Keys& keys, const Codec& codec, const Entry& entry);
@@ -108,6 +112,7 @@ class Records {
   std::vector<MemberRecord> members;
   std::vector<std::int64_t> versions;
   std::map<ReservationKey, ReservationRecord> reservations;
+  /// If there are more than the limit, the gateway with the most requests, or votes, loses some.
   std::map<AskedKey, AskedRecord> asked;
   std::map<VoteKey, Record<VoteOf>> votes;
   Record<Epoch> epoch;
@@ -133,6 +138,8 @@ class Records {
   void put_description(const Codec& codec, const Key& key, const Entry& entry);
   void note(const Entry& entry, bool understood, std::optional<std::size_t> network,
             Strangeness why = Strangeness::value);
+
+  std::vector<std::size_t> asked_counts_, vote_counts_;  ///< by the gateway that has written them
 };
 
 }  // namespace mlcca::core::cluster

@@ -130,6 +130,69 @@ TEST_F(StrangeEntries, HoweverManyRequestsAndVotesThereAreTheyAreBounded) {
   EXPECT_EQ(records.asked.at({1, 0}).asked.stage, Stage::ending);
 }
 
+/// Of these, nothing of a gateway is lost because another one writes too many.
+class OneWritesTooMany : public StrangeEntries {
+ protected:
+  static constexpr std::uint64_t kOthers = 50;
+  std::string vote() {
+    return codec.write(VoteOf{.asked = 1, .vote = {.ok = true, .hop = {}, .reason = {}}});
+  }
+  std::string asked() {
+    return codec.write(Asked{.stage = Stage::granted, .admission = {}, .gateways = {}});
+  }
+  void flood() {
+    for (std::uint64_t id = 0; id <= kMostReservations; ++id) {
+      put(keys->vote(1, 2, id), vote());
+      put(keys->asked(1, id), asked());
+    }
+  }
+  void some_of(std::size_t gateway) {
+    for (std::uint64_t id = 0; id < kOthers; ++id) {
+      put(keys->vote(gateway, 1, id), vote());
+      put(keys->asked(gateway, id), asked());
+    }
+  }
+  void expect_some_of(std::size_t gateway) const {
+    for (std::uint64_t id = 0; id < kOthers; ++id) {
+      EXPECT_TRUE(records.votes.contains({gateway, 1, id})) << id;
+      EXPECT_TRUE(records.asked.contains({gateway, id})) << id;
+    }
+    EXPECT_EQ(records.votes.size(), kMostReservations);
+    EXPECT_EQ(records.asked.size(), kMostReservations);
+  }
+};
+
+TEST_F(OneWritesTooMany, WhatOthersHaveWrittenBeforeStays) {
+  some_of(0);
+  some_of(2);
+  flood();
+  expect_some_of(0);
+  expect_some_of(2);
+}
+
+TEST_F(OneWritesTooMany, WhatOthersWriteThenHasRoom) {
+  flood();
+  some_of(0);
+  some_of(2);
+  expect_some_of(0);
+  expect_some_of(2);
+  EXPECT_FALSE(records.votes.contains({1, 2, kMostReservations - 1})) << "the last ones make room";
+  EXPECT_TRUE(records.votes.contains({1, 2, 0}));
+}
+
+TEST_F(OneWritesTooMany, WhatIsDeletedMakesRoomForTheSameGateway) {
+  flood();
+  const auto drop = [this](const std::string& key) {
+    records.put(*keys, codec, {.key = key, .value = {}, .mod = ++revision, .gone = true});
+  };
+  drop(keys->vote(1, 2, 5));
+  drop(keys->asked(1, 5));
+  put(keys->vote(1, 2, kMostReservations), vote());
+  put(keys->asked(1, kMostReservations), asked());
+  EXPECT_TRUE(records.votes.contains({1, 2, kMostReservations}));
+  EXPECT_TRUE(records.asked.contains({1, kMostReservations}));
+}
+
 TEST_F(StrangeEntries, WhoHasTheMostOfTooManyIsNamed) {
   put(keys->reservation(0, 1, 7), "?");
   for (std::size_t i = 0; i < kMostStrange; ++i) put(folder(2) + "x" + std::to_string(i), "?");
