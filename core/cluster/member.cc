@@ -184,7 +184,7 @@ void Member::begin(Value now) {
   // there is a V.
   if (!goes_on_) events_.emplace_back(Lost{.why = "this gateway joins again"});
   // Members from before the store was restored may send until their leases have ended.
-  if (!same_epoch()) take_from_ = view_.all_leases_end(now, identity_.lease);
+  if (!same_epoch()) view_.await_leases(now, identity_.lease);
   if (view_.went_back()) wait_for_ = 0;
   view_.forget_going_back();
   chain_.begin(own.mod, goes_on_ ? incarnation : 0, view_.records().epoch.mod,
@@ -270,7 +270,7 @@ Member::Standing Member::standing(Value now) const {
   if (now >= chain_.valid_until()) return Standing::silent;
   if (draining_) return Standing::draining;
   if (!digest_in_force()) return Standing::other_digest;
-  return now < take_from_ ? Standing::waiting : Standing::joined;
+  return now < view_.leases_end() ? Standing::waiting : Standing::joined;
 }
 
 std::string Member::why_no_description() const {
@@ -298,7 +298,7 @@ std::string Member::why_not(std::uint64_t id, Value now) const {
       const auto longest = view_.with_too_long_lease();
       return "the store was restored: leases from before have not ended yet" +
              (longest ? ", and " + keys_->gateway_name(*longest) + " states one of " +
-                            format_span(view_.records().members[*longest].lease)
+                            format_span(view_.lease(*longest))
                       : std::string());
     }
     case Standing::other_digest:
@@ -444,7 +444,7 @@ void Member::add_left(const std::string& gateway, const LeftRecord& left, Value 
 }
 
 std::optional<Work> Member::next_work(Value now) {
-  const bool may_take = now >= take_from_ && !draining_ && digest_in_force();
+  const bool may_take = now >= view_.leases_end() && !draining_ && digest_in_force();
   if (!found_ || view_.revision() < wait_for_) return std::nullopt;
   if (auto work = admissions_.next_work(view_, *codec_, may_take, now)) return work;
   if (auto work = adoptions_.next_work(view_, *codec_)) return work;
@@ -488,7 +488,7 @@ Value Member::next_time(Value now) const {
   at(view_.next_event(now));
   at(admissions_.next_time(now));
   at(rollouts_.next_time(view_, now));
-  at(take_from_);
+  at(view_.leases_end());
   if (phase_ != Phase::joined) return next;
   at(chain_.valid_until());
   at(chain_.beat_due());

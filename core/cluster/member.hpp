@@ -111,8 +111,8 @@ class Member {
   template <class Visit>
   void visit_state(Visit&& visit) const {
     visit(journal_, view_, chain_, admissions_, adoptions_, election_, rollouts_, phase_,
-          reachable_, draining_, goes_on_, found_, wait_for_, take_from_, applied_, said_applied_,
-          ask_applied_, said_draining_);
+          reachable_, draining_, goes_on_, found_, wait_for_, applied_, said_applied_, ask_applied_,
+          said_draining_);
   }
 
  private:
@@ -170,8 +170,7 @@ class Member {
   bool reachable_ = false, draining_ = false, goes_on_ = false, found_ = false;
   std::string problem_;
   std::int64_t wait_for_ =
-      0;                 ///< the view must have this revision before anything except a beat is sent
-  Value take_from_ = 0;  ///< nothing is reserved before this time
+      0;  ///< the view must have this revision before anything except a beat is sent
   /// The store refused to delete entries of this kind; not tried again before this time.
   std::array<Value, kUnused> clean_from_{};
   std::int64_t applied_ = 0, said_applied_ = 0;

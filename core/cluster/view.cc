@@ -116,20 +116,36 @@ void View::take_in(const Entry& entry, Value now) {
   }
 }
 
-/// The record of a gateway may have changed: from now on it counts for its lease, and what it had
-/// before a fence for what was left of that. True: the fence is another one.
-bool View::time_record(const MemberRecord& record, Timer& timer, Value now) {
-  if (record.mod != timer.mod) {
-    if (record.mod != 0) {
-      // A gateway that states a longer lease than it may have could send for so long.
-      timer.lease = record.beat ? record.beat->lease : std::max(kMostLease, record.lease);
-      timer.drained = record.beat && record.beat->draining;
-    }
-    if (record.mod != 0 || !timer.drained)
-      timer.counts_until = std::max(timer.counts_until, may_fence_at(now, timer.lease));
-    timer.seen = now;
-    timer.mod = record.mod;
+/// The entry of a gateway has changed: from now on it counts for its lease. A gateway that states a
+/// longer lease than it may have could send for so long, as long as nothing replaces that entry.
+/// When a beat does, or it is deleted, it counts for the longest lease that a gateway may have.
+void View::time_beat(const MemberRecord& record, Timer& timer, Value now) {
+  const bool was_too_long = timer.lease > kMostLease;
+  if (record.mod != 0) {
+    // What cannot be read does not say that a longer lease has ended.
+    timer.lease =
+        record.beat ? record.beat->lease : std::max({kMostLease, record.lease, timer.lease});
+    timer.drained = record.beat && record.beat->draining;
+  } else {
+    timer.lease = std::min(timer.lease, kMostLease);
   }
+  const Value lawful = was_too_long ? kMostLease : std::min(timer.lease, kMostLease);
+  if (record.mod != 0 || !timer.drained)
+    timer.lawful_until = std::max(timer.lawful_until, may_fence_at(now, lawful));
+  if (timer.lease > kMostLease) {
+    timer.counts_until = std::max(timer.counts_until, may_fence_at(now, timer.lease));
+  } else {
+    timer.counts_until = timer.lawful_until;
+    timer.dead_at = std::min(timer.dead_at, timer.lawful_until);
+  }
+  timer.seen = now;
+  timer.mod = record.mod;
+}
+
+/// The record of a gateway may have changed. What it had before a fence counts for what was left of
+/// its lease. True: the fence is another one.
+bool View::time_record(const MemberRecord& record, Timer& timer, Value now) {
+  if (record.mod != timer.mod) time_beat(record, timer, now);
   if (record.fence == timer.fence) return false;
   timer.dead_at = std::max(timer.dead_at, timer.counts_until);
   timer.fence = record.fence;
@@ -225,6 +241,7 @@ bool View::is_over(const Records::ReservationKey& key, ReservationRecord& record
 
 void View::expire(Value now) {
   expire_left(now);
+  if (lawful_end_ < leases_end_ && !with_too_long_lease()) leases_end_ = lawful_end_;
   // What is of this gateway itself it must know, to take it out of the store.
   dying_.erase(self_);
   for (auto it = dying_.begin(); it != dying_.end();) {
@@ -287,9 +304,14 @@ Value View::all_leases_end(Value now, Value own_lease) const {
   return may_fence_at(now, longest);
 }
 
+void View::await_leases(Value now, Value own_lease) {
+  leases_end_ = all_leases_end(now, own_lease);
+  lawful_end_ = std::min(leases_end_, may_fence_at(now, std::max(own_lease, kMostLease)));
+}
+
 std::optional<std::size_t> View::with_too_long_lease() const {
   for (std::size_t g = 0; g < timers_.size(); ++g)
-    if (g != self_ && records_.members[g].lease > kMostLease) return g;
+    if (g != self_ && timers_[g].lease > kMostLease) return g;
   return std::nullopt;
 }
 

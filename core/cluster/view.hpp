@@ -63,8 +63,15 @@ class View {
   [[nodiscard]] bool surely_closed(std::size_t gateway, std::int64_t revision, Value now) const;
   /// When nobody who is known now can hold anything any more by what was committed before now.
   [[nodiscard]] Value all_leases_end(Value now, Value own_lease) const;
+  /// Waits for these leases, as they are now. A longer one than a gateway may have counts as the
+  /// longest that it may have once its entry is deleted or replaced by a beat.
+  void await_leases(Value now, Value own_lease);
+  /// When the leases end for which await_leases() waits; 0: it was not called.
+  [[nodiscard]] Value leases_end() const { return leases_end_; }
   /// Another gateway that states a longer lease than it may have; nullopt: none does.
   [[nodiscard]] std::optional<std::size_t> with_too_long_lease() const;
+  /// The lease for which a gateway counts.
+  [[nodiscard]] Value lease(std::size_t gateway) const { return timers_[gateway].lease; }
   /// When time alone changes something; nullopt: never.
   [[nodiscard]] std::optional<Value> next_event(Value now) const;
 
@@ -79,7 +86,7 @@ class View {
   template <class Visit>
   void visit_state(Visit&& visit) const {
     visit(records_, coming_, parts_, timers_, dying_, adopted_, revision_, coming_revision_,
-          complete_, snapshot_, went_back_, changed_, touched_);
+          complete_, snapshot_, went_back_, changed_, touched_, leases_end_, lawful_end_);
   }
 
  private:
@@ -89,15 +96,17 @@ class View {
     Value lease = kMostLease;         ///< of the last beat, also one with a lease that is refused
     bool drained = false;             ///< that was the last one
     Value counts_until = 0;           ///< it may send until then
+    Value lawful_until = 0;           ///< the same if no lease is above kMostLease
     Value dead_at = 0;                ///< what was written before the fence ends then
     Value seen = 0;                   ///< only to be reported
     template <class Visit>
     void visit_state(Visit&& visit) const {
-      visit(mod, fence, lease, drained, counts_until, dead_at);
+      visit(mod, fence, lease, drained, counts_until, lawful_until, dead_at);
     }
   };
 
   void take_in(const Entry& entry, Value now);
+  static void time_beat(const MemberRecord& record, Timer& timer, Value now);
   static bool time_record(const MemberRecord& record, Timer& timer, Value now);
   void time_member(std::size_t gateway, Value now);
   void time_left(std::string_view gateway, Value now);
@@ -123,6 +132,7 @@ class View {
   bool complete_ = false, snapshot_ = false, went_back_ = false;
   std::set<std::size_t> changed_;
   std::set<Records::AskedKey> touched_;
+  Value leases_end_ = 0, lawful_end_ = 0;  ///< see await_leases()
 };
 
 }  // namespace mlcca::core::cluster

@@ -37,6 +37,11 @@ class ClusterView : public testing::Test {
     beat.lease = 10 * kSecond;
     put(keys->member(g), codec.write(beat), now);
   }
+  void endless_beat(std::size_t g, Value now) {
+    Beat beat;
+    beat.lease = kUnbounded;
+    put(keys->member(g), codec.write(beat), now);
+  }
   void hold(std::size_t g, std::uint64_t id, Value bytes, Value now,
             std::vector<std::size_t> through = {}) {
     put(keys->reservation(0, g, id),
@@ -162,19 +167,60 @@ TEST_F(ClusterView, WhoStatesALongerLeaseThanItMayHaveCountsForAllOfIt) {
   EXPECT_EQ(held(), 0U);
 }
 
-TEST_F(ClusterView, ALeaseWithoutAnEndNeverEnds) {
+TEST_F(ClusterView, ALeaseWithoutAnEndLastsAsLongAsItsEntry) {
   hold(1, 1, 5, 0);
-  Beat beat;
-  beat.lease = kUnbounded;
-  put(keys->member(1), codec.write(beat), 0);
+  endless_beat(1, 0);
   put(keys->fence(1), "2", kSecond);
   view.on_time(kUnbounded - 1);
   EXPECT_EQ(held(), 5U);
-  // What it has stated before does not end because it states less now.
-  beat.lease = 10 * kSecond;
-  put(keys->member(1), codec.write(beat), 2 * kSecond);
-  EXPECT_EQ(view.counts_until(1), kUnbounded);
+  put(keys->member(1), "?", 2 * kSecond);
+  EXPECT_EQ(view.counts_until(1), kUnbounded) << "it does not say that it states less now";
+  EXPECT_EQ(view.with_too_long_lease(), 1U);
+}
+
+/// No process of mlccad sends for longer than that, and its successor has replaced the entry.
+TEST_F(ClusterView, AfterALeaseWithoutAnEndANextBeatCountsForTheLongestLease) {
+  hold(1, 1, 5, 0);
+  endless_beat(1, 0);
+  put(keys->fence(1), "2", kSecond);
+  beat(1, 2 * kSecond);
+  const Value end = may_fence_at(2 * kSecond, kMostLease);
   EXPECT_EQ(view.with_too_long_lease(), std::nullopt);
+  EXPECT_EQ(view.fence_from(1), end);
+  EXPECT_EQ(view.next_event(end - 1), end);
+  beat(1, 3 * kSecond);
+  EXPECT_EQ(view.fence_from(1), end);
+  view.on_time(end - 1);
+  EXPECT_EQ(held(), 5U) << "what it had before its fence";
+  view.on_time(end);
+  EXPECT_EQ(held(), 0U);
+  beat(1, end);
+  EXPECT_EQ(view.fence_from(1), may_fence_at(end, 10 * kSecond));
+}
+
+TEST_F(ClusterView, AfterALeaseWithoutAnEndADeletedEntryCountsForTheLongestLease) {
+  endless_beat(1, 0);
+  drop(keys->member(1), 10 * kMostLease);
+  const Value end = may_fence_at(10 * kMostLease, kMostLease);
+  EXPECT_EQ(view.alive(1, end - 1), Alive::silent);
+  EXPECT_EQ(view.alive(1, end), Alive::absent);
+}
+
+TEST_F(ClusterView, WhatARemovedGatewayWithoutAnEndHasLeftIsOverAfterItsEntry) {
+  const std::string left = "r/bus/gone/1";
+  Beat beat;
+  beat.lease = kUnbounded;
+  put("m/gone", codec.write(beat), 0);
+  put(left, "5", 0);
+  put("f/gone", "A", kSecond);
+  view.on_time(kUnbounded - 1);
+  EXPECT_TRUE(view.foreign(0).unreadable);
+  drop("m/gone", 2 * kSecond);
+  const Value end = may_fence_at(2 * kSecond, kMostLease);
+  view.on_time(end - 1);
+  EXPECT_TRUE(view.foreign(0).unreadable);
+  view.on_time(end);
+  EXPECT_FALSE(view.foreign(0).unreadable);
 }
 
 TEST_F(ClusterView, ABeatThatCannotBeReadCountsForTheLongestLease) {
