@@ -237,7 +237,8 @@ void Adopting::begin_on_behalf(Adopted& adopted) {
                                  .refused =
                                      [this, origin](const std::string& why) {
                                        if (auto* const there = find(origin)) answer(*there, why);
-                                     }});
+                                     },
+                                 .gateway = origin.gateway});
   if (!asked) answer(adopted, asked.error().text);
 }
 

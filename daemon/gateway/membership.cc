@@ -17,7 +17,6 @@ namespace {
 namespace cc = core::cluster;
 
 constexpr int kMostRounds = 32;                     // rounds of one turn
-constexpr std::size_t kMostOnBehalf = 64;           // admissions for others that wait at a time
 constexpr Value kWaitStep = 20'000'000;             // ns
 constexpr Value kUntilAgain = 1'000'000'000;        // ns
 constexpr Value kEnforceAgain = 5'000'000'000;      // ns
@@ -53,8 +52,10 @@ cc::Journalled journalled_in(const store::Membership& record) {
 
 Membership::Membership(Parts parts) : parts_(std::move(parts)), store_since_(now()) {
   parts_.hands.ask = [this](Reserving::Job job) -> Result<void> {
-    if (reserving_->jobs_of_gateways() >= kMostOnBehalf)
-      return fail("too many admissions for other gateways wait here");
+    const std::size_t gateway = job.gateway.value_or(self_);
+    if (const auto why = reserving_->bar_gateway(gateway, parts_.hands.name_of(gateway));
+        !why.empty())
+      return fail(why);
     ask(std::move(job));
     return {};
   };

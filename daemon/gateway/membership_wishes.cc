@@ -20,11 +20,11 @@ constexpr Value kGrantedWishAgain = 60'000'000'000;  // after a grant with which
 }  // namespace
 
 /// Asks for a channel that would be given more with a reservation: one that has lost its
-/// reservation, or for which others leave more room than the description promises. True if one was
-/// asked for.
+/// reservation, or for which others leave more room than the description promises. It waits for its
+/// turn while another admission is decided. True if one was asked for.
 bool Membership::wish_some() {
-  if (!joined_ || leaving_ || !looks_for_wishes_ || !reserving_->idle() ||
-      !member_->why_not(now()).empty() || !networks_->permits().is_open())
+  if (!joined_ || leaving_ || !looks_for_wishes_ || reserving_->has_own() || !standing().empty() ||
+      !networks_->permits().is_open())
     return false;
   if (ask_again_some() || (asks_others_ && ask_others_again_some())) return true;
   for (const std::size_t channel : state().wishes()) {

@@ -48,6 +48,19 @@ std::optional<std::string> Quotas::refuse_waiting(uid_t user, const Waiting& now
   return std::nullopt;
 }
 
+std::optional<std::string> Quotas::refuse_waiting_for(const std::string& gateway,
+                                                      const Waiting& now) {
+  if (now.of_user >= kWaitingOfGateway)
+    return fmt::format("{} admissions that {} has asked for wait here, and may not be more",
+                       now.of_user, gateway);
+  if (now.of_others >= kWaitingOfGateways)
+    return fmt::format(
+        "{} admissions that other gateways have asked for wait here, and may not be "
+        "more",
+        now.of_others);
+  return std::nullopt;
+}
+
 std::optional<std::string> Quotas::refuse_pairs(std::size_t now, std::size_t more) {
   if (now + more <= kPairs) return std::nullopt;
   return fmt::format(

@@ -32,9 +32,12 @@ class Quotas {
   static constexpr std::size_t kWaitingOfUser = 64;
   static constexpr std::size_t kWaitingOfOthers = 192;
   static constexpr std::size_t kWaitingOfAll = 256;
+  /// The same that another gateway has asked for, and all other gateways together.
+  static constexpr std::size_t kWaitingOfGateway = 16;
+  static constexpr std::size_t kWaitingOfGateways = 64;
   struct Waiting {
-    std::size_t of_user = 0;
-    std::size_t of_others = 0;  ///< of all users except root
+    std::size_t of_user = 0;    ///< or of another gateway
+    std::size_t of_others = 0;  ///< of all users except root, or of all other gateways
     std::size_t all = 0;
   };
 
@@ -54,6 +57,9 @@ class Quotas {
                                                                    const store::Admissions& held);
   /// Why no further admission of a user may wait, and what to do; nullopt if it may.
   [[nodiscard]] static std::optional<std::string> refuse_waiting(uid_t user, const Waiting& now);
+  /// The same for an admission that another gateway asks for.
+  [[nodiscard]] static std::optional<std::string> refuse_waiting_for(const std::string& gateway,
+                                                                     const Waiting& now);
   /// Why there may not be `more` pairs in addition to `now`, and what to do; nullopt if there may.
   [[nodiscard]] static std::optional<std::string> refuse_pairs(std::size_t now, std::size_t more);
   /// Why a user may change nothing now that makes at least `least` rows; nullopt if they may.

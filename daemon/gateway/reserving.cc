@@ -2,6 +2,7 @@
 #include "daemon/gateway/reserving.hpp"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "daemon/gateway/quotas.hpp"
@@ -65,9 +66,18 @@ std::unordered_set<core::AdmissionId> Reserving::held_admissions() const {
   return all;
 }
 
-std::size_t Reserving::jobs_of_gateways() const {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(jobs_, [](const Open& open) { return !open.job.user; }));
+std::string Reserving::bar_gateway(std::size_t gateway, const std::string& name) const {
+  Quotas::Waiting now;
+  for (const Open& open : jobs_) {
+    if (!open.job.gateway) continue;
+    now.of_user += *open.job.gateway == gateway ? 1 : 0;
+    ++now.of_others;
+  }
+  return Quotas::refuse_waiting_for(name, now).value_or("");
+}
+
+bool Reserving::has_own() const {
+  return std::ranges::any_of(jobs_, [](const Open& open) { return open.job.is_own(); });
 }
 
 bool Reserving::waits_for(const std::string& key) const {
@@ -262,7 +272,7 @@ bool Reserving::step(core::cluster::Member& member, Value now) {
   }
   const auto next = next_turn();
   if (next == jobs_.end() || !member.why_not(now).empty()) return false;
-  latest_ = next->job.user;
+  note_turn(next->job);
   parts_.networks.leave_out(std::nullopt);
   static_cast<void>(parts_.bring_in_line());
   auto wish = next->job.decide();
@@ -290,14 +300,30 @@ void Reserving::tidy() {
   for (const Number number : over) give_back(number);
 }
 
-/// Users take turns, so that nobody has to wait for all jobs of another user.
+Reserving::Turn Reserving::turn_of(const Job& job) {
+  return {job.gateway.has_value(), job.user.value_or(0)};
+}
+
+void Reserving::note_turn(const Job& job) {
+  latest_own_ = job.is_own();
+  if (!latest_own_) latest_ = turn_of(job);
+  if (job.gateway) latest_gateway_ = job.gateway;
+}
+
+/// Nobody has to wait for all jobs of another user or gateway. A gateway that asks for a lot takes
+/// turns with other gateways, so that all of them together have one turn for one of each user.
+/// Those of this gateway itself come next, but never two in a row while others wait.
 Reserving::Jobs::iterator Reserving::next_turn() {
-  const auto turn = [this](const Open& open) {
-    return std::pair(latest_ && open.job.user && *open.job.user <= *latest_, open.job.user);
+  const auto order = [this](const Job& job) {
+    const unsigned rank = !job.is_own() ? 1 : latest_own_ ? 2 : 0;
+    const Turn turn = turn_of(job);
+    return std::tuple(rank, latest_ && turn <= *latest_, turn,
+                      latest_gateway_ && job.gateway && *job.gateway <= *latest_gateway_,
+                      job.gateway);
   };
   auto next = jobs_.end();
   for (auto it = jobs_.begin(); it != jobs_.end(); ++it)
-    if (!it->asked && (next == jobs_.end() || turn(*it) < turn(*next))) next = it;
+    if (!it->asked && (next == jobs_.end() || order(it->job) < order(next->job))) next = it;
   return next;
 }
 

@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "core/admission/state.hpp"
@@ -21,7 +22,8 @@
 namespace mlcca {
 
 /// A queue of jobs. Each one is decided, reserved in the store, and then put in force or refused.
-/// Users take turns. Also keeps what is reserved until nothing needs it any more.
+/// The jobs of this gateway itself have every second turn at most, users and other gateways take
+/// turns. Also keeps what is reserved until nothing needs it any more.
 class Reserving {
  public:
   using Number = SharedNetworks::Number;
@@ -41,9 +43,11 @@ class Reserving {
     std::function<void(const std::string& why)> refused;
     /// Called instead of `refused` if another gateway has refused it; empty: `refused` is.
     std::function<void(const std::string& why)> refused_by_another{};
-    std::uint64_t session = 0;    ///< the job ends with this session; 0: with none
-    std::string key{};            ///< at most one job has this key; empty: no key
-    std::optional<uid_t> user{};  ///< who has asked; nullopt: the gateway itself
+    std::uint64_t session = 0;             ///< the job ends with this session; 0: with none
+    std::string key{};                     ///< at most one job has this key; empty: no key
+    std::optional<uid_t> user{};           ///< who has asked; nullopt: a gateway
+    std::optional<std::size_t> gateway{};  ///< another gateway that has asked
+    [[nodiscard]] bool is_own() const { return !user && !gateway; }
   };
   struct Parts {
     SharedNetworks& networks;
@@ -65,13 +69,16 @@ class Reserving {
 
   /// Why a user can have no further job; empty if they can.
   [[nodiscard]] std::string bar(uid_t user) const;
+  /// Why another gateway can have no further job; empty if it can.
+  [[nodiscard]] std::string bar_gateway(std::size_t gateway, const std::string& name) const;
   /// Whether a job waits with this key.
   [[nodiscard]] bool waits_for(const std::string& key) const;
   /// Refuses the job that waits with this key. False if there is none.
   bool refuse(const std::string& key, const std::string& why);
   void ask(Job job, Value now);
   [[nodiscard]] Number new_number() { return next_++; }
-  [[nodiscard]] bool idle() const { return jobs_.empty(); }
+  /// Whether a job of this gateway itself is there.
+  [[nodiscard]] bool has_own() const;
   /// Ends the jobs of a session.
   void session_closed(std::uint64_t session);
   /// Gives back what was reserved for these admissions, unless something else uses it.
@@ -108,8 +115,6 @@ class Reserving {
   [[nodiscard]] const std::map<Number, Held>& held() const { return held_; }
   /// The admissions for which something is held.
   [[nodiscard]] std::unordered_set<core::AdmissionId> held_admissions() const;
-  /// The number of jobs that no user has asked for.
-  [[nodiscard]] std::size_t jobs_of_gateways() const;
 
  private:
   struct Open {
@@ -122,9 +127,13 @@ class Reserving {
     Wish wish{};
   };
   using Jobs = std::list<Open>;
+  /// Those who take turns: each user, and all other gateways together.
+  using Turn = std::pair<bool, uid_t>;
 
+  [[nodiscard]] static Turn turn_of(const Job& job);
   [[nodiscard]] Jobs::iterator find(Number number);
   [[nodiscard]] Jobs::iterator next_turn();
+  void note_turn(const Job& job);
   void give_back(Number number);
   void release_closed(core::cluster::Member& member, Value now);
   void begin(Open& open, core::cluster::Member& member, Value now);
@@ -134,10 +143,12 @@ class Reserving {
   Number next_;
   Jobs jobs_;
   std::map<Number, Held> held_;
-  std::optional<uid_t> latest_;     ///< whose turn was the latest
-  bool unused_ = false;             ///< there may be something for tidy()
-  std::vector<Number> to_release_;  ///< when the gates have closed
-  std::vector<Number> leaving_;     ///< released, but the store may still have them
+  std::optional<Turn> latest_;  ///< whose turn was the latest, except that of this gateway
+  std::optional<std::size_t> latest_gateway_;  ///< of the other gateways
+  bool latest_own_ = false;                    ///< the latest turn was one of this gateway itself
+  bool unused_ = false;                        ///< there may be something for tidy()
+  std::vector<Number> to_release_;             ///< when the gates have closed
+  std::vector<Number> leaving_;                ///< released, but the store may still have them
 };
 
 }  // namespace mlcca

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a gateway does to another one by what it writes into the store: a lease without an end.
+// What a gateway does to another one by what it writes into the store: a lease without an end, and
+// more requests than are decided.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "core/cluster/lease.hpp"
 #include "daemon/cluster/codec.hpp"
@@ -17,6 +20,15 @@ namespace {
 namespace cc = core::cluster;
 
 constexpr std::uint64_t kHourNs = 3600 * kSecondNs;
+
+control::Admit subscriber_of(const std::string& channel, const std::string& name) {
+  control::Admit request;
+  request.channel = channel;
+  request.to = "own1";
+  request.subscriber = name;
+  request.key = "also-" + name;
+  return request;
+}
 
 /// The tests write for g1 what another program than mlccad could write.
 class MembersHostile : public MembershipBench {
@@ -37,6 +49,18 @@ class MembersHostile : public MembershipBench {
   void write_endless_lease() {
     write_beat(std::numeric_limits<std::uint64_t>::max());
     run();
+  }
+  /// Asks g0 to admit a subscriber of c3 for g1.
+  void write_request(std::uint64_t n) {
+    const cluster::Asked asked{
+        .channel = "c3",
+        .requests = {{.id = 7000 + n, .body = subscriber_of("c3", "s" + std::to_string(n))}},
+        .also = {},
+        .on_behalf = true};
+    store.write({{.key = key("x/g1/") + std::to_string(n),
+                  .value = codec.write(cc::Asked{.stage = cc::Stage::prepared,
+                                                 .admission = cluster::text_of(asked),
+                                                 .gateways = {0}})}});
   }
   /// In long steps, as nothing happens but what time does.
   void wait(std::uint64_t time) {
@@ -101,6 +125,64 @@ TEST_F(MembersHostile, AnEpochAfterALeaseWithoutAnEndIsUsedAnHourAfterItsBeginni
   start(1);
   pass(4 * kSecondNs);
   EXPECT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");
+}
+
+TEST_F(MembersHostile, AUserIsDecidedBetweenTheRequestsOfAnotherGateway) {
+  start_both();
+  ASSERT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");
+  at(1).end();
+  link(0).answers = false;
+  auto first = at(0).ask(wanted("c4", "own0", "shared"));
+  auto second = at(0).ask(wanted("c5", "own0", "shared"));
+  run();
+  for (std::uint64_t n = 1; n <= 8; ++n) write_request(n);
+  run();
+  link(0).answers = true;
+  run();
+  std::int64_t user = 0;
+  std::vector<std::int64_t> others;
+  for (const auto& [name, entry] : store.entries) {
+    if (!name.starts_with(key("x/g0/"))) continue;
+    const auto asked = codec.asked(entry.value);
+    const auto text = asked ? cluster::asked_in(asked->admission) : std::nullopt;
+    if (text && text->for_gateway == "g1") others.push_back(entry.create);
+    if (text && text->channel == "c5") user = entry.create;
+  }
+  ASSERT_NE(user, 0);
+  EXPECT_LE(std::ranges::count_if(others, [user](std::int64_t at) { return at < user; }), 1);
+}
+
+TEST_F(MembersHostile, WhoAsksForTooMuchIsToldSo) {
+  start_both();
+  ASSERT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");
+  at(1).end();
+  link(0).answers = false;
+  for (std::uint64_t n = 1; n <= 17; ++n) write_request(n);
+  run();
+  link(0).answers = true;
+  run();
+  const auto vote = [&](std::uint64_t n) {
+    const auto found = store.entries.find(key("a/g0/g1/") + std::to_string(n));
+    const auto there =
+        found == store.entries.end() ? std::nullopt : codec.vote(found->second.value);
+    return there ? there->vote.reason : "no vote";
+  };
+  EXPECT_EQ(vote(17), "16 admissions that g1 has asked for wait here, and may not be more");
+  EXPECT_FALSE(vote(16).contains("may not be more")) << vote(16);
+}
+
+/// Nobody agrees to what this gateway makes for g1, so each of these takes its 3 s.
+TEST_F(MembersHostile, WhatWasLostIsReservedAgainWhateverAnotherGatewayAsksFor) {
+  start_both();
+  ASSERT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");
+  at(1).end();
+  store.write({{.key = key("f/g0"), .value = "g1"}});
+  for (std::uint64_t n = 0; n < 300; ++n) {
+    if (n % 10 == 0) write_beat(kLease);
+    if (n % 20 == 0) write_request(100 + n);
+    pass(kStepNs);
+  }
+  EXPECT_TRUE(passes(0, 3));
 }
 
 }  // namespace
