@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 
+#include "core/gates/plan.hpp"
 #include "core/model/station.hpp"
 #include "core/model/text.hpp"
 #include "core/profiles/profile.hpp"
@@ -71,6 +72,16 @@ std::string free_name(const std::string& name, std::set<std::string>& taken) {
     out = name.substr(0, longest - end.size()) + end;
   }
   return out;
+}
+
+/// Whether a gate that holds the stated Period and Jitter drops events of what was seen. The Period
+/// drafted of few events does not show that, and is not compared.
+bool is_dropped(const learn::DraftPublisher& seen, const AttributeSet& stated) {
+  if (!stated.has(Attribute::period) || seen.assumed) return false;
+  // Within the tolerance of clocks and of the draft.
+  if (seen.few.empty()) return seen.period + seen.period / 50 < stated[Attribute::period];
+  const core::Policing gate = core::policing_of(stated, 1, 0);
+  return learn::Flow::early_of(seen.few, gate.per_frame) > gate.tolerance;
 }
 
 class Merge {
@@ -289,11 +300,13 @@ class Merge {
                const core::Publisher& p) {
     const AttributeSet& stated = p.attributes;
     const Value period = stated[Attribute::period];
-    // Within the tolerance of clocks and of the draft.
-    if (stated.has(Attribute::period) && seen.period + seen.period / 50 < period)
+    if (is_dropped(seen, stated))
       merged_.differs.push_back(fmt::format(
-          "{}: publisher {} states Period {}, and {} was seen: frames would be dropped", who,
-          p.name, core::format_value(Attribute::period, period), time_words(seen.period)));
+          "{}: publisher {} states Period {}, and {} seen: frames would be dropped", who, p.name,
+          core::format_value(Attribute::period, period),
+          seen.few.empty() ? time_words(seen.period) + " was"
+                           : fmt::format("{} events, {} apart at least, were", seen.events,
+                                         learn::about(seen.shortest_gap))));
     if (stated.has(Attribute::max_payload) && seen.bytes > stated[Attribute::max_payload])
       merged_.differs.push_back(fmt::format(
           "{}: publisher {} states MaxPayload {}, and {} bytes were seen: frames would be "
@@ -318,18 +331,20 @@ class Merge {
     const AttributeSet& stated = p.attributes;
     const core::EventChannel& channel = system_.channels[p.channel];
     const Value period = stated[Attribute::period];
-    const bool shorter = seen.period + seen.period / 50 < period;
+    const bool shorter = is_dropped(seen, stated);
     const bool longer = seen.periodic && period + period / 2 < seen.period;
     const bool alone =
         std::ranges::count(system_.publishers, p.channel, &core::Publisher::channel) == 1;
     // A longer Period of one publisher is one that the channel's subscribers must accept.
     if (stated.has(Attribute::period) && (shorter || (longer && alone))) {
       const bool own = !alone || period != channel.attributes[Attribute::period];
-      patch_.state({own ? p.origin : channel.origin, own ? Of::publisher : Of::channel, "period"},
-                   seen.period);
+      const Value fresh = seen.few.empty() ? seen.period : std::min(seen.period, period);
+      if (fresh != period)
+        patch_.state({own ? p.origin : channel.origin, own ? Of::publisher : Of::channel, "period"},
+                     fresh);
       if (seen.jitter > stated[Attribute::jitter])
         patch_.state({p.origin, Of::publisher, "jitter"}, seen.jitter);
-      shortest_ = std::min(shortest_, seen.period);
+      shortest_ = std::min(shortest_, fresh);
     }
     if (!stated.has(Attribute::max_payload) || seen.bytes <= stated[Attribute::max_payload]) return;
     if (seen.bytes > channel.attributes[Attribute::max_payload])

@@ -292,10 +292,21 @@ class Drafter {
       own += fmt::format(" jitter=\"{}\"", tools::time_words(source.times.jitter));
     text += own.empty() ? "/>\n" : fmt::format(">\n    <Attributes{}/>\n  </Publisher>\n", own);
     const Flow& flow = source.seen->flow;
-    row.publishers.push_back({name, names_[interface], source.key.node, source.key.local,
-                              source.times.period, source.times.jitter, flow.most_bytes(),
-                              source.times.periodic, std::move(text), flow.events(),
-                              flow.shorter_events(), flow.least_bytes()});
+    row.publishers.push_back({name,
+                              names_[interface],
+                              source.key.node,
+                              source.key.local,
+                              source.times.period,
+                              source.times.jitter,
+                              flow.most_bytes(),
+                              source.times.periodic,
+                              std::move(text),
+                              flow.events(),
+                              flow.shorter_events(),
+                              flow.least_bytes(),
+                              flow.shortest_gap(),
+                              {flow.few().begin(), flow.few().end()},
+                              source.times.assumed});
   }
 
   void write_subscribers(DraftChannel& row, const Channel& channel) {

@@ -54,6 +54,9 @@ struct DraftPublisher {
   std::uint64_t events = 0;
   std::uint64_t shorter_events = 0;  ///< number of events with fewer than `bytes` bytes
   std::uint32_t least_bytes = 0;
+  std::uint64_t shortest_gap = 0;  ///< ns
+  std::vector<Flow::Moment> few;   ///< see Flow::few(): its Period is not what was seen
+  bool assumed = false;            ///< see Times::assumed
 };
 
 /// A drafted channel, for a table and for tests.

@@ -198,9 +198,9 @@ std::uint64_t Flow::mean_of_few(std::uint64_t longest) const {
   return count == 0 ? 0 : sum / count;
 }
 
-std::uint64_t Flow::early_of_few(std::uint64_t period) const {
+std::uint64_t Flow::early_of(std::span<const Moment> events, std::uint64_t period) {
   Policer policer{.period = period};
-  for (const Moment& one : begin_) policer.take(one);
+  for (const Moment& one : events) policer.take(one);
   return policer.early;
 }
 

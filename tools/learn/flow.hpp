@@ -87,7 +87,20 @@ class Flow {
   /// The mean time between two events, in ns. Gaps longer than `longest` do not count.
   [[nodiscard]] std::uint64_t mean_of_few(std::uint64_t longest = UINT64_MAX) const;
   /// The tolerance in ns with which all events conform to `period`.
-  [[nodiscard]] std::uint64_t early_of_few(std::uint64_t period) const;
+  [[nodiscard]] std::uint64_t early_of_few(std::uint64_t period) const {
+    return early_of(begin_, period);
+  }
+  /// The time of an event, whether the time before it is not a gap, and whether that is because of
+  /// another clock.
+  struct Moment {
+    std::uint64_t ns = 0;
+    bool is_new = false;
+    bool is_reset = false;
+  };
+  /// Its events, without some that are alone in their stretch. Empty with more gaps.
+  [[nodiscard]] std::span<const Moment> few() const { return begin_; }
+  /// The tolerance in ns with which all these events conform to `period`.
+  [[nodiscard]] static std::uint64_t early_of(std::span<const Moment> events, std::uint64_t period);
 
   /// Rates for several periods up to the median or mean of the first gaps, the longest period
   /// first. Empty with fewer than kFirst - 1 gaps.
@@ -106,14 +119,6 @@ class Flow {
   static constexpr unsigned kLowest = 10;   // 1 us
   static constexpr unsigned kHighest = 40;  // 18 minutes
   using Histogram = std::array<std::uint32_t, std::size_t{kParts} * (kHighest - kLowest)>;
-
-  /// The time of an event, whether the time before it is not a gap, and whether that is because of
-  /// another clock.
-  struct Moment {
-    std::uint64_t ns = 0;
-    bool is_new = false;
-    bool is_reset = false;
-  };
 
   static std::size_t part_of(std::uint64_t gap);
   static std::uint64_t middle_of(std::size_t part);

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What `mlccactl learn --merge` proposes for a plant that is described: nothing that was not seen,
+// and nothing that a check refuses without saying so.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/tools/design/describe/program.hpp"
+
+namespace mlcca::test {
+namespace {
+
+/// A line of candump -l.
+std::string line(std::uint64_t ms, const std::string& frame) {
+  return fmt::format("({}.{:03}000) can0 {}\n", 1000 + ms / 1000, ms % 1000, frame);
+}
+/// `count` lines, one every `step` ms.
+std::string lines(std::uint64_t step, std::uint64_t count, const std::string& frame) {
+  std::string out;
+  for (std::uint64_t i = 0; i < count; ++i) out += line(i * step, frame);
+  return out;
+}
+
+struct LearnMerge : ::testing::Test {
+  std::string drafted(const std::string& log, std::vector<std::string> more = {}) {
+    const auto path = folder.path("system.xml");
+    more.insert(more.begin(), {"learn", folder.write("first.log", log), "--output", path});
+    const Ran ran = run(more);
+    EXPECT_EQ(ran.status, 0) << ran.error;
+    return path;
+  }
+  Ran merged(const std::string& log, const std::string& path) {
+    return run({"learn", folder.write("second.log", log), "--merge", path});
+  }
+  /// Applies the patch.
+  void apply(const Ran& ran, const std::string& path) {
+    const Ran patched = run_program({"patch", path, folder.write("change.patch", ran.out)});
+    ASSERT_EQ(patched.status, 0) << patched.out << ran.out;
+  }
+  Folder folder;
+};
+
+TEST_F(LearnMerge, FewEventsThatPassChangeNoPeriodAndNoProvision) {
+  const auto path = drafted(lines(1000, 60, "310#1122"));
+  for (const std::uint64_t count : {1, 2, 5, 31}) {
+    const Ran ran = merged(lines(1000, count, "310#1122"), path);
+    EXPECT_EQ(ran.status, 0) << count << ran.error;
+    EXPECT_EQ(ran.out, "") << count;
+  }
+}
+
+TEST_F(LearnMerge, TheEndOfARecordingDoesNotContradictItsBegin) {
+  std::string text = content_of("examples/learn/short.log");
+  std::vector<std::string> all;
+  for (std::size_t at = 0; at < text.size(); at = text.find('\n', at) + 1)
+    all.push_back(text.substr(at, text.find('\n', at) + 1 - at));
+  std::string first;
+  std::string last;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (i < 300) first += all[i];
+    if (i >= 199) last += all[i];
+  }
+  const Ran ran = merged(last, drafted(first));
+  EXPECT_EQ(ran.status, 0) << ran.error;
+  EXPECT_EQ(ran.out, "");
+}
+
+TEST_F(LearnMerge, FewEventsOfWhichAGateDropsOneAreProposedAndSaid) {
+  const std::string slow = lines(1000, 60, "310#1122");
+  const std::string others = lines(500, 300, "120#55");
+  const auto path = drafted(slow + others);
+  std::string burst = others;
+  for (const std::uint64_t ms : {60'000, 60'001, 60'002, 60'003}) burst += line(ms, "310#1122");
+  const std::pair<std::string, const char*> cases[] = {
+      {lines(100, 10, "310#1122"),
+       "states Period 1 s, and 10 events, 100ms apart at least, were seen: frames would be "
+       "dropped"},
+      {burst,
+       "states Period 1 s, and 4 events, 1ms apart at least, were seen: frames would be dropped"}};
+  for (const auto& [log, says] : cases) {
+    const auto copy = folder.write("copy.xml", content_of(path));
+    const Ran ran = merged(log, copy);
+    EXPECT_EQ(ran.status, 1);
+    EXPECT_TRUE(ran.error.contains(says)) << ran.error;
+    apply(ran, copy);
+    EXPECT_EQ(run({"check", copy}).status, 0);
+    const Ran again = merged(log, copy);
+    EXPECT_EQ(again.out, "");
+    EXPECT_FALSE(again.error.contains("frames would be dropped")) << again.error;
+  }
+}
+
+}  // namespace
+}  // namespace mlcca::test
