@@ -31,6 +31,7 @@
 #include "tools/design/learn_merge.hpp"
 #include "tools/design/learn_patch.hpp"
 #include "tools/design/learn_silence.hpp"
+#include "tools/design/learn_table.hpp"
 #include "tools/design/mistakes.hpp"
 #include "tools/design/new/plan.hpp"
 #include "tools/design/safe_file.hpp"
@@ -358,14 +359,7 @@ class Learn {
     return of.load_percent(rate(a_.draft.bitrates), rate(a_.draft.data_bitrates));
   }
 
-  static const char* kind_of(const learn::DraftChannel& channel) {
-    if (channel.on_events) return "cyclic and on events";
-    if (channel.periodic) return "periodic";
-    return channel.bursts ? "bursts" : "aperiodic";
-  }
-
   [[nodiscard]] std::string text_of(const learn::Draft& draft) const {
-    const Color color = color_of(STDOUT_FILENO, context_.no_color);
     std::string out;
     for (std::size_t i = 0; i < interfaces_.names().size(); ++i) {
       const auto& of = observer_.interfaces()[i];
@@ -376,28 +370,7 @@ class Learn {
           core::words::kProfiles.of(of.recognised->profile), of.recognised->percent,
           of.recognised->why);
     }
-    Table table({{"CHANNEL"},
-                 {"EVENTS", Align::right},
-                 {"PERIOD", Align::right},
-                 {"JITTER", Align::right},
-                 {"LONGEST GAP", Align::right},
-                 {"OMISSION", Align::right},
-                 {"BYTES", Align::right},
-                 {"BYTES/S", Align::right},
-                 {"KIND"},
-                 {"CROSSES TO"}});
-    for (const auto& channel : draft.channels)
-      table.add({{channel.name},
-                 {fmt::format("{}", channel.events)},
-                 {time_words(channel.period)},
-                 {channel.jitter == 0 ? "" : time_words(channel.jitter)},
-                 {print_duration(channel.longest_gap)},
-                 {channel.periodic ? fmt::format("{}", channel.omission) : ""},
-                 {fmt::format("{}", channel.bytes)},
-                 {fmt::format("{:.0f}", channel.bytes_per_second)},
-                 {kind_of(channel)},
-                 {fmt::format("{}", fmt::join(channel.crosses_to, ", "))}});
-    return out + "\n" + table.text(color);
+    return out + "\n" + table_of(draft, color_of(STDOUT_FILENO, context_.no_color));
   }
 
   [[nodiscard]] Json json_of(const learn::Draft& draft) const {
@@ -412,31 +385,8 @@ class Learn {
                             {"why", of.recognised->why}});
       if (const auto load = load_of(i)) interfaces.back()["load_percent"] = *load;
     }
-    Json channels = Json::array();
-    for (const auto& channel : draft.channels) {
-      Json publishers = Json::array();
-      for (const auto& publisher : channel.publishers) publishers.push_back(publisher.name);
-      channels.push_back({{"name", channel.name},
-                          {"interface", channel.interface},
-                          {"identifier", channel.identifier},
-                          {"events", channel.events},
-                          {"periodic", channel.periodic},
-                          {"kind", kind_of(channel)},
-                          {"period_ns", channel.period},
-                          {"jitter_ns", channel.jitter},
-                          {"median_gap_ns", channel.median},
-                          {"longest_gap_ns", channel.longest_gap},
-                          {"pauses", channel.pauses},
-                          {"longest_pause_ns", channel.longest_pause},
-                          {"omission", channel.omission},
-                          {"bytes", channel.bytes},
-                          {"bytes_per_second", channel.bytes_per_second},
-                          {"publishers", std::move(publishers)},
-                          {"crosses_to", channel.crosses_to}});
-    }
-    Json out = {{"interfaces", std::move(interfaces)},
-                {"channels", std::move(channels)},
-                {"notes", notes_}};
+    Json out = {
+        {"interfaces", std::move(interfaces)}, {"channels", channels_of(draft)}, {"notes", notes_}};
     if (a_.output.empty()) out["description"] = draft.xml;
     return out;
   }

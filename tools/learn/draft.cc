@@ -110,6 +110,7 @@ class Drafter {
   /// no subscriber may require a shorter one. Returns the observation of the first flow in words.
   std::string put_together(const Channel& channel, DraftChannel& row) {
     row.periodic = true;
+    bool aperiodic = false;
     for (const Source& source : channel.sources) {
       const Flow& flow = source.seen->flow;
       row.events += flow.events();
@@ -128,6 +129,9 @@ class Drafter {
       row.bursts = row.bursts || source.times.bursts;
       row.control = row.control || source.seen->control;
       row.periodic = row.periodic && source.times.periodic;
+      const bool few = !flow.few().empty();
+      row.few = row.few || few;
+      aperiodic = aperiodic || !(few || source.times.periodic);
       row.on_events = row.on_events || source.times.on_events;
       if (source.times.periodic)
         row.omission = std::max(row.omission, omission_of(flow, source.times.period) + 1);
@@ -135,6 +139,7 @@ class Drafter {
     if (!row.periodic) row.omission = 0;
     row.on_events = row.on_events && row.periodic;
     row.bursts = row.bursts && !row.periodic;
+    row.few = row.few && !aperiodic;
     return channel.sources.front().times.seen;
   }
 

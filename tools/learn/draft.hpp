@@ -77,6 +77,7 @@ struct DraftChannel {
   bool periodic = false;
   bool on_events = false;  ///< periodic, with further events in between
   bool bursts = false;
+  bool few = false;      ///< too few events to tell whether it is periodic
   bool control = false;  ///< control traffic of its profile that crosses the gateway
   std::vector<DraftPublisher> publishers;
   std::vector<std::string> crosses_to;           ///< interfaces

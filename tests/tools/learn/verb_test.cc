@@ -96,6 +96,18 @@ TEST_F(LearnVerb, SaysWhatCannotBeUsed) {
   }
 }
 
+TEST_F(LearnVerb, WhatCameTooSeldomHasNoKind) {
+  std::string log = frames("can0", "2F0", 4, 3000);
+  for (unsigned i = 0; i < 30; ++i)
+    log += "(" + std::to_string(100 + i * 10) + ".050000) can0 123#11\n";
+  const Ran ran =
+      run({"learn", folder.write("seldom.log", log), "--output", folder.path("seldom.xml")});
+  EXPECT_TRUE(ran.out.contains("too few to tell")) << ran.out << ran.error;
+  EXPECT_FALSE(ran.out.contains("aperiodic")) << ran.out;
+  const Ran json = run({"learn", folder.path("seldom.log"), "--json"});
+  EXPECT_TRUE(json.out.contains(R"("kind":"too few to tell")")) << json.out;
+}
+
 TEST_F(LearnVerb, OfTheSameTrafficNothingIsToBeMerged) {
   const auto path = drafted();
   const Ran ran = run({"learn", folder.path("first.log"), "--merge", path});

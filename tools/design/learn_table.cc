@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/design/learn_table.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <utility>
+
+#include "tools/elements.hpp"
+#include "tools/times.hpp"
+
+namespace mlcca::tools::design {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* kind_of(const learn::DraftChannel& channel) {
+  if (channel.on_events) return "cyclic and on events";
+  if (channel.periodic) return "periodic";
+  if (channel.few && !channel.bursts) return "too few to tell";
+  return channel.bursts ? "bursts" : "aperiodic";
+}
+
+}  // namespace
+
+std::string table_of(const learn::Draft& draft, Color color) {
+  Table table({{"CHANNEL"},
+               {"EVENTS", Align::right},
+               {"PERIOD", Align::right},
+               {"JITTER", Align::right},
+               {"LONGEST GAP", Align::right},
+               {"OMISSION", Align::right},
+               {"BYTES", Align::right},
+               {"BYTES/S", Align::right},
+               {"KIND"},
+               {"CROSSES TO"}});
+  for (const auto& channel : draft.channels)
+    table.add({{channel.name},
+               {fmt::format("{}", channel.events)},
+               {time_words(channel.period)},
+               {channel.jitter == 0 ? "" : time_words(channel.jitter)},
+               {print_duration(channel.longest_gap)},
+               {channel.periodic ? fmt::format("{}", channel.omission) : ""},
+               {fmt::format("{}", channel.bytes)},
+               {fmt::format("{:.0f}", channel.bytes_per_second)},
+               {kind_of(channel)},
+               {fmt::format("{}", fmt::join(channel.crosses_to, ", "))}});
+  return table.text(color);
+}
+
+Json channels_of(const learn::Draft& draft) {
+  Json channels = Json::array();
+  for (const auto& channel : draft.channels) {
+    Json publishers = Json::array();
+    for (const auto& publisher : channel.publishers) publishers.push_back(publisher.name);
+    channels.push_back({{"name", channel.name},
+                        {"interface", channel.interface},
+                        {"identifier", channel.identifier},
+                        {"events", channel.events},
+                        {"periodic", channel.periodic},
+                        {"kind", kind_of(channel)},
+                        {"period_ns", channel.period},
+                        {"jitter_ns", channel.jitter},
+                        {"median_gap_ns", channel.median},
+                        {"longest_gap_ns", channel.longest_gap},
+                        {"pauses", channel.pauses},
+                        {"longest_pause_ns", channel.longest_pause},
+                        {"omission", channel.omission},
+                        {"bytes", channel.bytes},
+                        {"bytes_per_second", channel.bytes_per_second},
+                        {"publishers", std::move(publishers)},
+                        {"crosses_to", channel.crosses_to}});
+  }
+  return channels;
+}
+
+}  // namespace mlcca::tools::design
