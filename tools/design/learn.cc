@@ -29,6 +29,7 @@
 #include "description/read.hpp"
 #include "tools/design/learn_deadlines.hpp"
 #include "tools/design/learn_merge.hpp"
+#include "tools/design/learn_options.hpp"
 #include "tools/design/learn_patch.hpp"
 #include "tools/design/learn_silence.hpp"
 #include "tools/design/learn_table.hpp"
@@ -52,9 +53,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr const char* kDefaultTime = "10min";
+
 struct LearnArguments {
   std::vector<std::string> sources;
-  std::string time = "10min";
+  std::string time;  ///< empty: kDefaultTime
   std::string output;
   std::string gateway;
   std::vector<std::string> profiles;
@@ -66,13 +69,6 @@ struct LearnArguments {
 };
 
 volatile std::sig_atomic_t stop_asked = 0;
-
-/// Splits "can0=500k" into the interface and the rest; nullopt if it has another form.
-std::optional<std::pair<std::string, std::string>> assignment(const std::string& text) {
-  const auto at = text.find('=');
-  if (at == std::string::npos || at == 0) return std::nullopt;
-  return std::pair(text.substr(0, at), text.substr(at + 1));
-}
 
 class Learn {
  public:
@@ -108,12 +104,13 @@ class Learn {
   }
 
   std::optional<Refusal> prepare() {
-    const auto time = parse_span(a_.time);
+    const auto time = parse_span(a_.time.empty() ? kDefaultTime : a_.time);
     if (!time) return wrong("--for: " + time.error().text);
     time_ = *time;
-    if (!a_.output.empty() && ::access(a_.output.c_str(), F_OK) == 0)
-      return Refusal{
-          Exit::world, a_.output + " exists, and nothing is overwritten: name another file", {}};
+    if (!a_.output.empty())
+      if (const auto can = can_create(a_.output); !can)
+        return Refusal{Exit::world, can.error().text, {}};
+    if (const auto can = can_be_user(a_.draft.user); !can) return wrong(can.error().text);
     a_.draft.local_subscribers = !a_.no_local;
     if (!a_.gateway.empty()) a_.draft.gateway = a_.gateway;
     for (const auto& [option, name] :
@@ -121,9 +118,7 @@ class Learn {
       if (auto problem = problem_of_planned_name(*name); !problem.empty())
         return wrong(fmt::format("{}: {}", option, problem));
     if (auto refused = read_described()) return refused;
-    if (auto refused = read_rates(a_.bitrates, "--bitrate", a_.draft.bitrates)) return refused;
-    if (auto refused = read_rates(a_.data_bitrates, "--data-bitrate", a_.draft.data_bitrates))
-      return refused;
+    if (auto refused = read_rates()) return refused;
     return read_profiles();
   }
 
@@ -144,30 +139,31 @@ class Learn {
     return adopted ? std::nullopt : std::optional(wrong(adopted.error().text));
   }
 
-  static std::optional<Refusal> read_rates(const std::vector<std::string>& texts,
-                                           const char* option,
-                                           std::map<std::string, std::uint32_t>& to) {
-    for (const std::string& text : texts) {
-      const auto parts = assignment(text);
-      const auto rate = parts ? parse_bit_rate(parts->second, Rounding::down)
-                              : Result<std::uint64_t>(fail("write can0=500k"));
-      if (!rate) return wrong(fmt::format("{} {}: {}", option, text, rate.error().text));
-      to[parts->first] = static_cast<std::uint32_t>(std::min<std::uint64_t>(*rate, UINT32_MAX));
-    }
+  std::optional<Refusal> read_rates() {
+    constexpr std::uint32_t most = 1'000'000;
+    constexpr std::uint32_t most_of_data = 8'000'000;
+    const auto rates = stated_rates(a_.bitrates, "--bitrate", most);
+    if (!rates) return wrong(rates.error().text);
+    const auto data_rates = stated_rates(a_.data_bitrates, "--data-bitrate", most_of_data);
+    if (!data_rates) return wrong(data_rates.error().text);
+    a_.draft.bitrates = *rates;
+    a_.draft.data_bitrates = *data_rates;
     return std::nullopt;
   }
 
   std::optional<Refusal> read_profiles() {
-    for (const std::string& text : a_.profiles) {
-      const auto parts = assignment(text);
-      const auto profile = parts ? core::words::kProfiles.find(parts->second) : std::nullopt;
-      if (!profile || *profile == core::Profile::none)
-        return wrong(
-            fmt::format("--profile {}: write an interface and one of {}, such as can0=j1939", text,
-                        fmt::join(std::span(core::words::kProfiles).subspan(1), ", ")));
-      observer_.state(interfaces_.number_of(parts->first, learn::Medium::unknown), *profile);
-    }
+    const auto profiles = stated_profiles(a_.profiles);
+    if (!profiles) return wrong(profiles.error().text);
+    profiles_ = *profiles;
     return std::nullopt;
+  }
+
+  /// States the profiles of interfaces that are new since the last call.
+  void state_profiles() {
+    for (; stated_ < interfaces_.names().size(); ++stated_)
+      if (const auto profile = profiles_.find(interfaces_.names()[stated_]);
+          profile != profiles_.end())
+        observer_.state(static_cast<std::uint32_t>(stated_), profile->second);
   }
 
   /// Adds a note about each CAN profile that was stated for an Ethernet interface.
@@ -185,6 +181,7 @@ class Learn {
   std::optional<Refusal> observe() {
     std::vector<std::string> live;
     std::set<std::pair<::dev_t, ::ino_t>> files;
+    std::set<unsigned> indices;
     for (const std::string& source : a_.sources) {
       struct stat status{};
       const bool is_standard = source == "-";
@@ -193,11 +190,17 @@ class Learn {
           return wrong(source + " is given twice: each recording counts once");
         if (auto refused = read_file_of_frames(source)) return refused;
       } else if (learn::is_interface(source)) {
+        if (!indices.insert(::if_nametoindex(source.c_str())).second)
+          return wrong(source + " is given twice: each interface counts once");
         live.push_back(source);
       } else {
         return wrong(source + ": there is neither such a file nor such an interface");
       }
     }
+    if (live.empty() && !a_.time.empty())
+      return wrong(fmt::format(
+          "--for {}: there is no interface to listen to, and recordings are read to their end",
+          a_.time));
     if (auto refused = refuse_absent(live)) return refused;
     live_ = std::move(live);
     return live_.empty() ? std::nullopt : listen(live_);
@@ -220,18 +223,19 @@ class Learn {
     return std::nullopt;
   }
 
-  /// Refuses options that name an interface from which nothing is read.
+  /// Refuses options that name an interface from which nothing is read, and bit rates of what is no
+  /// CAN bus.
   [[nodiscard]] std::optional<Refusal> refuse_absent(const std::vector<std::string>& live) const {
-    std::set<std::string> there(live.begin(), live.end());
+    std::map<std::string, learn::Medium> there;
+    for (const std::string& name : live) there.emplace(name, learn::Medium::unknown);
     for (std::size_t i = 0; i < interfaces_.names().size(); ++i)
-      if (interfaces_.media()[i] != learn::Medium::unknown) there.insert(interfaces_.names()[i]);
+      if (interfaces_.media()[i] != learn::Medium::unknown)
+        there.insert_or_assign(interfaces_.names()[i], interfaces_.media()[i]);
     for (const auto& [option, texts] :
          {std::pair("--profile", &a_.profiles), std::pair("--bitrate", &a_.bitrates),
           std::pair("--data-bitrate", &a_.data_bitrates)})
-      for (const std::string& text : *texts)
-        if (const auto parts = assignment(text); parts && !there.contains(parts->first))
-          return wrong(fmt::format("{} {}: there is no interface {}: {}", option, text,
-                                   parts->first, fmt::join(there, ", ")));
+      if (const auto fit = fit_interfaces(*texts, option, texts != &a_.profiles, there); !fit)
+        return wrong(fit.error().text);
     return std::nullopt;
   }
 
@@ -241,6 +245,7 @@ class Learn {
     bool has_frames = false;
     const auto left = learn::read_recording(path, interfaces_, [&](const auto& frame) {
       has_frames = true;
+      state_profiles();
       observer_.add(frame);
     });
     if (!left) return wrong(left.error().text);
@@ -267,12 +272,11 @@ class Learn {
     }
     const auto listener = learn::Listener::open(live, interfaces_);
     if (!listener) return Refusal{Exit::world, listener.error().text, {}};
+    if (auto refused = refuse_absent(live)) return refused;  // their media are known now
+    state_profiles();
     observer_.begin("what was listened to");
     const learn::KernelCopies carried = carried_by_kernel(live);
-    struct sigaction action{};
-    action.sa_handler = [](int) { stop_asked = 1; };
-    ::sigaction(SIGINT, &action, nullptr);
-    ::sigaction(SIGTERM, &action, nullptr);
+    on_end([](int) { stop_asked = 1; });
     if (::isatty(STDERR_FILENO) != 0)
       fmt::print(stderr,
                  "listening to {} for {}; Ctrl-C ends it earlier, and drafts what was seen\n",
@@ -397,6 +401,8 @@ class Learn {
   std::uint64_t time_ = 0;  ///< ns
   learn::Interfaces interfaces_;
   learn::Observer observer_;
+  std::map<std::string, core::Profile> profiles_;  ///< stated, by interface
+  std::size_t stated_ = 0;  ///< of so many interfaces the profiles are stated
   std::vector<std::string> notes_;
   std::vector<std::string> live_;  ///< interfaces on which traffic is observed
 };
@@ -413,7 +419,7 @@ void add_learn(CLI::App& app, Context& context) {
       ->type_name("INTERFACE|FILE|-");
   verb->add_option("--for", a->time, "how long to listen")
       ->type_name("TIME")
-      ->capture_default_str();
+      ->default_str(kDefaultTime);
   verb->add_option("--output", a->output, "write the draft to this new file, and print a table")
       ->type_name("FILE.xml");
   verb->add_option("--profile", a->profiles,

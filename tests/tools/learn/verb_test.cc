@@ -71,7 +71,12 @@ TEST_F(LearnVerb, AnOutputThatCannotBeCreatedIsNoMistakeInTheCommandLine) {
   const auto log = folder.write("first.log", frames("can0", "123", 4, 60));
   const Ran ran = run({"learn", log, "--output", folder.path("none/system.xml")});
   EXPECT_EQ(ran.status, 3);
-  EXPECT_TRUE(ran.error.contains("none/system.xml: create: No such file")) << ran.error;
+  EXPECT_TRUE(ran.error.contains("--output " + folder.path("none/system.xml") +
+                                 ": there is no folder " + folder.path("none") + ": make it"))
+      << ran.error;
+  const Ran in_file = run({"learn", log, "--output", log + "/system.xml"});
+  EXPECT_EQ(in_file.status, 3);
+  EXPECT_TRUE(in_file.error.contains(log + " is no folder")) << in_file.error;
 }
 
 TEST_F(LearnVerb, SaysWhatCannotBeUsed) {
@@ -87,6 +92,41 @@ TEST_F(LearnVerb, SaysWhatCannotBeUsed) {
       {{log, "--data-bitrate", "can9=2M"}, "there is no interface can9: can0"},
       {{log, "--profile", "can7=j1939"}, "there is no interface can7: can0"},
       {{log, "--merge", folder.write("bad.xml", "<System/>")}, "cannot be used"}};
+  for (const auto& [more, says] : cases) {
+    std::vector<std::string> arguments{"learn"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Ran ran = run(arguments);
+    EXPECT_EQ(ran.status, 2) << says << ran.out;
+    EXPECT_TRUE(ran.error.contains(says)) << ran.error;
+  }
+}
+
+TEST_F(LearnVerb, SaysWhatCannotBeUsedBeforeItListens) {
+  const std::pair<std::vector<std::string>, const char*> cases[] = {
+      {{"--user", "a b"}, "--user a b: "},
+      {{"--bitrate", "can0=10G"}, "--bitrate can0=10G: a CAN bus has at most 1 Mbit/s"},
+      {{"--data-bitrate", "can0=9M"}, "--data-bitrate can0=9M: a CAN bus has at most 8 Mbit/s"},
+      {{"--bitrate", "can0=250k", "--bitrate", "can0=500k"},
+       "--bitrate can0=500k: the option names can0 twice"},
+      {{"--profile", "can0=raw", "--profile", "can0=j1939"},
+       "--profile can0=j1939: the option names can0 twice"},
+      {{"lo"}, "lo is given twice: each interface counts once"}};
+  for (const auto& [more, says] : cases) {
+    std::vector<std::string> arguments{"learn", "lo", "--for", "1s"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Ran ran = run(arguments);
+    EXPECT_NE(ran.status, 0) << says << ran.out;
+    EXPECT_TRUE(ran.error.contains(says)) << ran.error;
+  }
+}
+
+TEST_F(LearnVerb, AnOptionWithoutEffectIsRefused) {
+  const auto log = folder.write("first.log", frames("can0", "123", 4, 60));
+  const auto trace = folder.write("eth0.pcap", datagrams(kDistance, 7, 8));
+  const std::pair<std::vector<std::string>, const char*> cases[] = {
+      {{log, "--for", "5s"}, "--for 5s: there is no interface to listen to"},
+      {{trace, "--bitrate", "eth0=500k"}, "--bitrate eth0=500k: eth0 is no CAN bus"},
+      {{trace, "--data-bitrate", "eth0=2M"}, "--data-bitrate eth0=2M: eth0 is no CAN bus"}};
   for (const auto& [more, says] : cases) {
     std::vector<std::string> arguments{"learn"};
     arguments.insert(arguments.end(), more.begin(), more.end());

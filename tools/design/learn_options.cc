@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/design/learn_options.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <ranges>
+#include <span>
+
+#include "core/model/words.hpp"
+#include "tools/values.hpp"
+
+namespace mlcca::tools::design {
+namespace {
+
+auto twice(const char* option, const std::string& text, const std::string& interface) {
+  return fail(fmt::format("{} {}: the option names {} twice", option, text, interface));
+}
+
+}  // namespace
+
+std::optional<std::pair<std::string, std::string>> assignment(const std::string& text) {
+  const auto at = text.find('=');
+  if (at == std::string::npos || at == 0) return std::nullopt;
+  return std::pair(text.substr(0, at), text.substr(at + 1));
+}
+
+Result<std::map<std::string, std::uint32_t>> stated_rates(const std::vector<std::string>& texts,
+                                                          const char* option, std::uint32_t most) {
+  std::map<std::string, std::uint32_t> out;
+  for (const std::string& text : texts) {
+    const auto parts = assignment(text);
+    const auto rate = parts ? parse_bit_rate(parts->second, Rounding::down)
+                            : Result<std::uint64_t>(fail("write can0=500k"));
+    if (!rate) return fail(fmt::format("{} {}: {}", option, text, rate.error().text));
+    if (*rate > most)
+      return fail(
+          fmt::format("{} {}: a CAN bus has at most {} Mbit/s", option, text, most / 1'000'000));
+    if (!out.try_emplace(parts->first, static_cast<std::uint32_t>(*rate)).second)
+      return twice(option, text, parts->first);
+  }
+  return out;
+}
+
+Result<std::map<std::string, core::Profile>> stated_profiles(
+    const std::vector<std::string>& texts) {
+  std::map<std::string, core::Profile> out;
+  for (const std::string& text : texts) {
+    const auto parts = assignment(text);
+    const auto profile = parts ? core::words::kProfiles.find(parts->second) : std::nullopt;
+    if (!profile || *profile == core::Profile::none)
+      return fail(fmt::format("--profile {}: write an interface and one of {}, such as can0=j1939",
+                              text, fmt::join(std::span(core::words::kProfiles).subspan(1), ", ")));
+    if (!out.try_emplace(parts->first, *profile).second)
+      return twice("--profile", text, parts->first);
+  }
+  return out;
+}
+
+Result<void> fit_interfaces(const std::vector<std::string>& texts, const char* option,
+                            bool of_buses, const std::map<std::string, learn::Medium>& there) {
+  for (const std::string& text : texts) {
+    const auto parts = assignment(text);
+    if (!parts) continue;
+    const auto interface = there.find(parts->first);
+    if (interface == there.end())
+      return fail(fmt::format("{} {}: there is no interface {}: {}", option, text, parts->first,
+                              fmt::join(std::views::keys(there), ", ")));
+    if (of_buses && interface->second == learn::Medium::ethernet)
+      return fail(fmt::format("{} {}: {} is no CAN bus", option, text, parts->first));
+  }
+  return {};
+}
+
+Result<void> can_create(const std::string& path) {
+  if (::access(path.c_str(), F_OK) == 0)
+    return fail(path + " exists, and nothing is overwritten: name another file");
+  std::string folder = std::filesystem::path(path).parent_path().string();
+  if (folder.empty()) folder = ".";
+  std::error_code error;
+  const auto status = std::filesystem::status(folder, error);
+  const auto wrong = [&](std::string_view text) {
+    return fail(fmt::format("--output {}: {}", path, text));
+  };
+  if (!std::filesystem::exists(status))
+    return wrong(fmt::format("there is no folder {}: make it, or name another", folder));
+  if (!std::filesystem::is_directory(status))
+    return wrong(fmt::format("{} is no folder: name another", folder));
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    return wrong(
+        fmt::format("no file can be created in {}: name a folder that you may write to", folder));
+  return {};
+}
+
+Result<void> can_be_user(const std::string& name) {
+  // As UserName in system.xsd.
+  constexpr std::size_t longest = 64;
+  const auto is_of_word = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  };
+  const bool is_good = !name.empty() && name.size() <= longest && is_of_word(name.front()) &&
+                       std::ranges::all_of(name, [&](char c) {
+                         return is_of_word(c) || c == '.' || c == '@' || c == '-';
+                       });
+  if (is_good) return {};
+  return fail(fmt::format(
+      "--user {}: a user has a number, or a name of letters, digits, _, ., @ and -, up to {}", name,
+      longest));
+}
+
+void on_end(void (*handler)(int)) {
+  struct sigaction action{};
+  action.sa_handler = handler;
+  ::sigaction(SIGINT, &action, nullptr);
+  ::sigaction(SIGTERM, &action, nullptr);
+  struct sigaction before{};
+  ::sigaction(SIGHUP, nullptr, &before);
+  if (before.sa_handler != SIG_IGN) ::sigaction(SIGHUP, &action, nullptr);
+}
+
+}  // namespace mlcca::tools::design
