@@ -28,6 +28,7 @@
 #include "description/kinds.hpp"
 #include "description/read.hpp"
 #include "tools/design/learn_deadlines.hpp"
+#include "tools/design/learn_described.hpp"
 #include "tools/design/learn_merge.hpp"
 #include "tools/design/learn_options.hpp"
 #include "tools/design/learn_patch.hpp"
@@ -86,10 +87,10 @@ class Learn {
                        ": its recording has no names of interfaces: state the one that it is");
     if (::isatty(STDERR_FILENO) != 0)
       fmt::print(stderr, "drafting, and checking what the buses can carry\n");
-    const learn::Draft draft = draft_that_holds(observer_, interfaces_.names(), a_.draft);
+    learn::Draft draft = draft_that_holds(observer_, interfaces_.names(), a_.draft);
     if (draft.channels.empty())
       notes_.emplace_back("no events were seen: what was there needs no channel of the profile");
-    if (described_) return report_merged(draft);
+    if (described_) return report_merged(std::move(draft));
     if (const auto refused = mistakes_in(draft.xml, "draft", description::Users::any))
       return say(*refused, context_.json);
     if (!a_.output.empty())
@@ -154,7 +155,14 @@ class Learn {
   std::optional<Refusal> read_profiles() {
     const auto profiles = stated_profiles(a_.profiles);
     if (!profiles) return wrong(profiles.error().text);
-    profiles_ = *profiles;
+    if (described_) profiles_ = described_profiles(*described_, a_.draft.networks);
+    for (const auto& [interface, profile] : *profiles) {
+      const auto [known, is_new] = profiles_.try_emplace(interface, profile);
+      if (!is_new && known->second != profile)
+        return wrong(fmt::format("--profile {}={}: {} states {}", interface,
+                                 core::words::kProfiles.of(profile), a_.merge,
+                                 core::words::kProfiles.of(known->second)));
+    }
     return std::nullopt;
   }
 
@@ -319,10 +327,17 @@ class Learn {
     return out;
   }
 
-  [[nodiscard]] Exit report_merged(const learn::Draft& draft) {
+  [[nodiscard]] Exit report_merged(learn::Draft draft) {
+    std::ranges::move(
+        leave_out_others(*described_, observer_, interfaces_.names(), a_.draft.networks, draft),
+        std::back_inserter(notes_));
     const auto merged = merge(*described_, draft, a_.draft);
     if (!merged) return say({Exit::usage, merged.error().text, {}}, context_.json);
-    std::ranges::copy(draft.left_out, std::back_inserter(notes_));
+    // A check of the patched description counts, not one of the draft.
+    std::ranges::copy_if(draft.left_out, std::back_inserter(notes_), [](const std::string& note) {
+      return !note.starts_with("'mlccactl check' refuses");
+    });
+    std::ranges::move(refused_when_patched(*described_, merged->files), std::back_inserter(notes_));
     std::string text;
     for (const auto& [path, changed] : merged->files) {
       const auto diff = diff_of(path, changed);
@@ -401,7 +416,7 @@ class Learn {
   std::uint64_t time_ = 0;  ///< ns
   learn::Interfaces interfaces_;
   learn::Observer observer_;
-  std::map<std::string, core::Profile> profiles_;  ///< stated, by interface
+  std::map<std::string, core::Profile> profiles_;  ///< stated or described, by interface
   std::size_t stated_ = 0;  ///< of so many interfaces the profiles are stated
   std::vector<std::string> notes_;
   std::vector<std::string> live_;  ///< interfaces on which traffic is observed

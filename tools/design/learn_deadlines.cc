@@ -160,8 +160,10 @@ class Holding {
   std::optional<Inspected> inspected_;  ///< of system_
 };
 
-/// One note for each kind of finding, with the number of its findings.
-std::vector<std::string> notes_on(const std::vector<core::Finding>& refused) {
+}  // namespace
+
+std::vector<std::string> notes_on(const std::vector<core::Finding>& refused,
+                                  std::string_view what) {
   std::map<core::FindingId, std::size_t> count;
   for (const core::Finding& finding : refused) ++count[finding.id];
   std::vector<std::string> out;
@@ -169,15 +171,13 @@ std::vector<std::string> notes_on(const std::vector<core::Finding>& refused) {
     const std::size_t others = std::exchange(count[finding.id], 0);
     if (others == 0) continue;
     out.push_back(fmt::format(
-        "'mlccactl check' refuses a part of this draft: {}{}{}{}", finding.text,
+        "'mlccactl check' refuses a part of {}: {}{}{}{}", what, finding.text,
         finding.hint.empty() ? "" : "; ", finding.hint,
         others == 1 ? ""
                     : fmt::format(" ({}, and {} more)", core::code_of(finding.id), others - 1)));
   }
   return out;
 }
-
-}  // namespace
 
 learn::Draft draft_that_holds(const learn::Observer& observer,
                               const std::vector<std::string>& names,
@@ -210,7 +210,7 @@ learn::Draft draft_that_holds(const learn::Observer& observer,
     best.draft() = std::move(next.draft());
     refused = std::move(refused_then);
   }
-  std::ranges::move(notes_on(refused), std::back_inserter(best.draft().left_out));
+  std::ranges::move(notes_on(refused, "this draft"), std::back_inserter(best.draft().left_out));
   return std::move(best.draft());
 }
 

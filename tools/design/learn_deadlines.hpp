@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/design/inspect.hpp"
@@ -26,6 +27,11 @@ namespace mlcca::tools::design {
 /// their Period states, because of the pauses that it may make between packets.
 [[nodiscard]] std::set<std::string> too_often_for_transport(const core::System& system,
                                                             const core::InspectedBuses& buses);
+
+/// One note for each kind of finding that a check of `what` refuses, with the number of its
+/// findings.
+[[nodiscard]] std::vector<std::string> notes_on(const std::vector<core::Finding>& refused,
+                                                std::string_view what);
 
 /// As draft_of(), with longer Periods where few events were seen, Deadlines that the buses can
 /// keep, and queues that lose nothing.

@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "tests/tools/design/describe/program.hpp"
+#include "tests/tools/learn/pcap_file.hpp"
+#include "tests/tools/learn/traffic.hpp"
 
 namespace mlcca::test {
 namespace {
@@ -92,6 +94,63 @@ TEST_F(LearnMerge, FewEventsOfWhichAGateDropsOneAreProposedAndSaid) {
     EXPECT_EQ(again.out, "");
     EXPECT_FALSE(again.error.contains("frames would be dropped")) << again.error;
   }
+}
+
+// --- the described profile -----------------------------------------------------------------------
+
+TEST_F(LearnMerge, TheDescribedProfileRulesWhateverTheTrafficLooksLike) {
+  const std::string known = lines(100, 60, "181#1122");
+  const std::string foreign = lines(10, 3000, "18FEF100#1122334455667788");
+  const auto path = drafted(known, {"--profile", "can0=canopen"});
+  const std::string more = known + lines(100, 60, "282#11") + foreign;
+  const Ran ran = merged(more, path);
+  EXPECT_EQ(ran.status, 1) << ran.error;
+  EXPECT_FALSE(ran.out.contains("<Identifier")) << ran.out;
+  EXPECT_TRUE(ran.out.contains("+    <Binding channel=\"can0-282\">")) << ran.out;
+  EXPECT_TRUE(ran.error.contains("3000 frames that no channel of profile canopen can have"))
+      << ran.error;
+  apply(ran, path);
+  const Ran checked = run({"check", path});
+  EXPECT_EQ(checked.status, 0) << checked.out << checked.error;
+  EXPECT_EQ(merged(more, path).out, "") << "it is all described now";
+}
+
+TEST_F(LearnMerge, AStatedProfileThatIsNotTheDescribedOneIsRefused) {
+  const auto path = drafted(lines(100, 60, "181#1122"), {"--profile", "can0=canopen"});
+  const auto log = folder.path("first.log");
+  const Ran other = run({"learn", log, "--merge", path, "--profile", "can0=raw"});
+  EXPECT_EQ(other.status, 2) << other.out;
+  EXPECT_TRUE(other.error.contains("--profile can0=raw: " + path + " states canopen"))
+      << other.error;
+  EXPECT_EQ(run({"learn", log, "--merge", path, "--profile", "can0=canopen"}).status, 0);
+}
+
+TEST_F(LearnMerge, ANetworkThatCannotHaveTheTrafficIsLeftAsItIs) {
+  const auto path = drafted(lines(100, 60, "181#1122"));
+  learn::test::PcapFile file(1);
+  for (std::uint64_t i = 0; i < 60; ++i) {
+    const std::uint64_t ns = (100'000 + i * 100) * learn::test::kMs;
+    file.add(ns, frame_of(learn::test::event(ns, 0, learn::test::kDistance, learn::test::station(7),
+                                             {1, 2})));
+  }
+  const Ran ran = run({"learn", folder.write("can0.pcap", file.bytes()), "--merge", path});
+  EXPECT_EQ(ran.out, "") << ran.error;
+  EXPECT_TRUE(ran.error.contains(
+      "note: can0: nothing is proposed for the network can0, which has the profile raw: the "
+      "traffic is that of Ethernet with the profile famouso"))
+      << ran.error;
+}
+
+TEST_F(LearnMerge, WhatACheckWouldRefuseOfThePatchedDescriptionIsSaid) {
+  const auto path = drafted(lines(100, 60, "123#1122"));
+  const Ran ran = merged(lines(100, 60, "123#1122 T"), path);
+  EXPECT_EQ(ran.status, 1) << ran.out;
+  apply(ran, path);
+  const Ran checked = run({"check", path});
+  ASSERT_TRUE(checked.out.contains("MLCCA018")) << checked.out;
+  EXPECT_TRUE(
+      ran.error.contains("note: 'mlccactl check' refuses a part of the patched description"))
+      << ran.error;
 }
 
 }  // namespace
