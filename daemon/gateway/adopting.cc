@@ -58,7 +58,8 @@ void Adopting::on(const core::cluster::Adopt& event) {
 
 void Adopting::on(const core::cluster::Opened& event) {
   const auto it = adopted_.find({event.origin.gateway, event.origin.id});
-  if (it != adopted_.end()) it->second.due = Due::open;
+  // What this gateway has to answer of one on behalf is not replaced: there is nothing to open.
+  if (it != adopted_.end() && !it->second.is_on_behalf()) it->second.due = Due::open;
 }
 
 void Adopting::on(const core::cluster::Ended& event) {

@@ -96,7 +96,7 @@ void Membership::begin() {
               [this](const auto& admissions, bool ended, const std::string& why) {
                 for (const core::AdmissionId id : admissions) {
                   adopting_->withdrawn(id, why);
-                  if (ended) withdrawn_.push_back({.id = id, .why = why});
+                  if (ended) withdrawn_.try_emplace(id, Withdrawn{.why = why});
                 }
               },
           .log = [this](const std::string& line) { parts_.log.warning(Kind::gateway, line); }},

@@ -243,10 +243,10 @@ class Membership final : private core::Holdings {
   /// When an admission that another gateway makes for this one is asked for again.
   std::map<core::AdmissionId, Value> ask_again_;
   struct Withdrawn {
-    core::AdmissionId id = 0;
     std::string why;
+    Value at = 0;  ///< no attempt to end it before this time
   };
-  std::vector<Withdrawn> withdrawn_;  ///< other gateways do not make them any more
+  std::map<core::AdmissionId, Withdrawn> withdrawn_;  ///< other gateways do not make them any more
   std::vector<std::function<void(const Result<void>&)>> waits_;
   std::function<void(std::uint64_t)> ready_;
   std::string said_;                        ///< the latest reported line about its standing

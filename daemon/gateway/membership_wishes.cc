@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "core/cluster/footprint.hpp"
@@ -15,6 +16,7 @@ namespace {
 
 constexpr Value kWishAgain = 2'000'000'000;          // when it may fit
 constexpr Value kRefusedWishAgain = 5'000'000'000;   // ns
+constexpr Value kEndAgain = 10'000'000'000;          // when the disk has refused
 constexpr Value kGrantedWishAgain = 60'000'000'000;  // after a grant with which it should fit
 
 }  // namespace
@@ -81,11 +83,10 @@ bool Membership::ask_again_some() {
   for (const auto& [id, name] : admissions.through_others()) {
     const auto gateway = std::ranges::find(gateways, name, &core::Gateway::name);
     const auto index = static_cast<std::size_t>(gateway - gateways.begin());
-    if (held.contains(id) || ask_again_.contains(id)) continue;
+    if (held.contains(id) || ask_again_.contains(id) || withdrawn_.contains(id)) continue;
     if (gateway == gateways.end() || index == self_) {
-      withdrawn_.push_back(
-          {.id = id, .why = fmt::format("{}, where its publisher was, is no other gateway", name)});
-      return true;
+      withdrawn_[id].why = fmt::format("{}, where its publisher was, is no other gateway", name);
+      continue;
     }
     if (member_->view().alive(index, now()) != core::cluster::Alive::present ||
         !state().admissions().contains(id))
@@ -111,7 +112,7 @@ void Membership::ask_again(const control::Request& request, std::size_t gateway)
     parts_.log.info(Kind::gateway, fmt::format("admission {} waits: {}", id, why));
   };
   const auto refused_by_another = [this, id](const std::string& why) {
-    withdrawn_.push_back({.id = id, .why = why});
+    withdrawn_.try_emplace(id, Withdrawn{.why = why});
   };
   ask({.decide = decide,
        .granted = granted,
@@ -165,11 +166,15 @@ void Membership::ask_others_again(std::size_t channel) {
 }
 
 /// Ends what other gateways do not make for this one any more. What cannot be written down is tried
-/// again.
+/// again later.
 void Membership::end_withdrawn() {
-  for (Withdrawn& one : std::exchange(withdrawn_, {})) {
-    if (parts_.recorder.contents().admissions.find(one.id) == nullptr) continue;
-    if (!parts_.release({one.id}, one.why)) withdrawn_.push_back(std::move(one));
+  for (auto it = withdrawn_.begin(); it != withdrawn_.end();) {
+    auto& [id, one] = *it;
+    const bool is_due = now() >= one.at;
+    if (is_due) one.at = add_saturating(now(), kEndAgain);
+    const bool is_over = is_due && (parts_.recorder.contents().admissions.find(id) == nullptr ||
+                                    parts_.release({id}, one.why));
+    it = is_over ? withdrawn_.erase(it) : std::next(it);
   }
 }
 

@@ -89,7 +89,7 @@ Result<Reserving::Wish> wish_for_another(Context& context, const control::Reques
   const Tagged tagged(context, request);
   if (!asked) return std::unexpected(asked.error());
   if (!asked->admission->subscriber) return fail("it asks for no new subscriber");
-  if (!asked->admission->publisher && is_without_publisher(context, request))
+  if (asked->admission->publisher || is_without_publisher(context, request))
     return fail("no publisher of it is admitted here");
   if (auto lack = lacks_pairs(context, *asked)) return fail(std::move(*lack));
   const core::Proposal wish = state.wish(*asked->admission);
