@@ -106,7 +106,7 @@ TEST_F(LearnMerge, TheDescribedProfileRulesWhateverTheTrafficLooksLike) {
   const Ran ran = merged(more, path);
   EXPECT_EQ(ran.status, 1) << ran.error;
   EXPECT_FALSE(ran.out.contains("<Identifier")) << ran.out;
-  EXPECT_TRUE(ran.out.contains("+    <Binding channel=\"can0-282\">")) << ran.out;
+  EXPECT_TRUE(ran.out.contains("+    <Binding channel=\"can0-cob-282\">")) << ran.out;
   EXPECT_TRUE(ran.error.contains("3000 frames that no channel of profile canopen can have"))
       << ran.error;
   apply(ran, path);
@@ -138,18 +138,6 @@ TEST_F(LearnMerge, ANetworkThatCannotHaveTheTrafficIsLeftAsItIs) {
   EXPECT_TRUE(ran.error.contains(
       "note: can0: nothing is proposed for the network can0, which has the profile raw: the "
       "traffic is that of Ethernet with the profile famouso"))
-      << ran.error;
-}
-
-TEST_F(LearnMerge, WhatACheckWouldRefuseOfThePatchedDescriptionIsSaid) {
-  const auto path = drafted(lines(100, 60, "123#1122"));
-  const Ran ran = merged(lines(100, 60, "123#1122 T"), path);
-  EXPECT_EQ(ran.status, 1) << ran.out;
-  apply(ran, path);
-  const Ran checked = run({"check", path});
-  ASSERT_TRUE(checked.out.contains("MLCCA018")) << checked.out;
-  EXPECT_TRUE(
-      ran.error.contains("note: 'mlccactl check' refuses a part of the patched description"))
       << ran.error;
 }
 
