@@ -315,7 +315,8 @@ void Reserving::note_turn(const Job& job) {
 /// Those of this gateway itself come next, but never two in a row while others wait.
 Reserving::Jobs::iterator Reserving::next_turn() {
   const auto order = [this](const Job& job) {
-    const unsigned rank = !job.is_own() ? 1 : latest_own_ ? 2 : 0;
+    const unsigned own_rank = latest_own_ ? 2 : 0;
+    const unsigned rank = job.is_own() ? own_rank : 1;
     const Turn turn = turn_of(job);
     return std::tuple(rank, latest_ && turn <= *latest_, turn,
                       latest_gateway_ && job.gateway && *job.gateway <= *latest_gateway_,

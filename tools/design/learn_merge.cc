@@ -346,6 +346,12 @@ class Merge {
         patch_.state({p.origin, Of::publisher, "jitter"}, seen.jitter);
       shortest_ = std::min(shortest_, fresh);
     }
+    propose_length(seen, p);
+  }
+
+  void propose_length(const learn::DraftPublisher& seen, const core::Publisher& p) {
+    const AttributeSet& stated = p.attributes;
+    const core::EventChannel& channel = system_.channels[p.channel];
     if (!stated.has(Attribute::max_payload) || seen.bytes <= stated[Attribute::max_payload]) return;
     if (seen.bytes > channel.attributes[Attribute::max_payload])
       patch_.state({channel.origin, Of::channel, "maxPayload"}, seen.bytes);
