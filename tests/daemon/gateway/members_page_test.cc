@@ -44,7 +44,10 @@ std::vector<Shown> shown_in(const std::string& section) {
     if (!inside || line.size() < value || line.starts_with("```")) continue;
     line = std::regex_replace(line, std::regex("\\brobots\\b"), "pair");
     line = std::regex_replace(line, std::regex("\\blan\\b"), "shared");
-    blocks.back().emplace_back(line.substr(0, line.find(' ')), line.substr(value));
+    if (line.starts_with(' '))  // the page folds long lines
+      blocks.back().back().second += ' ' + line.substr(value);
+    else
+      blocks.back().emplace_back(line.substr(0, line.find(' ')), line.substr(value));
   }
   return blocks;
 }
