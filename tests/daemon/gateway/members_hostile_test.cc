@@ -11,8 +11,7 @@
 #include <vector>
 
 #include "core/cluster/lease.hpp"
-#include "daemon/cluster/codec.hpp"
-#include "tests/daemon/gateway/membership_bench.hpp"
+#include "tests/daemon/gateway/members_forged.hpp"
 
 namespace mlcca::test {
 namespace {
@@ -21,46 +20,15 @@ namespace cc = core::cluster;
 
 constexpr std::uint64_t kHourNs = 3600 * kSecondNs;
 
-control::Admit subscriber_of(const std::string& channel, const std::string& name) {
-  control::Admit request;
-  request.channel = channel;
-  request.to = "own1";
-  request.subscriber = name;
-  request.key = "also-" + name;
-  return request;
-}
-
-/// The tests write for g1 what another program than mlccad could write.
-class MembersHostile : public MembershipBench {
+class MembersHostile : public MembersForged {
  protected:
-  MembersHostile() : MembershipBench(with_a_described_publisher()) {}
-
-  static std::string key(const std::string& kind) { return "/mlcca/pair/" + kind; }
-  void write_beat(std::uint64_t lease) {
-    const auto& was = store.entries.at(key("m/g1"));
-    auto beat = codec.beat(was.value).value_or(cc::Beat{});
-    if (beat.incarnation == 0) beat.incarnation = was.create;
-    beat.digest = cc::Digest{1};
-    beat.lease = lease;
-    beat.applied = store.revision;
-    beat.generation = 1;
-    store.write({{.key = key("m/g1"), .value = codec.write(beat)}});
-  }
   void write_endless_lease() {
-    write_beat(std::numeric_limits<std::uint64_t>::max());
+    beat_of_g1(std::numeric_limits<std::uint64_t>::max());
     run();
   }
   /// Asks g0 to admit a subscriber of c3 for g1.
   void write_request(std::uint64_t n) {
-    const cluster::Asked asked{
-        .channel = "c3",
-        .requests = {{.id = 7000 + n, .body = subscriber_of("c3", "s" + std::to_string(n))}},
-        .also = {},
-        .on_behalf = true};
-    store.write({{.key = key("x/g1/") + std::to_string(n),
-                  .value = codec.write(cc::Asked{.stage = cc::Stage::prepared,
-                                                 .admission = cluster::text_of(asked),
-                                                 .gateways = {0}})}});
+    request_of_g1(n, cc::Stage::prepared, subscriber_on_own1("c3", "s" + std::to_string(n)));
   }
   /// In long steps, as nothing happens but what time does.
   void wait(std::uint64_t time) {
@@ -78,8 +46,6 @@ class MembersHostile : public MembershipBench {
       if (one.name == "g1") return one.state;
     return {};
   }
-
-  cluster::Codec codec{with_a_described_publisher(), cc::Digest{1}};
 };
 
 /// To start it with a lease that it may have is what status says about such an entry.
@@ -141,12 +107,10 @@ TEST_F(MembersHostile, AUserIsDecidedBetweenTheRequestsOfAnotherGateway) {
   run();
   std::int64_t user = 0;
   std::vector<std::int64_t> others;
-  for (const auto& [name, entry] : store.entries) {
-    if (!name.starts_with(key("x/g0/"))) continue;
-    const auto asked = codec.asked(entry.value);
-    const auto text = asked ? cluster::asked_in(asked->admission) : std::nullopt;
-    if (text && text->for_gateway == "g1") others.push_back(entry.create);
-    if (text && text->channel == "c5") user = entry.create;
+  for (const auto& [name, asked] : asked_by_g0()) {
+    const std::int64_t create = store.entries.at(name).create;
+    if (asked.for_gateway == "g1") others.push_back(create);
+    if (asked.channel == "c5") user = create;
   }
   ASSERT_NE(user, 0);
   EXPECT_LE(std::ranges::count_if(others, [user](std::int64_t at) { return at < user; }), 1);
@@ -162,10 +126,8 @@ TEST_F(MembersHostile, WhoAsksForTooMuchIsToldSo) {
   link(0).answers = true;
   run();
   const auto vote = [&](std::uint64_t n) {
-    const auto found = store.entries.find(key("a/g0/g1/") + std::to_string(n));
-    const auto there =
-        found == store.entries.end() ? std::nullopt : codec.vote(found->second.value);
-    return there ? there->vote.reason : "no vote";
+    const auto there = answer_to_g1(n);
+    return there ? there->reason : "no vote";
   };
   EXPECT_EQ(vote(17), "16 admissions that g1 has asked for wait here, and may not be more");
   EXPECT_FALSE(vote(16).contains("may not be more")) << vote(16);
@@ -178,7 +140,7 @@ TEST_F(MembersHostile, WhatWasLostIsReservedAgainWhateverAnotherGatewayAsksFor) 
   at(1).end();
   store.write({{.key = key("f/g0"), .value = "g1"}});
   for (std::uint64_t n = 0; n < 300; ++n) {
-    if (n % 10 == 0) write_beat(kLease);
+    if (n % 10 == 0) beat_of_g1();
     if (n % 20 == 0) write_request(100 + n);
     pass(kStepNs);
   }

@@ -44,6 +44,15 @@ std::string datagrams(std::uint64_t subject, std::uint8_t sender, std::size_t by
   return file.bytes();
 }
 
+/// The exit status of that command with more arguments, whose error must say that.
+int refused(std::vector<std::string> command, const std::vector<std::string>& more,
+            const std::string& says) {
+  command.insert(command.end(), more.begin(), more.end());
+  const Ran ran = run(command);
+  EXPECT_TRUE(ran.error.contains(says)) << ran.error << ran.out;
+  return ran.status;
+}
+
 struct LearnVerb : ::testing::Test {
   /// The path of a description drafted from 60 frames with identifier 0x123.
   std::string drafted() {
@@ -92,13 +101,7 @@ TEST_F(LearnVerb, SaysWhatCannotBeUsed) {
       {{log, "--data-bitrate", "can9=2M"}, "there is no interface can9: can0"},
       {{log, "--profile", "can7=j1939"}, "there is no interface can7: can0"},
       {{log, "--merge", folder.write("bad.xml", "<System/>")}, "cannot be used"}};
-  for (const auto& [more, says] : cases) {
-    std::vector<std::string> arguments{"learn"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    const Ran ran = run(arguments);
-    EXPECT_EQ(ran.status, 2) << says << ran.out;
-    EXPECT_TRUE(ran.error.contains(says)) << ran.error;
-  }
+  for (const auto& [more, says] : cases) EXPECT_EQ(refused({"learn"}, more, says), 2) << says;
 }
 
 TEST_F(LearnVerb, SaysWhatCannotBeUsedBeforeItListens) {
@@ -111,13 +114,8 @@ TEST_F(LearnVerb, SaysWhatCannotBeUsedBeforeItListens) {
       {{"--profile", "can0=raw", "--profile", "can0=j1939"},
        "--profile can0=j1939: the option names can0 twice"},
       {{"lo"}, "lo is given twice: each interface counts once"}};
-  for (const auto& [more, says] : cases) {
-    std::vector<std::string> arguments{"learn", "lo", "--for", "1s"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    const Ran ran = run(arguments);
-    EXPECT_NE(ran.status, 0) << says << ran.out;
-    EXPECT_TRUE(ran.error.contains(says)) << ran.error;
-  }
+  for (const auto& [more, says] : cases)
+    EXPECT_NE(refused({"learn", "lo", "--for", "1s"}, more, says), 0) << says;
 }
 
 TEST_F(LearnVerb, AnOptionWithoutEffectIsRefused) {
@@ -127,13 +125,7 @@ TEST_F(LearnVerb, AnOptionWithoutEffectIsRefused) {
       {{log, "--for", "5s"}, "--for 5s: there is no interface to listen to"},
       {{trace, "--bitrate", "eth0=500k"}, "--bitrate eth0=500k: eth0 is no CAN bus"},
       {{trace, "--data-bitrate", "eth0=2M"}, "--data-bitrate eth0=2M: eth0 is no CAN bus"}};
-  for (const auto& [more, says] : cases) {
-    std::vector<std::string> arguments{"learn"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    const Ran ran = run(arguments);
-    EXPECT_EQ(ran.status, 2) << says << ran.out;
-    EXPECT_TRUE(ran.error.contains(says)) << ran.error;
-  }
+  for (const auto& [more, says] : cases) EXPECT_EQ(refused({"learn"}, more, says), 2) << says;
 }
 
 TEST_F(LearnVerb, WhatCameTooSeldomHasNoKind) {
