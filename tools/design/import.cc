@@ -55,8 +55,7 @@ class Import {
  private:
   Finished carry_out() {
     if (!a_.output.empty() && ::access(a_.output.c_str(), F_OK) == 0)
-      return refuse(Exit::world,
-                    a_.output + " exists, and nothing is overwritten: name another file");
+      return refuse(Exit::world, existing_words(a_.output));
     if (auto good = understand(); !good) return refuse(Exit::usage, good.error().text);
     for (std::size_t i = 0; i < a_.files.size(); ++i)
       if (auto done = read(a_.files[i], i); !done) return done;

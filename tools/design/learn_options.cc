@@ -5,13 +5,14 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <ranges>
 #include <span>
 
 #include "core/model/words.hpp"
+#include "description/values.hpp"
+#include "tools/design/safe_file.hpp"
 #include "tools/values.hpp"
 
 namespace mlcca::tools::design {
@@ -77,8 +78,7 @@ Result<void> fit_interfaces(const std::vector<std::string>& texts, const char* o
 }
 
 Result<void> can_create(const std::string& path) {
-  if (::access(path.c_str(), F_OK) == 0)
-    return fail(path + " exists, and nothing is overwritten: name another file");
+  if (::access(path.c_str(), F_OK) == 0) return fail(existing_words(path));
   std::string folder = std::filesystem::path(path).parent_path().string();
   if (folder.empty()) folder = ".";
   std::error_code error;
@@ -97,19 +97,9 @@ Result<void> can_create(const std::string& path) {
 }
 
 Result<void> can_be_user(const std::string& name) {
-  // As UserName in system.xsd.
-  constexpr std::size_t longest = 64;
-  const auto is_of_word = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
-  };
-  const bool is_good = !name.empty() && name.size() <= longest && is_of_word(name.front()) &&
-                       std::ranges::all_of(name, [&](char c) {
-                         return is_of_word(c) || c == '.' || c == '@' || c == '-';
-                       });
-  if (is_good) return {};
-  return fail(fmt::format(
-      "--user {}: a user has a number, or a name of letters, digits, _, ., @ and -, up to {}", name,
-      longest));
+  const auto& type = description::type::kUserName;
+  if (description::is_valid(type, name)) return {};
+  return fail(fmt::format("--user {}: {}", name, description::explain(type, name)));
 }
 
 void on_end(void (*handler)(int)) {

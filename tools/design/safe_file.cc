@@ -16,6 +16,10 @@
 #include "base/handle.hpp"
 
 namespace mlcca::tools::design {
+std::string existing_words(const std::string& path) {
+  return path + " exists, and nothing is overwritten: name another file";
+}
+
 namespace {
 
 std::unexpected<Error> failed(const std::string& path, const char* what) {
@@ -95,8 +99,7 @@ class Draft {
   Result<void> become(const std::string& target, bool replace) {
     if (::renameat2(AT_FDCWD, name_.c_str(), AT_FDCWD, target.c_str(),
                     replace ? 0U : static_cast<unsigned>(RENAME_NOREPLACE)) != 0) {
-      if (errno == EEXIST)
-        return fail(target + " exists, and nothing is overwritten: name another file");
+      if (errno == EEXIST) return fail(existing_words(target));
       return failed(target, "rename");
     }
     there_ = false;

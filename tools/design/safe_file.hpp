@@ -33,6 +33,9 @@ Result<std::optional<FileContent>> read_file(const std::string& path, std::size_
 /// it, then renames that. An error, without a change, if the file has changed since it was read.
 Result<void> replace_file(const FileContent& old, std::string_view text);
 
+/// The error of a file that is to be created and is there already.
+[[nodiscard]] std::string existing_words(const std::string& path);
+
 /// Creates `path` in the same way; an error if it exists by then.
 Result<void> create_file(const std::string& path, std::string_view text);
 
