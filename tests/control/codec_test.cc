@@ -249,6 +249,14 @@ TEST(CodecTest, AChannelOfAnOlderDaemonHasOneSet) {
   EXPECT_EQ(Channel{}.sets, 1U);
 }
 
+TEST(CodecTest, AChannelThatSaysItHasNoSetHasOne) {
+  // channels { channels { sets: 0 } }
+  auto buffer = exactly(framed(std::string("\x2a\x05\x0a\x03\x88\x01\x00", 7)));
+  const auto decoded = decode_reply(buffer);
+  ASSERT_TRUE(decoded && *decoded);
+  EXPECT_EQ(std::get<Channels>((*decoded)->body), Channels{{Channel{}}});
+}
+
 TEST(CodecTest, AReplyThatWasEncodedElsewhereGetsItsId) {
   for (const test::NamedReply& named : test::all_replies())
     for (const std::uint64_t id : {0UL, 1UL, 127UL, 128UL, ~0UL}) {
