@@ -78,7 +78,7 @@ std::optional<Elements> elements_of(const control::Finding& f) {
   if (f.subject == 0 || !f.channel.empty()) return std::nullopt;
   Elements out;
   out.subject = core::format_subject(f.subject);
-  out.channel = fmt::format("{}-{}", f.network, out.subject.substr(2));
+  out.channel = channel_name(f.network, f.subject);
   out.bytes = f.length;
   if (!f.egress && !f.address.empty())
     out.publisher = fmt::format(R"( address="{}")", escaped(f.address));
@@ -127,7 +127,9 @@ class Additions {
   void note(const control::Finding& f, const Elements& elements) {
     Channel& channel = channels_[key_of(f, elements)];
     channel.is_described = !f.described.empty();
-    if (channel.name.empty()) channel.name = channel.is_described ? f.described : elements.channel;
+    if (channel.name.empty())
+      channel.name =
+          channel.is_described ? f.described : free_name(elements.channel, channel_names_);
     channel.bytes = std::max(channel.bytes, elements.bytes);
     if (f.busy_gap_ns == 0) return;
     const std::uint64_t period = nominal(f.busy_gap_ns);
@@ -191,16 +193,20 @@ class Additions {
   }
 
   /// A name like `wanted` that no other element of the additions has.
-  std::string name(const std::string& wanted) {
+  std::string name(const std::string& wanted) { return free_name(wanted, names_); }
+
+  /// The name, with a number appended if it is taken. It is taken then.
+  static std::string free_name(const std::string& wanted, std::set<std::string>& taken) {
     std::string out = wanted;
-    for (int number = 2; !names_.insert(out).second; ++number)
+    for (int number = 2; !taken.insert(out).second; ++number)
       out = fmt::format("{}-{}", wanted, number);
     return out;
   }
 
   const control::Audit& audit_;
   std::map<std::string, Channel> channels_;
-  std::set<std::string> names_;
+  std::set<std::string> channel_names_;
+  std::set<std::string> names_;  ///< of publishers and subscribers
 };
 
 }  // namespace

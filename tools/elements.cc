@@ -26,10 +26,9 @@ std::string name_like(std::string_view text) {
 }
 
 std::string interface_like(std::string_view text) {
-  constexpr std::size_t longest = 15;  // IFNAMSIZ without its null character; the characters are
-                                       // those of the schema
-  std::string like = name_like(text).substr(0, longest);
-  if (text.empty() || text.size() > longest || std::string_view(".@+-").contains(text.front()))
+  std::string like = name_like(text).substr(0, kLongestInterface);
+  if (text.empty() || text.size() > kLongestInterface ||
+      std::string_view(".@+-").contains(text.front()))
     return like;
   return std::ranges::all_of(text, is_of_interface_name) ? std::string(text) : like;
 }
@@ -119,7 +118,11 @@ std::string channel_name(Profile profile, std::string_view network, std::uint32_
 }
 
 std::string channel_name(std::string_view network, core::Subject subject) {
-  return fmt::format("{}-{:016x}", network, subject);
+  const std::string text = spelled(subject);
+  if (text.empty()) return fmt::format("{}-{:016x}", network, subject);
+  std::string out = fmt::format("{}-", network);
+  for (const char c : text) out += is_of_name(c) ? c : '_';
+  return out;
 }
 
 std::string spelled(core::Subject subject) {

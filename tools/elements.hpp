@@ -2,6 +2,7 @@
 // The parts of a drafted description (by learn and by audit mode): names, numbers, subjects and
 // times; and the channel that the identifier of a CAN frame belongs to.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -14,6 +15,8 @@ namespace mlcca::tools {
 /// A valid name of a description that resembles `text`: a letter, then letters, digits, dots,
 /// underscores and hyphens, of bounded length.
 [[nodiscard]] std::string name_like(std::string_view text);
+/// The most characters of an interface name: IFNAMSIZ without its null character.
+inline constexpr std::size_t kLongestInterface = 15;
 /// A valid interface name that resembles `text`, which comes from a recording and may be longer or
 /// have other characters. A valid name is returned as it is.
 [[nodiscard]] std::string interface_like(std::string_view text);
@@ -42,7 +45,8 @@ struct IdentifierParts {
 /// A name for a drafted channel: "can0-123", "can0-pgn-F004".
 [[nodiscard]] std::string channel_name(core::Profile profile, std::string_view network,
                                        std::uint32_t number);
-/// The same for a subject in Ethernet frames: "eth0-44697374616e6365".
+/// The same for a subject in Ethernet frames: "eth0-Distance" if it is text,
+/// "eth0-4e00000000000001" if not. Two texts may have one name, since names have fewer characters.
 [[nodiscard]] std::string channel_name(std::string_view network, core::Subject subject);
 /// The text that the octets of a FAMOUSO subject spell ("Distance"); empty if they are not
 /// printable text.

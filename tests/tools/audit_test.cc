@@ -91,12 +91,12 @@ To admit what is wanted of it, add to the description:
 <Subscriber name="truck-pgn-F004-receiver" channel="truck-pgn-F004" gateway="bridge"/>
 
 <!-- 0x4e6f626f64790000 on eth0: 3 frames since 2023-11-14 22:13:23, in the busiest second one every 500ms: the Period is that. -->
-<EventChannel name="lan-4e6f626f64790000">
+<EventChannel name="lan-Nobody">
   <SubjectUID>0x4e6f626f64790000</SubjectUID>
   <Attributes period="500ms" maxPayload="40"/>
 </EventChannel>
-<Publisher name="lan-4e6f626f64790000" channel="lan-4e6f626f64790000" network="lan" address="192.0.2.7"/>
-<Subscriber name="lan-4e6f626f64790000-receiver" channel="lan-4e6f626f64790000" gateway="bridge"/>
+<Publisher name="lan-Nobody" channel="lan-Nobody" network="lan" address="192.0.2.7"/>
+<Subscriber name="lan-Nobody-receiver" channel="lan-Nobody" gateway="bridge"/>
 )";
   EXPECT_EQ(render(audit_, Color::no),
             fmt::format(fmt::runtime(expected), core::format_subject(subject_of("robot-can-123")),
@@ -139,14 +139,14 @@ TEST_F(AuditReport, ASubjectOnTwoNetworksIsOneChannelWithAPublisherForEach) {
   EXPECT_EQ(times(text, "<EventChannel "), 1U) << text;
   EXPECT_EQ(times(text, "<Subscriber "), 1U) << text;
   EXPECT_TRUE(text.contains(R"(<Attributes period="20ms" maxPayload="60"/>)")) << text;
-  const std::string of = R"( channel="lan-4e6f626f64790000" network=)";
-  EXPECT_TRUE(text.contains("<Publisher name=\"lan-4e6f626f64790000\"" + of +
-                            "\"lan\" address=\"192.0.2.7\"/>"))
+  const std::string of = R"( channel="lan-Nobody" network=)";
+  EXPECT_TRUE(
+      text.contains("<Publisher name=\"lan-Nobody\"" + of + "\"lan\" address=\"192.0.2.7\"/>"))
       << text;
-  EXPECT_TRUE(text.contains("<Publisher name=\"field-4e6f626f64790000\"" + of +
+  EXPECT_TRUE(text.contains("<Publisher name=\"field-Nobody\"" + of +
                             "\"field\" address=\"198.51.100.4\"/>"))
       << text;
-  EXPECT_TRUE(text.contains("<Publisher name=\"field-4e6f626f64790000-2\"" + of +
+  EXPECT_TRUE(text.contains("<Publisher name=\"field-Nobody-2\"" + of +
                             "\"field\" address=\"198.51.100.5\"/>"))
       << text;
   const auto json = nlohmann::json::parse(to_json(control::Reply{1, audit_}));
@@ -154,6 +154,17 @@ TEST_F(AuditReport, ASubjectOnTwoNetworksIsOneChannelWithAPublisherForEach) {
   for (const auto& one : json["findings"])
     all += (all.empty() ? "" : "\n") + one["add"].get<std::string>();
   EXPECT_EQ(all, text);
+}
+
+TEST_F(AuditReport, SubjectsWithOneTextInNamesAreTwoChannels) {
+  control::Finding f = audit_.findings[2];
+  f.subject = 0x6120620000000000;  // "a b"
+  audit_.findings = {f, f};
+  audit_.findings[1].subject = 0x615f620000000000;  // "a_b"
+  const std::string text = additions(audit_);
+  EXPECT_EQ(times(text, "<EventChannel name=\"lan-a_b\">"), 1U) << text;
+  EXPECT_EQ(times(text, "<EventChannel name=\"lan-a_b-2\">"), 1U) << text;
+  EXPECT_EQ(times(text, " channel=\"lan-a_b-2\" network="), 1U) << text;
 }
 
 TEST_F(AuditReport, NodesOfOneMessageShareItsChannelAndItsBinding) {
@@ -178,7 +189,7 @@ TEST_F(AuditReport, ADescribedChannelGetsNoSecondOne) {
   control::Audit alone = audit_;
   alone.findings = {f};
   EXPECT_TRUE(render(alone, Color::no).contains("unknown subject: door has no such publisher"));
-  EXPECT_TRUE(text.contains(R"(<Publisher name="lan-4e6f626f64790000" channel="door" )"
+  EXPECT_TRUE(text.contains(R"(<Publisher name="lan-Nobody" channel="door" )"
                             R"(network="lan" address="192.0.2.7"/>)"))
       << text;
   f.egress = true;

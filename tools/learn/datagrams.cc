@@ -147,6 +147,26 @@ std::string Datagrams::malformed_senders() const {
       [](auto rest) { return fmt::format("{} from others", rest); });
 }
 
+std::vector<std::string> Datagrams::notes(const std::string& name) const {
+  std::vector<std::string> out;
+  if (others_ != 0)
+    out.push_back(fmt::format("{}: {} {} of other traffic, which needs no channel: {}", name,
+                              others_, word_for(others_, Medium::ethernet), other_ports()));
+  if (malformed_ != 0)
+    out.push_back(
+        fmt::format("{}: {} to FAMOUSO's ports that {}: {}", name, many(malformed_, "datagram"),
+                    malformed_ == 1 ? "is no event" : "are no events", malformed_senders()));
+  if (incomplete() != 0)
+    out.push_back(
+        fmt::format("{}: {} of which a fragment was not seen", name, many(incomplete(), "event")));
+  if (management_ != 0)
+    out.push_back(
+        fmt::format("{}: {} of the subject ManChan!, which a gate drops unless you "
+                    "describe a channel for it",
+                    name, many(management_, "event")));
+  return out;
+}
+
 Recognised Datagrams::recognised() const {
   using core::Profile;
   constexpr unsigned silent = 90;         // certainty if nothing contradicts the profile

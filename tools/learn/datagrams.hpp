@@ -45,6 +45,8 @@ class Datagrams {
   /// others (1)".
   [[nodiscard]] std::uint64_t others() const { return others_; }
   [[nodiscard]] std::string other_ports() const;
+  /// What needs no channel or is no event, in words; `name` is that of the interface.
+  [[nodiscard]] std::vector<std::string> notes(const std::string& name) const;
 
  private:
   /// Adds a fragment to its event. `data` is what was recorded of it.

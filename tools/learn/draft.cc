@@ -159,7 +159,7 @@ class Drafter {
     DraftChannel row;
     const std::string& network = networks_[channel.interface];
     if (observer_.is_ethernet(channel.interface)) {
-      row.name = tools::channel_name(network, channel.number);
+      row.name = name_in(channel_names_, tools::channel_name(network, channel.number), "");
       row.identifier = core::format_subject(channel.number);
     } else {
       const Profile profile = observer_.profile_of(channel.interface);
@@ -365,25 +365,15 @@ class Drafter {
           "    <Provision latency=\"{0}\" jitter=\"{0}\" period=\"{1}\" omission=\"0\" "
           "packetLoss=\"0\" maxPayload=\"65535\"/>\n",
           tools::time_words(kAssumedEthernet), tools::time_words(provided_period()));
+    else
+      xml += "    <!-- Without a Profile it has no gate. -->\n";
     xml += "  </Network>\n";
-    const Datagrams& datagrams = *of.datagrams;
-    if (datagrams.others() != 0)
+    std::ranges::move(of.datagrams->notes(name), std::back_inserter(out_.left_out));
+    if (of.recognised->profile != Profile::famouso && options_.networks.empty())
       out_.left_out.push_back(fmt::format(
-          "{}: {} {} of other traffic, which needs no channel: {}", name, datagrams.others(),
-          word_for(datagrams.others(), Medium::ethernet), datagrams.other_ports()));
-    if (datagrams.malformed() != 0)
-      out_.left_out.push_back(fmt::format(
-          "{}: {} to FAMOUSO's ports that {}: {}", name, many(datagrams.malformed(), "datagram"),
-          datagrams.malformed() == 1 ? "is no event" : "are no events",
-          datagrams.malformed_senders()));
-    if (datagrams.incomplete() != 0)
-      out_.left_out.push_back(fmt::format("{}: {} of which a fragment was not seen", name,
-                                          many(datagrams.incomplete(), "event")));
-    if (datagrams.management() != 0)
-      out_.left_out.push_back(
-          fmt::format("{}: {} of the subject ManChan!, which a gate drops unless you describe "
-                      "a channel for it",
-                      name, many(datagrams.management(), "event")));
+          "{0}: its network is drafted without a Profile, so it has no gate: {1}. If it has "
+          "FAMOUSO's events, state --profile {0}=famouso",
+          name, of.recognised->why));
   }
 
   void write_bus(std::uint32_t interface) {
@@ -463,9 +453,19 @@ class Drafter {
       // Names in a recording that are not valid names of interfaces may become equal.
       for (unsigned number = 2; !used.insert(interface).second; ++number)
         interface = fmt::format("{}-{}", tools::interface_like(names_[i]).substr(0, stem), number);
+      note_renamed(names_[i], interface);
       write_port(i, interface);
     }
     xml += "  </Gateway>\n";
+  }
+
+  /// Notes that the port has another name than the recording, because Linux has no such names.
+  void note_renamed(const std::string& name, const std::string& interface) {
+    if (name == interface || options_.made_up.contains(name) || !options_.networks.empty()) return;
+    out_.left_out.push_back(fmt::format(
+        "{}: no interface of Linux has such a name (up to {} letters, digits and . _ - @ +): the "
+        "Port has {} in its place; state the one that it is",
+        name, tools::kLongestInterface, interface));
   }
 
   const Observer& observer_;
@@ -475,7 +475,8 @@ class Drafter {
   std::set<std::string> used_;
   std::vector<Channel> channels_;
   std::set<std::uint64_t> subjects_;
-  std::set<std::string> publishers_;  ///< their names
+  std::set<std::string> channel_names_;  ///< of channels on Ethernet
+  std::set<std::string> publishers_;     ///< their names
   std::map<std::uint32_t, bool> fd_;
   std::uint64_t shortest_period_ = UINT64_MAX;
   std::uint64_t longest_crossing_ = 0;

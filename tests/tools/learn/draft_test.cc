@@ -223,5 +223,26 @@ TEST(Draft, NothingThatWasSeenGivesADescriptionToo) {
   EXPECT_EQ(described(drafted({}, {}, {})).gateways.size(), 0U);
 }
 
+TEST(Draft, NamesThatNoInterfaceOfLinuxHasAreReplacedAndSaid) {
+  const std::vector<std::string> names = {"body-control-left", "body-control-left-door",
+                                          "body-control-lef", "can 3", "fifteen-letters"};
+  Traffic traffic(1);
+  for (std::uint32_t i = 0; i < names.size(); ++i)
+    traffic.periodic(i, 0x100 + i, 20 * kMs, kMs / 2, 8, 10);
+  const Draft draft = drafted(traffic.sent(), {}, names);
+  const auto ports = described(draft).gateways.at(0).ports;
+  std::vector<std::string> interfaces;
+  for (const auto& port : ports) interfaces.push_back(port.identity.name);
+  EXPECT_EQ(interfaces, (std::vector<std::string>{"body-control-le", "body-contro-2",
+                                                  "body-contro-3", "can_3", "fifteen-letters"}));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string note = names[i] +
+                             ": no interface of Linux has such a name (up to 15 letters, digits "
+                             "and . _ - @ +): the Port has " +
+                             interfaces[i] + " in its place; state the one that it is";
+    EXPECT_EQ(std::ranges::count(draft.left_out, note), names[i] == interfaces[i] ? 0 : 1) << note;
+  }
+}
+
 }  // namespace
 }  // namespace mlcca::learn

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
+#include <string>
 
 #include "core/admission/state.hpp"
 #include "core/gates/plan.hpp"
@@ -86,7 +88,7 @@ TEST(EthernetDraft, HasTheSubjectsTheSendersAndTheirTimes) {
   const Draft draft = draft_from(lan(1, 60), {"eth0"});
   ASSERT_EQ(draft.channels.size(), 2U);
   const DraftChannel& distance = draft.channels[0];
-  EXPECT_EQ(distance.name, "eth0-44697374616e6365");
+  EXPECT_EQ(distance.name, "eth0-Distance") << "its subject is text";
   EXPECT_EQ(distance.identifier, "0x44697374616e6365");
   EXPECT_EQ(distance.period, 50 * kMs) << "all of its publishers can be subscribed";
   EXPECT_EQ(distance.bytes, 8U);
@@ -103,6 +105,22 @@ TEST(EthernetDraft, HasTheSubjectsTheSendersAndTheirTimes) {
   EXPECT_EQ(core::to_text(system.publishers[1].station), "192.0.2.8");
   EXPECT_TRUE(draft.xml.contains("its subject is the text Distance")) << draft.xml;
   EXPECT_TRUE(draft.xml.contains("its frames are from 02:00:5e:00:00:07")) << draft.xml;
+  EXPECT_EQ(refused_in(draft), 0U);
+}
+
+TEST(EthernetDraft, SubjectsThatAreNoTextOrLikeOthersHaveNamesOfTheirOwn) {
+  constexpr std::uint64_t spaced = 0x6120620000000000;   // "a b"
+  constexpr std::uint64_t scored = 0x615f620000000000;   // "a_b"
+  constexpr std::uint64_t no_text = 0x6100620000000000;  // "a", a null character, "b"
+  Traffic traffic(1);
+  for (const std::uint64_t subject : {spaced, scored, no_text})
+    traffic.events(0, subject, station(7), 20 * kMs, kMs / 2, 8, 30);
+  const Draft draft = draft_from(traffic.sent(), {"eth0"});
+  std::map<std::uint64_t, std::string> names;
+  for (const auto& channel : draft.channels) names[channel.subject.value()] = channel.name;
+  EXPECT_EQ(names,
+            (std::map<std::uint64_t, std::string>{
+                {no_text, "eth0-6100620000000000"}, {spaced, "eth0-a_b"}, {scored, "eth0-a_b-2"}}));
   EXPECT_EQ(refused_in(draft), 0U);
 }
 
@@ -337,9 +355,25 @@ TEST(EthernetDraft, OtherTrafficIsNamedAndNotDrafted) {
   const Draft draft = draft_from(sent, {"eth0"});
   EXPECT_TRUE(draft.channels.empty());
   EXPECT_EQ(described(draft).networks.at(0).profile, core::Profile::none);
-  ASSERT_EQ(draft.left_out.size(), 1U);
+  ASSERT_EQ(draft.left_out.size(), 2U);
   EXPECT_EQ(draft.left_out[0],
             "eth0: 100 datagrams of other traffic, which needs no channel: port 5353 (100)");
+}
+
+TEST(EthernetDraft, AnEthernetWithoutAProfileIsSaid) {
+  auto sent = lan(1, 30);
+  sent.push_back(event(2 * kSecond, 1, kDistance, station(7), {1}));
+  sent.back().datagram->port = sent.back().datagram->source_port = 5353;
+  const Draft draft = draft_from(test::in_order(std::move(sent)), {"eth0", "eth1"});
+  const auto system = described(draft);
+  EXPECT_EQ(system.networks.at(0).profile, core::Profile::famouso);
+  EXPECT_EQ(system.networks.at(1).profile, core::Profile::none);
+  EXPECT_TRUE(says(draft,
+                   "eth1: its network is drafted without a Profile, so it has no gate: no datagram "
+                   "went to FAMOUSO's ports, 9999 and 8888. If it has FAMOUSO's events, state "
+                   "--profile eth1=famouso"));
+  EXPECT_FALSE(says(draft, "eth0: its network"));
+  EXPECT_TRUE(draft.xml.contains("<!-- Without a Profile it has no gate. -->")) << draft.xml;
 }
 
 TEST(EthernetDraft, WhatTwoGatewaysCarryInACircleIsStillDrafted) {

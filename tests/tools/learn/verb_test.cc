@@ -337,8 +337,8 @@ TEST_F(LearnVerb, OnEthernetChannelsAreFoundBySubjectWhateverTheirName) {
   const auto path = folder.path("system.xml");
   ASSERT_EQ(run({"learn", trace, "--output", path}).status, 0);
   std::string text = content_of(path);
-  for (std::size_t at = 0; (at = text.find("\"eth0-44697374616e6365\"")) != std::string::npos;)
-    text.replace(at, 23, "\"distance\"");
+  for (std::size_t at = 0; (at = text.find("\"eth0-Distance\"")) != std::string::npos;)
+    text.replace(at, 15, "\"distance\"");
   const auto renamed = folder.write("renamed.xml", text);
   const auto other = folder.write("eth0.pcapng", datagrams(kDistance, 9, 20));
   const Ran ran = run({"learn", other, "--merge", renamed});
@@ -348,7 +348,7 @@ TEST_F(LearnVerb, OnEthernetChannelsAreFoundBySubjectWhateverTheirName) {
                          "is not described as a publisher there"))
       << ran.error;
   EXPECT_TRUE(
-      ran.out.contains("+  <Publisher name=\"eth0-44697374616e6365-of-192.0.2.9\" "
+      ran.out.contains("+  <Publisher name=\"eth0-Distance-of-192.0.2.9\" "
                        "channel=\"distance\" network=\"eth0\" address=\"192.0.2.9\""))
       << ran.out;
   const Ran patched = run_program({"patch", renamed, folder.write("change.patch", ran.out)});
@@ -372,10 +372,9 @@ TEST_F(LearnVerb, WhatNowCrossesToABusIsBoundThere) {
   ASSERT_EQ(run({"learn", trace, other, "--output", path}).status, 0);
   const Ran ran = run({"learn", trace, log, "--merge", path});
   EXPECT_EQ(ran.status, 1) << ran.error;
-  EXPECT_TRUE(ran.error.contains("eth0-44697374616e6365: is on can0, and not bound there"))
-      << ran.error;
+  EXPECT_TRUE(ran.error.contains("eth0-Distance: is on can0, and not bound there")) << ran.error;
   EXPECT_TRUE(
-      ran.out.contains("+    <Binding channel=\"eth0-44697374616e6365\"><Identifier "
+      ran.out.contains("+    <Binding channel=\"eth0-Distance\"><Identifier "
                        "form=\"standard\">0x123</Identifier></Binding>"))
       << ran.out;
   const Ran both = run({"learn", trace, log, "--json"});
