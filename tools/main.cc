@@ -344,9 +344,10 @@ std::optional<Exit> add_answer(const Options& options, control::Client& client, 
 }
 
 Exit print_report(const Options& options, const Arguments& arguments) {
-  if (!arguments.html)
-    return print_error(options, control::ErrorKind::invalid,
-                       "the report is a page of HTML: mlccactl report --html > FILE");
+  if (!arguments.html || options.json)
+    return print_error(
+        options, control::ErrorKind::invalid,
+        "the report is a page of HTML, without --json: mlccactl report --html > FILE");
   auto client = control::Client::connect(options.socket, options.patience);
   if (!client) return print_error(options, control::ErrorKind::world, client.error().text);
   constexpr std::uint32_t entries = 200;

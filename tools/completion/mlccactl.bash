@@ -145,12 +145,12 @@ _mlccactl() {
 		words="--network --bitrate --data-bitrate --unknown-senders --background-load --faults"
 		words+=" --fault-interval-ms --assign $offline"
 		;;
-	check) words="--format --output --watch $offline" ;;
+	check) words="--format --output --force --watch $offline" ;;
 	describe)
 		words="--channel --subject --random-subject --name --description --safe-side --set --set-user"
 		words+=" --unset --priority --remove-set --dry-run $offline"
 		;;
-	format) words="--short --paper --in-place --output $offline" ;;
+	format) words="--short --paper --in-place --output --force $offline" ;;
 	rollout) words+=" --off --wait --back --accept" ;;
 	doctor) words="--can --send --id --fifo-depth --bus-off --bpf-root --json --help" ;;
 	generate) words="--component --out --force $offline" ;;
@@ -158,7 +158,7 @@ _mlccactl() {
 		words="--for --output --merge --profile --bitrate --data-bitrate --name --gateway --user --no-local $offline"
 		[[ $cur == -* ]] || words="$(_mlccactl_learnable)"
 		;;
-	export) words="--format --network --gateway --output $offline" ;;
+	export) words="--format --network --gateway --output --force $offline" ;;
 	import)
 		words="--format --name --network --gateway --interface --profile --node --bitrate --data-bitrate"
 		words+=" --default-period --output $offline"

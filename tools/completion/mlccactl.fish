@@ -219,6 +219,7 @@ __mlccactl_option 'analyse-bus' -l fault-interval-ms -x -d 'see --faults'
 __mlccactl_option 'analyse-bus' -l assign -d 'search for an order of the identifiers'
 __mlccactl_option 'check' -l format -x -a 'text json sarif html' -d 'form of the report'
 __mlccactl_option 'check export import learn' -l output -r -F -d 'write to this file'
+__mlccactl_option 'check export format' -l force -d 'replace a file that exists'
 __mlccactl_option 'check' -l watch -d 'check again whenever one of the files is saved'
 
 __mlccactl_option 'describe' -l channel -x -d 'name or subject, where the file has several'

@@ -62,7 +62,7 @@ class Describe {
  private:
   std::optional<Refusal> carry_out() {
     auto file = read_file(a_.file, kMaxEdited);
-    if (!file) return refusal(Exit::world, file.error().text);
+    if (!file) return refusal(Exit::usage, file.error().text);
     file_ = std::move(*file);
     interactive_ = a_.changes.empty() && !context_.json && Terminal::is_there();
     if (a_.changes.empty() && !interactive_)

@@ -15,7 +15,7 @@
 #include "description/read.hpp"
 #include "tools/design/export/admitted.hpp"
 #include "tools/design/lacks_json.hpp"
-#include "tools/design/safe_file.hpp"
+#include "tools/design/output.hpp"
 #include "tools/design/say.hpp"
 #include "tools/design/verbs.hpp"
 
@@ -30,6 +30,7 @@ struct ExportArguments {
   std::string network;
   std::string gateway;
   std::string output;
+  bool force = false;
 };
 
 class Export {
@@ -41,6 +42,10 @@ class Export {
 
  private:
   Finished carry_out() {
+    if (auto effect = all_have_effect(); !effect) return refuse(Exit::usage, effect.error().text);
+    if (!a_.output.empty())
+      if (const auto can = can_write(a_.output, existing_if(a_.force)); !can)
+        return refuse(Exit::world, can.error().text);
     auto system = description::read(a_.system, description::Users::any);
     if (!system) {
       Refusal refusal{
@@ -54,9 +59,21 @@ class Export {
     auto made = make(admitted);
     if (!made) return refuse(Exit::usage, a_.system + ": " + made.error().text);
     if (!a_.output.empty())
-      if (const auto written = create_file(a_.output, made->text); !written)
+      if (const auto written = write_output(a_.output, made->text, existing_if(a_.force)); !written)
         return refuse(Exit::world, written.error().text);
     return report(*made);
+  }
+
+  /// An error for an option that the format does not take.
+  [[nodiscard]] Result<void> all_have_effect() const {
+    const bool is_of_gateway = a_.format == "can-gw" || a_.format == "em_canid";
+    if (!a_.network.empty() && a_.format != "dbc")
+      return fail(fmt::format("--network: only dbc is of one network; {} has {}", a_.format,
+                              is_of_gateway ? "those of its gateway" : "all"));
+    if (!a_.gateway.empty() && !is_of_gateway)
+      return fail(
+          fmt::format("--gateway: only can-gw and em_canid are of one gateway, not {}", a_.format));
+    return {};
   }
 
   [[nodiscard]] Result<Exported> make(const Admitted& admitted) const {
@@ -130,9 +147,14 @@ void add_export(CLI::App& app, Context& context) {
       ->type_name("NAME");
   verb->add_option("--gateway", a->gateway, "of can-gw and em_canid, where there are several")
       ->type_name("NAME");
-  verb->add_option("--output", a->output, "a new file, instead of standard output")
-      ->type_name("FILE");
-  verb->callback([a, &context] { context.exit = Export(*a, context).run(); });
+  auto* output = verb->add_option("--output", a->output,
+                                  "a new file, instead of standard output, which is also -")
+                     ->type_name("FILE");
+  add_force(*verb, output, a->force);
+  verb->callback([a, &context] {
+    a->output = path_of_output(a->output);
+    context.exit = Export(*a, context).run();
+  });
 }
 
 }  // namespace mlcca::tools::design

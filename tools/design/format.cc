@@ -11,8 +11,8 @@
 #include "base/many.hpp"
 #include "description/kinds.hpp"
 #include "description/read.hpp"
-#include "tools/design/check/output.hpp"
 #include "tools/design/format/rewrite.hpp"
+#include "tools/design/output.hpp"
 #include "tools/design/safe_file.hpp"
 #include "tools/design/say.hpp"
 #include "tools/design/verbs.hpp"
@@ -30,6 +30,7 @@ struct FormatOptions {
   bool brief = false;
   bool paper = false;
   bool in_place = false;
+  bool force = false;
 };
 
 class FormatVerb {
@@ -46,7 +47,7 @@ class FormatVerb {
  private:
   [[nodiscard]] std::optional<Refusal> carry_out() {
     auto file = read_file(options_.file, kMaxFormatted);
-    if (!file) return Refusal{Exit::world, file.error().text, {}};
+    if (!file) return Refusal{Exit::usage, file.error().text, {}};
     if (!*file)
       return Refusal{Exit::usage, fmt::format("{}: there is no such file", options_.file), {}};
     const auto problems = description::check_part(options_.file);
@@ -64,7 +65,8 @@ class FormatVerb {
       if (const auto done = replace_file(**file, result.text); !done)
         return Refusal{Exit::world, done.error().text, {}};
     } else if (!options_.output.empty()) {
-      if (const auto done = write_output(options_.output, result.text); !done)
+      if (const auto done = write_output(options_.output, result.text, existing_if(options_.force));
+          !done)
         return Refusal{Exit::world, done.error().text, {}};
     }
     report(result, changed);
@@ -129,11 +131,13 @@ void add_format(CLI::App& app, Context& context) {
   auto* in_place =
       verb->add_flag("--in-place", options->in_place, "replace the file, in one piece");
   auto* output = verb->add_option("-o,--output", options->output,
-                                  "write to this file, in one piece; default: standard output")
+                                  "a new file, instead of standard output, which is also -")
                      ->type_name("FILE");
   in_place->excludes(output);
+  add_force(*verb, output, options->force);
   verb->callback([&context, options] {
     if (!options->brief && !options->paper) throw CLI::RequiredError("--short or --paper");
+    options->output = path_of_output(options->output);
     context.exit = FormatVerb(*options, context).run();
   });
 }

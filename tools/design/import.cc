@@ -2,7 +2,6 @@
 // The verb `mlccactl import`: makes descriptions from files of other tools.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include <expected>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +20,7 @@
 #include "tools/design/import/formats.hpp"
 #include "tools/design/lacks_json.hpp"
 #include "tools/design/mistakes.hpp"
+#include "tools/design/output.hpp"
 #include "tools/design/safe_file.hpp"
 #include "tools/design/say.hpp"
 #include "tools/design/verbs.hpp"
@@ -54,11 +55,13 @@ class Import {
 
  private:
   Finished carry_out() {
-    if (!a_.output.empty() && ::access(a_.output.c_str(), F_OK) == 0)
-      return refuse(Exit::world, existing_words(a_.output));
+    if (!a_.output.empty())
+      if (const auto can = can_write(a_.output, Existing::refuse); !can)
+        return refuse(Exit::world, can.error().text);
     if (auto good = understand(); !good) return refuse(Exit::usage, good.error().text);
     for (std::size_t i = 0; i < a_.files.size(); ++i)
       if (auto done = read(a_.files[i], i); !done) return done;
+    if (auto effect = all_have_effect(); !effect) return refuse(Exit::usage, effect.error().text);
     for (auto& network : networks_) complete(network);
     if (!a_.interfaces.empty() && a_.interfaces.size() != networks_.size())
       return refuse(Exit::usage, fmt::format("--interface is given {} for {}: give it once for "
@@ -68,7 +71,7 @@ class Import {
     const auto draft = draft_of(networks_, {a_.name, a_.gateway, a_.interfaces});
     if (auto refused = mistakes_in(draft, "draft")) return std::unexpected(std::move(*refused));
     if (!a_.output.empty())
-      if (const auto written = create_file(a_.output, draft); !written)
+      if (const auto written = write_output(a_.output, draft, Existing::refuse); !written)
         return refuse(Exit::world, written.error().text);
     return report(draft);
   }
@@ -102,6 +105,25 @@ class Import {
     return rate("--data-bitrate", a_.data_bitrate, 8'000'000, options_.data_bitrate);
   }
 
+  /// An error for an option that none of the files can have.
+  [[nodiscard]] Result<void> all_have_effect() const {
+    const struct {
+      bool is_given;
+      Takes takes;
+      const char* why;
+    } options[] = {
+        {!a_.nodes.empty(), Takes::node, "--node: only eds and cyphal files have a node"},
+        {!a_.profile.empty(), Takes::profile, "--profile: only dbc files have one to choose"},
+        {!a_.bitrate.empty(), Takes::bitrate,
+         "--bitrate: only dbc, eds and cyphal files are of a bus"},
+        {!a_.data_bitrate.empty(), Takes::data_bitrate,
+         "--data-bitrate: only dbc and cyphal files may have FD frames"}};
+    for (const auto& option : options)
+      if (option.is_given && !takes_.contains(option.takes))
+        return fail(fmt::format("{}, and none is given", option.why));
+    return {};
+  }
+
   static Result<void> rate(const char* option, const std::string& text, std::uint32_t most,
                            std::uint32_t& to) {
     if (text.empty()) return {};
@@ -117,14 +139,15 @@ class Import {
   Finished read(const std::string& path, std::size_t i) {
     const auto file = read_file(path, kMostImported);
     if (!file)
-      return refuse(Exit::world,
+      return refuse(Exit::usage,
                     file.error().text + (file.error().text.contains("that is the limit")
                                              ? ". If it is a recording, use 'mlccactl learn'"
                                              : ""));
-    if (!*file) return refuse(Exit::world, path + ": No such file or directory");
+    if (!*file) return refuse(Exit::usage, path + ": No such file or directory");
     const auto* format = a_.format.empty() ? recognise((*file)->text) : format_called(a_.format);
     if (format == nullptr)
       return refuse(Exit::usage, fmt::format("{}: {}", path, reason_of((*file)->text)));
+    takes_.insert(format->takes.begin(), format->takes.end());
     options_.node = a_.nodes.empty() ? 0 : a_.nodes[i];
     auto network = format->read((*file)->text, path, options_);
     if (!network) return refuse(Exit::usage, network.error().text);
@@ -177,6 +200,7 @@ class Import {
   const Context& context_;
   ImportOptions options_;
   std::vector<ImportedNetwork> networks_;
+  std::set<Takes> takes_;  ///< what at least one of the files takes
 };
 
 }  // namespace
@@ -219,9 +243,12 @@ void add_import(CLI::App& app, Context& context) {
   verb->add_option("--default-period", a->period,
                    "of a message for which the file states no cycle time, by default 100ms")
       ->type_name("TIME");
-  verb->add_option("--output", a->output, "a new file, instead of standard output")
+  verb->add_option("--output", a->output, "a new file, instead of standard output, which is also -")
       ->type_name("FILE");
-  verb->callback([a, &context] { context.exit = Import(*a, context).run(); });
+  verb->callback([a, &context] {
+    a->output = path_of_output(a->output);
+    context.exit = Import(*a, context).run();
+  });
 }
 
 }  // namespace mlcca::tools::design

@@ -36,7 +36,7 @@
 #include "tools/design/learn_table.hpp"
 #include "tools/design/mistakes.hpp"
 #include "tools/design/new/plan.hpp"
-#include "tools/design/safe_file.hpp"
+#include "tools/design/output.hpp"
 #include "tools/design/say.hpp"
 #include "tools/design/verbs.hpp"
 #include "tools/elements.hpp"
@@ -65,6 +65,7 @@ struct LearnArguments {
   std::vector<std::string> bitrates;
   std::vector<std::string> data_bitrates;
   learn::DraftOptions draft;
+  bool is_named = false;  ///< by --name
   bool no_local = false;
   std::string merge;
 };
@@ -94,7 +95,7 @@ class Learn {
     if (const auto refused = mistakes_in(draft.xml, "draft", description::Users::any))
       return say(*refused, context_.json);
     if (!a_.output.empty())
-      if (const auto made = create_file(a_.output, draft.xml); !made)
+      if (const auto made = write_output(a_.output, draft.xml, Existing::refuse); !made)
         return say({Exit::world, made.error().text, {}}, context_.json);
     return report(draft);
   }
@@ -109,7 +110,7 @@ class Learn {
     if (!time) return wrong("--for: " + time.error().text);
     time_ = *time;
     if (!a_.output.empty())
-      if (const auto can = can_create(a_.output); !can)
+      if (const auto can = can_write(a_.output, Existing::refuse); !can)
         return Refusal{Exit::world, can.error().text, {}};
     if (const auto can = can_be_user(a_.draft.user); !can) return wrong(can.error().text);
     a_.draft.local_subscribers = !a_.no_local;
@@ -127,6 +128,7 @@ class Learn {
   std::optional<Refusal> read_described() {
     if (a_.merge.empty()) return std::nullopt;
     if (!a_.output.empty()) return wrong("--merge prints a difference: it goes without --output");
+    if (a_.is_named) return wrong("--name goes without --merge: the described system has a name");
     auto described = description::read(a_.merge, description::Users::any);
     if (!described) {
       Refusal refused = wrong(a_.merge + ": the description cannot be used");
@@ -435,7 +437,8 @@ void add_learn(CLI::App& app, Context& context) {
   verb->add_option("--for", a->time, "how long to listen")
       ->type_name("TIME")
       ->default_str(kDefaultTime);
-  verb->add_option("--output", a->output, "write the draft to this new file, and print a table")
+  verb->add_option("--output", a->output,
+                   "write the draft to this new file, and print a table; - is standard output")
       ->type_name("FILE.xml");
   verb->add_option("--profile", a->profiles,
                    "the profile of an interface, instead of the one that is recognised; repeatable")
@@ -448,7 +451,8 @@ void add_learn(CLI::App& app, Context& context) {
   verb->add_option("--data-bitrate", a->data_bitrates, "the same of its FD data phase; repeatable")
       ->type_name("INTERFACE=RATE")
       ->allow_extra_args(false);
-  verb->add_option("--name", a->draft.system, "name of the system")->capture_default_str();
+  auto* name =
+      verb->add_option("--name", a->draft.system, "name of the system")->capture_default_str();
   verb->add_option("--gateway", a->gateway,
                    "name of this gateway; default: gateway, or with --merge the "
                    "only one that is described");
@@ -462,7 +466,11 @@ void add_learn(CLI::App& app, Context& context) {
   verb->footer(
       "Exit status: 0 drafted, 1 with --merge: there are differences, 2 usage, unreadable input or "
       "no frame,\n3 the outside world failed, or the output exists.");
-  verb->callback([a, &context] { context.exit = Learn(*a, context).run(); });
+  verb->callback([a, name, &context] {
+    a->output = path_of_output(a->output);
+    a->is_named = name->count() != 0;
+    context.exit = Learn(*a, context).run();
+  });
 }
 
 }  // namespace mlcca::tools::design

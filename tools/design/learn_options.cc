@@ -3,16 +3,13 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <csignal>
-#include <filesystem>
 #include <ranges>
 #include <span>
 
 #include "core/model/words.hpp"
 #include "description/values.hpp"
-#include "tools/design/safe_file.hpp"
 #include "tools/values.hpp"
 
 namespace mlcca::tools::design {
@@ -74,25 +71,6 @@ Result<void> fit_interfaces(const std::vector<std::string>& texts, const char* o
     if (of_buses && interface->second == learn::Medium::ethernet)
       return fail(fmt::format("{} {}: {} is no CAN bus", option, text, parts->first));
   }
-  return {};
-}
-
-Result<void> can_create(const std::string& path) {
-  if (::access(path.c_str(), F_OK) == 0) return fail(existing_words(path));
-  std::string folder = std::filesystem::path(path).parent_path().string();
-  if (folder.empty()) folder = ".";
-  std::error_code error;
-  const auto status = std::filesystem::status(folder, error);
-  const auto wrong = [&](std::string_view text) {
-    return fail(fmt::format("--output {}: {}", path, text));
-  };
-  if (!std::filesystem::exists(status))
-    return wrong(fmt::format("there is no folder {}: make it, or name another", folder));
-  if (!std::filesystem::is_directory(status))
-    return wrong(fmt::format("{} is no folder: name another", folder));
-  if (::access(folder.c_str(), W_OK | X_OK) != 0)
-    return wrong(
-        fmt::format("no file can be created in {}: name a folder that you may write to", folder));
   return {};
 }
 

@@ -32,9 +32,6 @@ namespace mlcca::tools::design {
                                           bool of_buses,
                                           const std::map<std::string, learn::Medium>& there);
 
-/// An error if --output names a file that exists, or a folder in which no file can be created.
-[[nodiscard]] Result<void> can_create(const std::string& path);
-
 /// An error if no user of a description can have this name.
 [[nodiscard]] Result<void> can_be_user(const std::string& name);
 

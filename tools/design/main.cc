@@ -50,7 +50,7 @@ int main(int argc, char** argv) {
   add_rollout(app, context);
   for (auto* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
     verb->fallthrough();
-    verb->footer(kFooter);
+    if (verb->get_footer().empty()) verb->footer(kFooter);
   }
   try {
     app.parse(argc, argv);

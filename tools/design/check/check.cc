@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "tools/design/check/output.hpp"
 #include "tools/design/check/progress.hpp"
 #include "tools/design/check/report.hpp"
 #include "tools/design/check/watch.hpp"
 #include "tools/design/check/write.hpp"
+#include "tools/design/output.hpp"
 #include "tools/design/say.hpp"
 #include "tools/design/verbs.hpp"
 
@@ -29,6 +29,7 @@ struct Options {
   std::vector<std::string> files;
   std::string format = "text";
   std::string output;  ///< empty: standard output
+  bool force = false;
   bool watch = false;
 };
 
@@ -68,7 +69,7 @@ class Check {
   /// The exit status of a report; as error, that of a report that could not be written.
   using Delivery = std::expected<Exit, Exit>;
 
-  [[nodiscard]] Delivery deliver(const Report& report) const {
+  [[nodiscard]] Delivery deliver(const Report& report) {
     const auto& output = options_.output;
     if (!output.empty() && is_one_of(output, report.files()))
       return std::unexpected(complain(
@@ -79,8 +80,9 @@ class Check {
       if (said != Exit::fine) return std::unexpected(said);
       return status_of(report);
     }
-    const auto done = write_output(output, text);
+    const auto done = write_output(output, text, existing_if(options_.force || is_ours_));
     if (!done) return std::unexpected(complain(Exit::world, done.error().text));
+    is_ours_ = true;
     return status_of(report);
   }
 
@@ -111,7 +113,7 @@ class Check {
   }
 
   /// Writes the report; with --output also the text for the person who watches.
-  [[nodiscard]] Delivery show(const Report& report, bool first) const {
+  [[nodiscard]] Delivery show(const Report& report, bool first) {
     const bool for_person = options_.format == "text" || !options_.output.empty();
     if (for_person) {
       const bool terminal = ::isatty(STDOUT_FILENO) != 0;
@@ -128,6 +130,7 @@ class Check {
 
   const Options& options_;
   Color color_;
+  bool is_ours_ = false;  ///< the output has been written once
 };
 
 }  // namespace
@@ -140,15 +143,20 @@ void add_check(CLI::App& app, Context& context) {
                    "count as included in each of them")
       ->required()
       ->type_name("SYSTEM.xml...");
-  verb->add_option("--format", options->format, "text, json, sarif (2.1.0) or html")
-      ->check(CLI::IsMember({"text", "json", "sarif", "html"}))
-      ->capture_default_str();
-  verb->add_option("--output", options->output, "write the report to this file, in one piece")
-      ->type_name("FILE");
+  auto* format = verb->add_option("--format", options->format, "text, json, sarif (2.1.0) or html")
+                     ->check(CLI::IsMember({"text", "json", "sarif", "html"}))
+                     ->capture_default_str();
+  auto* output = verb->add_option("--output", options->output,
+                                  "a new file, instead of standard output, which is also -")
+                     ->type_name("FILE");
+  add_force(*verb, output, options->force);
   verb->add_flag("--watch", options->watch,
                  "check again whenever one of the files is saved, until interrupted");
-  verb->callback([&context, options] {
+  verb->callback([&context, options, format] {
+    if (context.json && format->count() != 0 && options->format != "json")
+      throw CLI::ValidationError("--json goes without --format " + options->format);
     if (context.json) options->format = "json";
+    options->output = path_of_output(options->output);
     const bool page = options->format == "sarif" || options->format == "html";
     if (options->watch && page && options->output.empty())
       throw CLI::ValidationError("--watch", options->format + " needs --output");

@@ -118,6 +118,9 @@ class CyphalMeaning {
     other_.clear();
     for (const auto& entry : registers.entries)
       take_register(yaml_.at(entry.key), yaml_.at(entry.value), read);
+    if (number && options_.node != 0 && *number != options_.node)
+      return wrong(line, fmt::format("--node {}: the file says that this is node {}", options_.node,
+                                     *number));
     if (!number && options_.node != 0) number = options_.node;
     if (!number) number = read.number;
     if (!number)

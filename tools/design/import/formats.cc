@@ -59,13 +59,17 @@ bool is_recording(std::string_view text) {
          line.substr(1, closed - 1).find_first_not_of("0123456789.") == std::string_view::npos;
 }
 
+constexpr std::array kOfDbc = {Takes::profile, Takes::bitrate, Takes::data_bitrate};
+constexpr std::array kOfEds = {Takes::node, Takes::bitrate};
+constexpr std::array kOfCyphal = {Takes::node, Takes::bitrate, Takes::data_bitrate};
+
 constexpr auto kFormats = std::to_array<ImportFormat>({
-    {"dbc", is_dbc, import_dbc},
-    {"eds", is_eds, import_eds},
-    {"cyphal", is_cyphal, import_cyphal},
-    {"dds-xml", is_dds_xml, import_dds_xml},
-    {"ros2-params", is_ros2_params, import_ros2_params},
-    {"ros2-topics", is_ros2_topics, import_ros2_topics},
+    {"dbc", kOfDbc, is_dbc, import_dbc},
+    {"eds", kOfEds, is_eds, import_eds},
+    {"cyphal", kOfCyphal, is_cyphal, import_cyphal},
+    {"dds-xml", {}, is_dds_xml, import_dds_xml},
+    {"ros2-params", {}, is_ros2_params, import_ros2_params},
+    {"ros2-topics", {}, is_ros2_topics, import_ros2_topics},
 });
 
 }  // namespace

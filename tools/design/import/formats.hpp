@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The table of the formats that can be imported.
 #pragma once
+#include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,8 +12,12 @@
 
 namespace mlcca::tools::design {
 
+/// What an option of the command line states, and only some formats take.
+enum class Takes : std::uint8_t { node, profile, bitrate, data_bitrate };
+
 struct ImportFormat {
   std::string_view name;
+  std::span<const Takes> takes;
   /// Whether a text seems to have this format. The first format for which this is true is used.
   bool (*is)(std::string_view text);
   /// Reads a text. `file` is its name in errors.

@@ -317,7 +317,7 @@ TEST_F(OutputTest, IsWrittenInsteadOfStandardOutput) {
   EXPECT_EQ(outcome.status, 1);
   EXPECT_EQ(outcome.out, "");
   EXPECT_EQ(Json::parse(test::content_of(report))["errors"], 1);
-  EXPECT_EQ(status_of({"--output", report, good()}), 0);
+  EXPECT_EQ(status_of({"--output", report, "--force", good()}), 0);
   EXPECT_TRUE(test::content_of(report).starts_with("test: 1 channel: 1 fit"));
 }
 
@@ -326,7 +326,7 @@ TEST_F(OutputTest, ReplacesAFileAndKeepsItsModeAndLink) {
   ASSERT_EQ(::chmod(report.c_str(), 0640), 0);
   std::filesystem::create_symlink("report", path("link"));
   std::filesystem::create_hard_link(report, path("before"));
-  EXPECT_EQ(status_of({"--output", path("link"), good()}), 0);
+  EXPECT_EQ(status_of({"--output", path("link"), "--force", good()}), 0);
   EXPECT_TRUE(std::filesystem::is_symlink(path("link")));
   EXPECT_TRUE(test::content_of(report).starts_with("test:"));
   EXPECT_EQ(test::content_of(path("before")), "old") << "who has it open sees the old one";
@@ -343,7 +343,7 @@ TEST_F(OutputTest, LeavesTheOldOneWhereTheNewOneCannotBeWritten) {
   ASSERT_EQ(::chmod(path("locked").c_str(), 0500), 0);
   test::Surroundings how;
   how.without_privileges = true;
-  const auto outcome = test::run({"check", "--output", report, good()}, how);
+  const auto outcome = test::run({"check", "--output", report, "--force", good()}, how);
   EXPECT_EQ(outcome.status, 3);
   EXPECT_EQ(test::content_of(report), "old");
   EXPECT_EQ(::chmod(path("locked").c_str(), 0700), 0);

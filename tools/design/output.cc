@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "tools/design/check/output.hpp"
+#include "tools/design/output.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -10,7 +10,9 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <memory>
+#include <system_error>
 
 #include "base/handle.hpp"
 #include "tools/design/safe_file.hpp"
@@ -35,7 +37,40 @@ Result<void> write_through(const std::string& path, std::string_view text) {
 
 }  // namespace
 
-Result<void> write_output(const std::string& path, std::string_view text) {
+void add_force(CLI::App& verb, CLI::Option* output, bool& force) {
+  verb.add_flag("--force", force, "replace a file that exists")->needs(output);
+}
+
+std::string path_of_output(const std::string& output) {
+  return output == "-" || output == "/dev/stdout" ? "" : output;
+}
+
+Result<void> can_write(const std::string& path, Existing existing) {
+  struct stat status{};
+  if (::stat(path.c_str(), &status) == 0) {
+    if (S_ISDIR(status.st_mode)) return fail(path + " is a folder: name a file");
+    if (!S_ISREG(status.st_mode) || existing == Existing::replace) return {};
+    return fail(existing_words(path) + (existing == Existing::ask ? ", or state --force" : ""));
+  }
+  std::string folder = std::filesystem::path(path).parent_path().string();
+  if (folder.empty()) folder = ".";
+  std::error_code error;
+  const auto there = std::filesystem::status(folder, error);
+  const auto wrong = [&](std::string_view text) {
+    return fail(fmt::format("--output {}: {}", path, text));
+  };
+  if (!std::filesystem::exists(there))
+    return wrong(fmt::format("there is no folder {}: make it, or name another", folder));
+  if (!std::filesystem::is_directory(there))
+    return wrong(fmt::format("{} is no folder: name another", folder));
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    return wrong(
+        fmt::format("no file can be created in {}: name a folder that you may write to", folder));
+  return {};
+}
+
+Result<void> write_output(const std::string& path, std::string_view text, Existing existing) {
+  if (auto can = can_write(path, existing); !can) return can;
   FileContent old;
   if (::stat(path.c_str(), &old.status) != 0) {
     if (errno == ENOENT) return create_file(path, text);
