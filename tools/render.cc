@@ -187,7 +187,8 @@ std::string left_out_text(const control::Channels& channels, Color color) {
   if (!text.empty())
     text +=
         "An admission that is left out carries nothing and reserves nothing. It is decided again "
-        "with the next\ndescription, unless 'mlccactl release' ends it.\n";
+        "with the next\ndescription, or when the gateway that it waits for agrees, unless "
+        "'mlccactl release' ends it.\n";
   return text;
 }
 

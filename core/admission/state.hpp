@@ -220,7 +220,8 @@ class State {
   /// Forgets the channels of list() that no member uses, with their identifiers; list() does, too.
   /// True: there were some.
   bool unlist_unused();
-  /// Takes an admission in without asking, before decide(): one that was granted before a restart.
+  /// Takes an admission in without asking: one that was granted before a restart, or before it had
+  /// to wait. The next decide() or settle() says what it is given.
   void restore(Admission admission);
 
   [[nodiscard]] GateState gate_state(std::size_t gateway) const {

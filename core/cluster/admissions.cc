@@ -367,6 +367,8 @@ std::optional<Work> Admissions::opening(const Own& own, const View& view,
     if (!vote || !vote->vote.ok) return std::nullopt;
     work.compares.push_back({.key = keys.vote(gateway, self_, wanted.id),
                              .revision = view.records().votes.at({gateway, self_, wanted.id}).mod});
+    // After a conflict the view must have the other vote before this is tried again.
+    work.reads.push_back(keys.vote(gateway, self_, wanted.id));
   }
   work.puts.push_back({.key = keys.asked(self_, wanted.id),
                        .value = codec.write(Asked{.stage = Stage::granted,

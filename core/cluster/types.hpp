@@ -88,6 +88,8 @@ struct Vote {
   bool ok = false;
   Place hop;
   std::string reason;  ///< at most 512 bytes, printable
+  /// Of a refusal: what it was asked for is gone, so that there is no use in asking again.
+  bool final = false;
   bool operator==(const Vote&) const = default;
 };
 

@@ -266,14 +266,18 @@ std::string Codec::write(const cc::VoteOf& vote) const {
   return control::bytes_of(VoteEntry{.asked = number_of(vote.asked),
                                      .agrees = vote.vote.ok,
                                      .hop = named ? names[hop.index] : std::string(),
-                                     .reason = bounded(vote.vote.reason)});
+                                     .reason = bounded(vote.vote.reason),
+                                     .final = !vote.vote.ok && vote.vote.final});
 }
 
 std::optional<cc::VoteOf> Codec::vote(Text value) const {
   const auto entry = control::message_in<VoteEntry>(value);
   if (!entry || !is_revision(entry->asked)) return std::nullopt;
   cc::VoteOf vote{.asked = revision_of(entry->asked),
-                  .vote = {.ok = entry->agrees, .hop = {}, .reason = bounded(entry->reason)}};
+                  .vote = {.ok = entry->agrees,
+                           .hop = {},
+                           .reason = bounded(entry->reason),
+                           .final = !entry->agrees && entry->final}};
   const auto place = [&](const std::vector<std::string>& names, core::Place::Kind kind) {
     const auto it = std::ranges::find(names, entry->hop);
     if (it != names.end()) vote.vote.hop = {kind, static_cast<std::size_t>(it - names.begin())};

@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::uint64_t kTryAgain = 10'000'000'000;  // ns
 constexpr std::size_t kEndedTogether = 64;           // leases that are ended together
+constexpr std::uint64_t kSayAgain = 60'000'000'000;  // ns, why an admission waits
 
 /// Whether a peer on a network made this admission by a subscription.
 bool is_subscription(const control::Admit& admit) {
@@ -61,37 +62,80 @@ void Admissions::remember() {
   }
 }
 
+/// Adds it to the state, or returns why it is left out.
+std::optional<control::LeftOutAdmission> Admissions::restore_one(core::State& state,
+                                                                 core::AdmissionId id) const {
+  const control::Admit* const admit = recorded(recorder_, id);
+  if (admit == nullptr) return std::nullopt;
+  const auto listed = list(state, *admit);
+  const bool alone = recorder_.contents().admissions.through_others().contains(id);
+  const control::Admit understandable = alone ? requests::subscriber_alone(*admit, id) : *admit;
+  auto asked = listed ? understand(state, understandable, id) : std::unexpected(listed.error());
+  if (auto why = refuses_subscription(state, *admit)) asked = fail(std::move(*why));
+  if (asked && asked->admission) {
+    state.restore(*asked->admission);
+    return std::nullopt;
+  }
+  return control::LeftOutAdmission{
+      .admission = id,
+      .channel = admit->channel,
+      .reason = asked ? "the description has it now" : asked.error().text};
+}
+
 Admissions::LeftOut Admissions::restore_into(core::State& state) const {
   LeftOut left_out;
-  for (const control::Request& request : recorder_.contents().admissions) {
-    const auto* admit = std::get_if<control::Admit>(&request.body);
-    if (admit == nullptr) continue;
-    const auto listed = list(state, *admit);
-    const bool alone = recorder_.contents().admissions.through_others().contains(request.id);
-    const control::Admit understandable =
-        alone ? requests::subscriber_alone(*admit, request.id) : *admit;
-    auto asked =
-        listed ? understand(state, understandable, request.id) : std::unexpected(listed.error());
-    if (auto why = refuses_subscription(state, *admit)) asked = fail(std::move(*why));
-    if (asked && asked->admission)
-      state.restore(*asked->admission);
-    else
-      left_out.emplace(request.id,
-                       control::LeftOutAdmission{
-                           .admission = request.id,
-                           .channel = admit->channel,
-                           .reason = asked ? "the description has it now" : asked.error().text});
-  }
+  for (const control::Request& request : recorder_.contents().admissions)
+    if (auto why = restore_one(state, request.id)) left_out.emplace(request.id, std::move(*why));
   for (const std::string& subject : recorder_.contents().released)
     if (const auto channel = state.find_channel(subject)) state.set_withdrawn(*channel, true);
   return left_out;
 }
 
+void Admissions::set_left_out(LeftOut left_out) {
+  for (const auto& [id, said] : waiting_)
+    if (const auto why = left_out_.find(id); why != left_out_.end())
+      left_out.insert_or_assign(id, why->second);
+  left_out_ = std::move(left_out);
+}
+
 void Admissions::report_left_out() {
   for (const auto& [id, why] : left_out_)
-    if (const auto before = reported_.find(id); before == reported_.end() || before->second != why)
+    if (const auto before = reported_.find(id);
+        !waits(id) && (before == reported_.end() || before->second != why))
       log_.warning(Kind::trouble, words_of(why), about(id));
   reported_ = left_out_;
+}
+
+core::FormerRules Admissions::let_wait(const std::vector<Waiting>& all) {
+  core::FormerRules left;
+  const std::uint64_t now = clock_.monotonic_ns();
+  for (const auto& [id, why, log] : all) {
+    const control::Admit* const admit = recorded(recorder_, id);
+    if (admit == nullptr) continue;
+    const About about = this->about(id);
+    remove_from_state(id, left);
+    Said& said = waiting_[id];
+    control::LeftOutAdmission& entry = left_out_[id];
+    entry = {.admission = id, .channel = admit->channel, .reason = why};
+    const bool is_due = said.why.empty() || now >= said.at + kSayAgain;
+    if (!log || said.why == why || !is_due) continue;
+    said = {.why = why, .at = now};
+    log_.warning(Kind::withdrawn, words_of(entry), about);
+  }
+  tags_.leave_unused();
+  return left;
+}
+
+void Admissions::end_wait(const std::vector<core::AdmissionId>& all) {
+  for (const core::AdmissionId id : all) {
+    waiting_.erase(id);
+    left_out_.erase(id);
+    const control::Admit* const admit = recorded(recorder_, id);
+    if (admit == nullptr) continue;
+    if (admit->unlisted) tags_.claim();
+    if (auto why = restore_one(*scene_.state, id)) left_out_.emplace(id, std::move(*why));
+    if (admit->unlisted) tags_.leave_unused();
+  }
 }
 
 std::vector<core::AdmissionId> Admissions::left_out_of(const std::string& channel) const {
@@ -235,19 +279,23 @@ bool Admissions::end_some() {
 core::FormerRules Admissions::forget(const std::vector<core::AdmissionId>& gone) {
   core::FormerRules left;
   for (const core::AdmissionId id : gone) {
-    const auto known = scene_.state->admissions().find(id);
-    if (known != scene_.state->admissions().end()) {
-      const std::size_t channel = known->second;
-      if (!left.contains(channel))
-        left.emplace(channel, scene_.state->gate_state(scene_.self, channel));
-      scene_.state->remove(id);
-    }
+    remove_from_state(id, left);
     leases_.forget(id);
     held_.erase(id);
     keys_.forget(id);
     left_out_.erase(id);
+    waiting_.erase(id);
   }
   return left;
+}
+
+void Admissions::remove_from_state(core::AdmissionId id, core::FormerRules& left) {
+  const auto known = scene_.state->admissions().find(id);
+  if (known == scene_.state->admissions().end()) return;
+  const std::size_t channel = known->second;
+  if (!left.contains(channel))
+    left.emplace(channel, scene_.state->gate_state(scene_.self, channel));
+  scene_.state->remove(id);
 }
 
 }  // namespace mlcca

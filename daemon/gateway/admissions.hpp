@@ -32,10 +32,11 @@ namespace mlcca {
 
 /// The bookkeeping of run-time admissions: key, lease and holders of each. An admission is either
 /// held by at least one connection (then no lease runs) or has a lease. Some are "left out": they
-/// are recorded in the journal, but the description in force has no place for them.
+/// are recorded in the journal, but the description in force has no place for them, or they wait
+/// until another gateway agrees to them.
 class Admissions {
  public:
-  /// Admissions for which the description has no place, with the reason.
+  /// Admissions that are left out, with the reason.
   using LeftOut = std::map<core::AdmissionId, control::LeftOutAdmission>;
 
   /// All references must outlive this object.
@@ -50,9 +51,9 @@ class Admissions {
   /// Returns those for which that description has no place.
   [[nodiscard]] LeftOut restore_into(core::State& state) const;
 
-  /// Admissions for which the description in force has no place.
   [[nodiscard]] const LeftOut& left_out() const { return left_out_; }
-  void set_left_out(LeftOut left_out) { left_out_ = std::move(left_out); }
+  /// Those for which the description in force has no place. Others still wait.
+  void set_left_out(LeftOut left_out);
   /// Logs a warning for each left-out admission whose reason was not reported before.
   void report_left_out();
   /// The left-out admissions of a channel that a client names by `channel` (name or subject). The
@@ -74,6 +75,25 @@ class Admissions {
   [[nodiscard]] std::size_t count_of_keys(const std::string& prefix) const {
     return keys_.count_with_prefix(prefix);
   }
+
+  /// An admission that has to wait for another gateway.
+  struct Waiting {
+    core::AdmissionId id = 0;
+    std::string why;
+    bool log = true;
+  };
+  /// Takes these admissions out of the state. They stay in the journal. A reason is logged when an
+  /// admission begins to wait, and later at most once a minute, if it is another one. Returns the
+  /// rules that the gates had for their channels; Turn::settle() has to follow.
+  [[nodiscard]] core::FormerRules let_wait(const std::vector<Waiting>& all);
+  /// Takes them into the state again, as far as the description has a place for them;
+  /// Turn::settle() has to follow.
+  void end_wait(const std::vector<core::AdmissionId>& all);
+  /// It does not wait any more: the state of another description has it, or has no place for it.
+  void forget_wait(core::AdmissionId id) {
+    if (waiting_.erase(id) != 0) left_out_.erase(id);
+  }
+  [[nodiscard]] bool waits(core::AdmissionId id) const { return waiting_.contains(id); }
 
   /// Whether a peer on a network made this admission by a subscription.
   [[nodiscard]] bool came_over_a_network(core::AdmissionId id) const;
@@ -115,6 +135,9 @@ class Admissions {
   /// Removes admissions from everything except the disk. Returns the rules that the gates had for
   /// their channels.
   core::FormerRules forget(const std::vector<core::AdmissionId>& gone);
+  void remove_from_state(core::AdmissionId id, core::FormerRules& left);
+  [[nodiscard]] std::optional<control::LeftOutAdmission> restore_one(core::State& state,
+                                                                     core::AdmissionId id) const;
 
   Scene& scene_;
   Recorder& recorder_;
@@ -126,6 +149,11 @@ class Admissions {
   Leases leases_;
   LeftOut left_out_;
   LeftOut reported_;  ///< as of the latest report_left_out()
+  struct Said {
+    std::string why;
+    std::uint64_t at = 0;  ///< CLOCK_MONOTONIC ns
+  };
+  std::map<core::AdmissionId, Said> waiting_;  ///< with the reason that was last logged
   std::function<void(const std::vector<core::AdmissionId>&)> gone_ = [](const auto&) {};
   std::map<core::AdmissionId, std::set<std::uint64_t>> held_;  ///< the connections that hold it
 };

@@ -10,6 +10,8 @@
 namespace mlcca {
 namespace {
 
+constexpr const char* kUnwanted = "what was asked for has ended";
+
 std::vector<core::AdmissionId> ids_in(const std::vector<control::Request>& requests) {
   std::vector<core::AdmissionId> ids;
   ids.reserve(requests.size());
@@ -38,8 +40,10 @@ std::optional<control::Request> with_publisher_of(const control::Request& one,
   return both;
 }
 
-core::cluster::Vote refusal(std::string why) {
-  return {.ok = false, .hop = {}, .reason = std::move(why)};
+/// A vote: against it for that reason, or for it if there is none.
+core::cluster::Vote vote_of(std::string why) {
+  const bool ok = why.empty();
+  return {.ok = ok, .hop = {}, .reason = std::move(why)};
 }
 
 }  // namespace
@@ -66,7 +70,10 @@ void Adopting::on(const core::cluster::Ended& event) {
   const auto it = adopted_.find({event.origin.gateway, event.origin.id});
   if (it == adopted_.end()) return;
   close(it->second);
-  if (it->second.is_on_behalf()) hands_.give_back(ids_in(it->second.ours));
+  if (it->second.is_on_behalf()) {
+    hands_.forget(it->second.number);
+    hands_.give_back(ids_in(it->second.ours));
+  }
   networks_.drop(it->second.number);
   adopted_.erase(it);
 }
@@ -75,39 +82,100 @@ void Adopting::lost() {
   found_.clear();
   for (auto& [key, adopted] : adopted_) {
     close(adopted);
+    if (adopted.is_on_behalf()) hands_.forget(adopted.number);
     networks_.drop(adopted.number);
   }
   adopted_.clear();
 }
 
-void Adopting::close(Adopted& adopted) const {
+/// Another admission of the same gateway that has this request too, one that is open if there is
+/// one; null if there is none.
+Adopting::Adopted* Adopting::other_with(const Adopted& adopted, core::AdmissionId theirs) {
+  const auto has = [theirs](const std::vector<control::Request>& all) {
+    return std::ranges::find(all, theirs, &control::Request::id) != all.end();
+  };
+  Adopted* found = nullptr;
+  const std::size_t gateway = adopted.origin.gateway;
+  for (auto it = adopted_.lower_bound({gateway, 0});
+       it != adopted_.end() && it->first.first == gateway; ++it) {
+    Adopted& other = it->second;
+    if (&other == &adopted || !other.asked || other.is_on_behalf() || (found && !other.open) ||
+        (!has(other.asked->also) && !has(other.asked->requests)))
+      continue;
+    found = &other;
+    if (other.open) break;
+  }
+  return found;
+}
+
+/// A publisher that several admissions have was taken in with the first one of them. Another one
+/// keeps it.
+void Adopting::hand_on(Adopted& adopted) {
+  if (adopted.is_on_behalf()) return;
+  for (std::size_t i = adopted.theirs.size(); i > 0; --i) {
+    Adopted* const other = other_with(adopted, adopted.theirs[i - 1]);
+    if (other == nullptr || (adopted.open && !other->open)) continue;
+    move_request(adopted, i - 1, *other);
+  }
+}
+
+void Adopting::close(Adopted& adopted) {
+  hand_on(adopted);
   if (!adopted.open) return;
   adopted.open = false;
   hands_.remove(ids_in(adopted.ours));
+  hand_on(adopted);
 }
 
-std::optional<core::AdmissionId> Adopting::ours_of(std::size_t gateway,
-                                                   core::AdmissionId theirs) const {
-  for (const auto& [key, adopted] : adopted_)
-    for (std::size_t i = 0; key.first == gateway && i < adopted.theirs.size(); ++i)
-      if (adopted.theirs[i] == theirs) return adopted.ours[i].id;
+std::optional<std::pair<Adopting::Adopted*, std::size_t>> Adopting::holder_of(
+    std::size_t gateway, core::AdmissionId theirs) {
+  for (auto it = adopted_.lower_bound({gateway, 0});
+       it != adopted_.end() && it->first.first == gateway; ++it) {
+    const auto found = std::ranges::find(it->second.theirs, theirs);
+    if (found != it->second.theirs.end())
+      return std::pair(&it->second, static_cast<std::size_t>(found - it->second.theirs.begin()));
+  }
   return std::nullopt;
 }
 
-/// Gives numbers of this gateway to those requests that no other adopted admission has brought yet.
-void Adopting::name_requests(Adopted& adopted,
-                             const std::vector<control::Request>& requests) const {
+/// Moves a request, in front of those that may need its publisher.
+void Adopting::move_request(Adopted& from, std::size_t at, Adopted& to) {
+  const auto place = static_cast<std::ptrdiff_t>(at);
+  to.theirs.insert(to.theirs.begin(), from.theirs[at]);
+  to.ours.insert(to.ours.begin(), std::move(from.ours[at]));
+  from.theirs.erase(from.theirs.begin() + place);
+  from.ours.erase(from.ours.begin() + place);
+}
+
+std::optional<core::AdmissionId> Adopting::ours_of(std::size_t gateway, core::AdmissionId theirs) {
+  const auto holder = holder_of(gateway, theirs);
+  return holder ? std::optional(holder->first->ours[holder->second].id) : std::nullopt;
+}
+
+/// Gives numbers of this gateway to those requests that no other adopted admission has brought, or
+/// takes them from one that is not open.
+void Adopting::name_requests(Adopted& adopted, const std::vector<control::Request>& requests) {
   for (const control::Request& request : requests) {
-    if (ours_of(adopted.origin.gateway, request.id)) continue;
+    if (const auto known = holder_of(adopted.origin.gateway, request.id)) {
+      const auto [holder, at] = *known;
+      if (holder != &adopted && !holder->open) move_request(*holder, at, adopted);
+      continue;
+    }
     adopted.theirs.push_back(request.id);
     adopted.ours.push_back(request);
     adopted.ours.back().id = hands_.new_id();
   }
 }
 
+/// Publishers first.
+void Adopting::name_all(Adopted& adopted) {
+  name_requests(adopted, adopted.asked->also);
+  name_requests(adopted, adopted.asked->requests);
+}
+
 /// The footprint with admission numbers of this gateway; nullopt if it refers to an unknown
 /// admission.
-std::optional<core::cluster::Footprint> Adopting::mapped(const Adopted& adopted) const {
+std::optional<core::cluster::Footprint> Adopting::mapped(const Adopted& adopted) {
   core::cluster::Footprint out = adopted.footprint;
   bool all = true;
   const auto map = [&](core::cluster::Source& source) {
@@ -124,7 +192,7 @@ std::optional<core::cluster::Footprint> Adopting::mapped(const Adopted& adopted)
   return all ? std::optional(std::move(out)) : std::nullopt;
 }
 
-std::string Adopting::misfit(const Adopted& adopted) const {
+std::string Adopting::misfit(const Adopted& adopted) {
   if (!mapped(adopted)) return "it takes traffic of an admission that is not known here";
   for (std::size_t i = 0; i < adopted.ours.size(); ++i)
     if (std::string why = misfit(adopted, i); !why.empty()) return why;
@@ -146,25 +214,22 @@ void Adopting::vote(Adopted& adopted, core::cluster::Member& member, Value now) 
     begin_on_behalf(adopted);
     return;
   }
-  std::string why = "what is asked for is not understood here";
-  if (adopted.asked) {
-    if (adopted.theirs.empty()) {
-      name_requests(adopted, adopted.asked->also);
-      name_requests(adopted, adopted.asked->requests);
-    }
+  std::string why = is_unwanted(adopted) ? kUnwanted : "what is asked for is not understood here";
+  if (adopted.asked && !is_unwanted(adopted)) {
+    name_all(adopted);
     networks_.leave_out(adopted.number);
     hands_.bring_in_line();
     why = misfit(adopted);
     networks_.leave_out(std::nullopt);
   }
   const core::cluster::Origin origin = adopted.origin;
-  member.vote(origin,
-              why.empty() ? core::cluster::Vote{.ok = true, .hop = {}, .reason = {}} : refusal(why),
-              now);
+  member.vote(origin, vote_of(std::move(why)), now);
 }
 
 /// Starts to carry an adopted admission. The result is why it cannot be carried, or empty.
 std::string Adopting::open(Adopted& adopted) {
+  if (is_unwanted(adopted)) return kUnwanted;
+  if (adopted.asked) name_all(adopted);
   const auto footprint = mapped(adopted);
   if (!footprint) return "it takes traffic of an admission that is not known here";
   networks_.carry(adopted.number, *footprint, adopted.origin.gateway, adopted.footprint);
@@ -200,28 +265,28 @@ void Adopting::act_on(Adopted& adopted, Due due, core::cluster::Member& member, 
     vote(adopted, member, now);
   } else if (due == Due::open && !adopted.is_on_behalf()) {
     if (std::string why = open(adopted); !why.empty())
-      member.vote(origin, refusal(std::move(why)), now);
+      member.vote(origin, vote_of(std::move(why)), now);
   } else if (due == Due::resume) {
     const auto done = hands_.admit(adopted.ours.front());
     if (!done) close(adopted);
     answer(adopted, done ? std::string() : done.error().text);
   } else if (due == Due::answer) {
-    const std::string& why = adopted.answer;
-    member.vote(
-        origin,
-        why.empty() ? core::cluster::Vote{.ok = true, .hop = {}, .reason = {}} : refusal(why), now);
+    member.vote(origin, adopted.answer, now);
   }
 }
 
 // --- admissions that this gateway makes for another one ------------------------------------------
 
-Adopting::Adopted* Adopting::find(const core::cluster::Origin& origin) {
-  const auto it = adopted_.find({origin.gateway, origin.id});
-  return it == adopted_.end() || it->second.origin != origin ? nullptr : &it->second;
+Adopting::Adopted* Adopting::find(const Ref& ref) {
+  const auto it = adopted_.find({ref.origin.gateway, ref.origin.id});
+  return it == adopted_.end() || it->second.number != ref.number ? nullptr : &it->second;
 }
 
-void Adopting::answer(Adopted& adopted, const std::string& why) {
-  adopted.answer = why;
+/// The other gateway asks again after a refusal, unless the publisher is gone.
+void Adopting::answer(Adopted& adopted, const std::string& why) const {
+  adopted.answer = vote_of(why);
+  adopted.answer.final =
+      !why.empty() && !adopted.ours.empty() && hands_.is_publisher_gone(adopted.ours.front());
   adopted.due = Due::answer;
 }
 
@@ -230,16 +295,18 @@ void Adopting::begin_on_behalf(Adopted& adopted) {
   const auto& requests = adopted.asked->requests;
   if (requests.size() != 1 || describes_publisher(std::get<control::Admit>(requests.front().body)))
     return answer(adopted, "what is asked for is not understood here");
+  if (holder_of(adopted.origin.gateway, requests.front().id))
+    return answer(adopted, "it was asked for before");
   name_requests(adopted, requests);
-  if (adopted.ours.empty()) return answer(adopted, "it was asked for before");
-  const core::cluster::Origin origin = adopted.origin;
-  const auto asked = hands_.ask({.decide = [this, origin] { return wish_on_behalf(origin); },
-                                 .granted = [this, origin] { return open_on_behalf(origin); },
+  const Ref ref{.origin = adopted.origin, .number = adopted.number};
+  const auto asked = hands_.ask({.decide = [this, ref] { return wish_on_behalf(ref); },
+                                 .granted = [this, ref] { return open_on_behalf(ref); },
                                  .refused =
-                                     [this, origin](const std::string& why) {
-                                       if (auto* const there = find(origin)) answer(*there, why);
+                                     [this, ref](const std::string& why) {
+                                       if (auto* const there = find(ref)) answer(*there, why);
                                      },
-                                 .gateway = origin.gateway});
+                                 .gateway = ref.origin.gateway,
+                                 .adopted = ref.number});
   if (!asked) answer(adopted, asked.error().text);
 }
 
@@ -256,21 +323,21 @@ void Adopting::resume(Adopted& adopted) {
   found_.erase(found);
 }
 
-std::optional<Reserving::Wish> Adopting::wish_on_behalf(const core::cluster::Origin& origin) {
-  auto* const adopted = find(origin);
+std::optional<Reserving::Wish> Adopting::wish_on_behalf(const Ref& ref) {
+  auto* const adopted = find(ref);
   if (adopted == nullptr) return std::nullopt;
-  auto wish = hands_.wish(adopted->ours.front(), origin.gateway);
+  auto wish = hands_.wish(adopted->ours.front(), ref.origin.gateway);
   if (!wish) {
     answer(*adopted, wish.error().text);
     return std::nullopt;
   }
-  wish->asked.for_gateway = hands_.name_of(origin.gateway);
-  wish->asked.for_number = origin.id;
+  wish->asked.for_gateway = hands_.name_of(ref.origin.gateway);
+  wish->asked.for_number = ref.origin.id;
   return std::move(*wish);
 }
 
-bool Adopting::open_on_behalf(const core::cluster::Origin& origin) {
-  auto* const adopted = find(origin);
+bool Adopting::open_on_behalf(const Ref& ref) {
+  auto* const adopted = find(ref);
   if (adopted == nullptr) return false;
   const auto done = hands_.admit(adopted->ours.front());
   adopted->open = done.has_value();
@@ -288,7 +355,7 @@ void Adopting::publishers_gone() {
   for (auto& [key, adopted] : adopted_) adopted.check = adopted.is_on_behalf();
 }
 
-bool Adopting::ends_with_publisher(Adopted& adopted) const {
+bool Adopting::ends_with_publisher(Adopted& adopted) {
   if (!adopted.open || !hands_.is_without_publisher(adopted.ours.front())) return false;
   close(adopted);
   answer(adopted, "the publisher that it is for is not admitted any more");
@@ -301,6 +368,20 @@ void Adopting::withdrawn(core::AdmissionId id, const std::string& why) {
     close(adopted);
     answer(adopted, why);
   }
+}
+
+bool Adopting::is_made_for_this(const Adopted& adopted) const {
+  return adopted.asked && !adopted.asked->for_gateway.empty() &&
+         adopted.asked->for_gateway == hands_.name_of(networks_.permits().self());
+}
+
+bool Adopting::is_unwanted(const Adopted& adopted) const {
+  return is_made_for_this(adopted) && !hands_.wants(adopted.asked->for_number);
+}
+
+void Adopting::close_made_for(Number number) {
+  for (auto& [key, adopted] : adopted_)
+    if (is_made_for_this(adopted) && adopted.asked->for_number == number) close(adopted);
 }
 
 void Adopting::restore() const {
@@ -317,10 +398,9 @@ bool Adopting::has(core::AdmissionId id) const {
 }
 
 bool Adopting::is_twin(core::AdmissionId id) const {
-  const std::string self = hands_.name_of(networks_.permits().self());
   return std::ranges::any_of(adopted_, [&](const auto& entry) {
     const Adopted& adopted = entry.second;
-    return adopted.asked && adopted.asked->for_gateway == self &&
+    return is_made_for_this(adopted) &&
            std::ranges::find(adopted.ours, id, &control::Request::id) != adopted.ours.end();
   });
 }

@@ -38,8 +38,15 @@ class Adopting {
     std::function<Result<Reserving::Wish>(const control::Request&, std::size_t gateway)> wish;
     /// Whether nobody publishes any more what it was admitted for.
     std::function<bool(const control::Request&)> is_without_publisher;
+    /// Whether that is for good: no admission of this gateway brings such a publisher, not even one
+    /// for which the description has no place now.
+    std::function<bool(const control::Request&)> is_publisher_gone;
     /// Reserves; an error says why no further job can wait.
     std::function<Result<void>(Reserving::Job)> ask;
+    /// Ends the job for the request that was adopted under that number.
+    std::function<void(Number)> forget;
+    /// Whether this gateway still wants what it has asked for under that number of its own.
+    std::function<bool(Number)> wants;
     /// Nothing more needs to be reserved for these admissions.
     std::function<void(const std::vector<core::AdmissionId>&)> give_back;
     std::function<std::string(std::size_t)> name_of;  ///< the name of a gateway
@@ -67,6 +74,9 @@ class Adopting {
   void publishers_gone();
   /// What was reserved for an admission that was made for another gateway was withdrawn.
   void withdrawn(core::AdmissionId id, const std::string& why);
+  /// This gateway does not want any more what it has asked for under that number of its own: closes
+  /// what another gateway has made for it.
+  void close_made_for(Number number);
   /// Votes on and opens what is due. True if anything was done.
   bool step(core::cluster::Member& member, Value now);
   /// Adds the open admissions to another state of the same description.
@@ -90,29 +100,43 @@ class Adopting {
     std::vector<core::AdmissionId> theirs;  ///< numbers of the same requests at the other gateway
     Due due = Due::vote;
     bool open = false;
-    bool check = false;    ///< its publisher may have gone
-    std::string answer{};  ///< of Due::answer: why it is refused; empty: it is agreed to
+    bool check = false;            ///< its publisher may have gone
+    core::cluster::Vote answer{};  ///< of Due::answer
     /// This gateway makes the admission itself; `ours` has the one request.
     [[nodiscard]] bool is_on_behalf() const { return asked && asked->on_behalf; }
   };
 
+  /// The adopted admission of that gateway that has brought this request, and its index there.
+  [[nodiscard]] std::optional<std::pair<Adopted*, std::size_t>> holder_of(std::size_t gateway,
+                                                                          core::AdmissionId theirs);
+  static void move_request(Adopted& from, std::size_t at, Adopted& to);
   [[nodiscard]] std::optional<core::AdmissionId> ours_of(std::size_t gateway,
-                                                         core::AdmissionId theirs) const;
-  void name_requests(Adopted& adopted, const std::vector<control::Request>& requests) const;
-  [[nodiscard]] std::string misfit(const Adopted& adopted) const;
+                                                         core::AdmissionId theirs);
+  void name_requests(Adopted& adopted, const std::vector<control::Request>& requests);
+  void name_all(Adopted& adopted);
+  [[nodiscard]] std::string misfit(const Adopted& adopted);
   [[nodiscard]] std::string misfit(const Adopted& adopted, std::size_t request) const;
-  [[nodiscard]] std::optional<core::cluster::Footprint> mapped(const Adopted& adopted) const;
+  [[nodiscard]] std::optional<core::cluster::Footprint> mapped(const Adopted& adopted);
   [[nodiscard]] std::string open(Adopted& adopted);
-  void close(Adopted& adopted) const;
+  void close(Adopted& adopted);
+  [[nodiscard]] Adopted* other_with(const Adopted& adopted, core::AdmissionId theirs);
+  void hand_on(Adopted& adopted);
   void vote(Adopted& adopted, core::cluster::Member& member, Value now);
   void act_on(Adopted& adopted, Due due, core::cluster::Member& member, Value now);
-  [[nodiscard]] Adopted* find(const core::cluster::Origin& origin);
-  static void answer(Adopted& adopted, const std::string& why);
+  /// Identifies what was adopted: the same request can be adopted again, under another number.
+  struct Ref {
+    core::cluster::Origin origin;
+    Number number = 0;
+  };
+  [[nodiscard]] Adopted* find(const Ref& ref);
+  [[nodiscard]] bool is_made_for_this(const Adopted& adopted) const;
+  [[nodiscard]] bool is_unwanted(const Adopted& adopted) const;
+  void answer(Adopted& adopted, const std::string& why) const;
   void begin_on_behalf(Adopted& adopted);
   void resume(Adopted& adopted);
-  [[nodiscard]] bool ends_with_publisher(Adopted& adopted) const;
-  [[nodiscard]] std::optional<Reserving::Wish> wish_on_behalf(const core::cluster::Origin& origin);
-  [[nodiscard]] bool open_on_behalf(const core::cluster::Origin& origin);
+  [[nodiscard]] bool ends_with_publisher(Adopted& adopted);
+  [[nodiscard]] std::optional<Reserving::Wish> wish_on_behalf(const Ref& ref);
+  [[nodiscard]] bool open_on_behalf(const Ref& ref);
 
   SharedNetworks& networks_;
   Hands hands_;

@@ -77,6 +77,7 @@ std::unique_ptr<Membership> Controller::make_membership() {
       .before_commit = [this] { forwarding_.act(); },
       .rollout = *rollout_,
       .release = [this](const auto& ids, const auto& why) { return admissions_.release(ids, why); },
+      .admissions = admissions_,
       .hands =
           {.misfit = [this](const auto& r) { return requests::misfit_of_adopted(*context_, r); },
            .admit = [this](const auto& r) { return requests::admit_adopted(*context_, r); },
@@ -86,7 +87,11 @@ std::unique_ptr<Membership> Controller::make_membership() {
                           std::size_t g) { return requests::wish_for_another(*context_, r, g); },
            .is_without_publisher =
                [this](const auto& r) { return requests::is_without_publisher(*context_, r); },
+           .is_publisher_gone =
+               [this](const auto& r) { return requests::is_publisher_gone(*context_, r); },
            .ask = {},
+           .forget = {},
+           .wants = {},
            .give_back = {},
            .name_of = {},
            .new_id = {},

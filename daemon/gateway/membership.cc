@@ -59,6 +59,14 @@ Membership::Membership(Parts parts) : parts_(std::move(parts)), store_since_(now
     ask(std::move(job));
     return {};
   };
+  parts_.hands.remove = [this, remove = std::move(parts_.hands.remove)](const auto& gone) {
+    if (decided_)
+      remove(gone);
+    else
+      for (const core::AdmissionId id : gone) state().remove(id);
+  };
+  parts_.hands.forget = [this](Number adopted) { reserving_->forget(adopted); };
+  parts_.hands.wants = [this](Number number) { return reserving_->has(number); };
   parts_.hands.give_back = [this](const auto& gone) { reserving_->admissions_gone(gone); };
   parts_.hands.name_of = [this](std::size_t g) { return state().system().gateways[g].name; };
   parts_.hands.new_id = [this] { return parts_.recorder.new_id(); };
@@ -96,9 +104,11 @@ void Membership::begin() {
               [this](const auto& admissions, bool ended, const std::string& why) {
                 for (const core::AdmissionId id : admissions) {
                   adopting_->withdrawn(id, why);
+                  note_refusal(id, why);
                   if (ended) withdrawn_.try_emplace(id, Withdrawn{.why = why});
                 }
               },
+          .ended = [this](Number number) { adopting_->close_made_for(number); },
           .log = [this](const std::string& line) { parts_.log.warning(Kind::gateway, line); }},
       session >> 1U);
   member_ = std::make_unique<cc::Member>(keys_, *codec_,
@@ -178,6 +188,7 @@ void Membership::take_up() {
   for (const cc::Event& event : std::exchange(early_, {})) take_in(event);
   adopting_->restore();
   forget_orphans();
+  follow_agreements(false);
   networks_->touch_all();
   networks_->put_foreign(state, member_->view());
   note_failed();
@@ -219,6 +230,7 @@ void Membership::take_in(const cc::Event& event) {
     lost_ = true;
     reserving_->lost();
     adopting_->lost();
+    note_lost(lost->why);
     if (joined_) parts_.log.warning(Kind::gateway, "what was reserved is closed: " + lost->why);
   } else if (const auto* found = std::get_if<cc::Found>(&event)) {
     reserving_->on(*found, *member_, [this](const cluster::Asked& asked) {
@@ -226,6 +238,7 @@ void Membership::take_in(const cc::Event& event) {
     });
   } else if (std::holds_alternative<cc::Joined>(event)) {
     joined_ = asks_others_ = true;
+    pauses_.clear();
   } else if (const auto* withdrawn = std::get_if<cc::Withdrawn>(&event)) {
     reserving_->on(*withdrawn, *member_);
   } else if (const auto* adopt = std::get_if<cc::Adopt>(&event)) {
@@ -299,6 +312,7 @@ void Membership::act() {
 /// end of the lease before gates open, and loses it only after they have closed.
 bool Membership::bring_in_line() {
   if (!decided_) return false;
+  if (reserving_->take_agreements_changed()) follow_agreements(true);
   note_failed();
   set_permits();
   networks_->put_foreign(state(), member_->view());
@@ -456,16 +470,6 @@ void Membership::plan() {
 
 // --- what is wanted ------------------------------------------------------------------------------
 
-std::string Membership::bar(uid_t user) const {
-  const std::string why = standing();
-  return why.empty() ? reserving_->bar(user) : why;
-}
-
-std::string Membership::why_closed() const {
-  const std::string why = standing();
-  return why.empty() ? "the store has not answered lately" : why;
-}
-
 bool Membership::waits_for(const std::string& key) const {
   return !key.empty() && reserving_ && reserving_->waits_for(key);
 }
@@ -477,6 +481,7 @@ void Membership::ask(Reserving::Job job) { reserving_->ask(std::move(job), now()
 
 void Membership::admissions_gone(const std::vector<core::AdmissionId>& gone) {
   if (!member_) return;
+  forget_waits(gone);
   reserving_->admissions_gone(gone);
   adopting_->publishers_gone();
 }

@@ -19,6 +19,7 @@
 #include "core/admission/holders.hpp"
 #include "core/cluster/member.hpp"
 #include "daemon/cluster/codec.hpp"
+#include "daemon/gateway/admissions.hpp"
 #include "daemon/gateway/adopting.hpp"
 #include "daemon/gateway/event_log.hpp"
 #include "daemon/gateway/recorder.hpp"
@@ -61,6 +62,7 @@ class Membership final : private core::Holdings {
     /// Ends admissions of this gateway: on disk, in the kernel, and in the log with the reason.
     std::function<Result<void>(const std::vector<core::AdmissionId>&, const std::string& why)>
         release;
+    Admissions& admissions;
     Adopting::Hands hands;  ///< those from ask() on are set here
   };
   explicit Membership(Parts parts);
@@ -183,7 +185,12 @@ class Membership final : private core::Holdings {
   void take_over();
   void wish(std::size_t channel);
   bool ask_again_some();
-  void ask_again(const control::Request& request, std::size_t gateway);
+  void ask_again(core::AdmissionId id, std::size_t gateway);
+  void follow_agreements(bool is_in_force);
+  void note_lost(const std::string& why);
+  void forget_waits(const std::vector<core::AdmissionId>& gone);
+  void note_refusal(core::AdmissionId id, const std::string& why);
+  [[nodiscard]] std::string why_waits(core::AdmissionId id, const std::string& gateway) const;
   bool ask_others_again_some();
   void ask_others_again(std::size_t channel);
   [[nodiscard]] bool crosses_others(std::size_t channel) const;
@@ -240,8 +247,15 @@ class Membership final : private core::Holdings {
   Value until_retry_ = 0;  ///< the kernel has refused: no further attempt before this time
   Problem until_trouble_;
   std::map<std::string, Value> wish_again_;  ///< when a channel's wish is tried again, by channel
-  /// When an admission that another gateway makes for this one is asked for again.
+  /// When other gateways are asked again for an admission that needs no reservation.
   std::map<core::AdmissionId, Value> ask_again_;
+  struct Pause {
+    Value until = 0, length = 0;
+  };
+  /// Of admissions that another gateway makes for this one, and that wait: not asked for meanwhile.
+  std::map<core::AdmissionId, Pause> pauses_;
+  /// Why the other gateway has not agreed the last time.
+  std::map<core::AdmissionId, std::string> why_waits_;
   struct Withdrawn {
     std::string why;
     Value at = 0;  ///< no attempt to end it before this time

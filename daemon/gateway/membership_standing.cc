@@ -26,6 +26,16 @@ std::string Membership::standing() const {
   return member_->why_not(now());
 }
 
+std::string Membership::bar(uid_t user) const {
+  const std::string why = standing();
+  return why.empty() ? reserving_->bar(user) : why;
+}
+
+std::string Membership::why_closed() const {
+  const std::string why = standing();
+  return why.empty() ? "the store has not answered lately" : why;
+}
+
 std::string Membership::rollout_bar() const {
   using Standing = cc::Member::Standing;
   if (leaving_) return leaving_words();

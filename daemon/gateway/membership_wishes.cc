@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 #include <utility>
+#include <variant>
 
 #include "core/cluster/footprint.hpp"
 #include "daemon/gateway/membership.hpp"
@@ -17,6 +18,8 @@ namespace {
 constexpr Value kWishAgain = 2'000'000'000;          // when it may fit
 constexpr Value kRefusedWishAgain = 5'000'000'000;   // ns
 constexpr Value kEndAgain = 10'000'000'000;          // when the disk has refused
+constexpr Value kFirstPause = 5'000'000'000;         // when another gateway does not agree
+constexpr Value kLongestPause = 30'000'000'000;      // ns
 constexpr Value kGrantedWishAgain = 60'000'000'000;  // after a grant with which it should fit
 
 }  // namespace
@@ -73,51 +76,107 @@ void Membership::wish(std::size_t channel) {
   ask({.decide = decide, .granted = granted, .refused = refused});
 }
 
-/// Asks for an admission that another gateway has made for this one, where the store does not have
-/// it any more: this gateway was not there. True if one was asked for.
-bool Membership::ask_again_some() {
-  const auto& admissions = parts_.recorder.contents().admissions;
-  const auto& gateways = state().system().gateways;
-  if (admissions.through_others().empty()) return false;
+/// What another gateway has admitted for this one is in the state as long as it is held. Otherwise
+/// it could be granted by what that gateway carries for other subscribers here. `is_in_force`: the
+/// state is in force; otherwise it is being made from the journal.
+void Membership::follow_agreements(bool is_in_force) {
+  const auto& through = parts_.recorder.contents().admissions.through_others();
+  if (through.empty()) return;
   const auto held = reserving_->held_admissions();
-  for (const auto& [id, name] : admissions.through_others()) {
+  std::vector<Admissions::Waiting> lost;
+  std::vector<core::AdmissionId> agreed;
+  for (const auto& [id, gateway] : through) {
+    const bool is_held = held.contains(id);
+    const bool is_there = state().admissions().contains(id);
+    if (is_held) why_waits_.erase(id);
+    if (!is_held && is_there)
+      lost.push_back({.id = id, .why = why_waits(id, gateway), .log = !withdrawn_.contains(id)});
+    else if (is_held && !is_there && is_in_force && parts_.admissions.waits(id))
+      agreed.push_back(id);
+    else if (!is_in_force)
+      parts_.admissions.forget_wait(id);
+  }
+  parts_.admissions.end_wait(agreed);
+  if (lost.empty()) return;
+  const core::FormerRules left = parts_.admissions.let_wait(lost);
+  if (is_in_force) static_cast<void>(parts_.turn.settle(left));
+}
+
+std::string Membership::why_waits(core::AdmissionId id, const std::string& gateway) const {
+  const auto why = why_waits_.find(id);
+  if (why == why_waits_.end()) return fmt::format("it waits for gateway {}", gateway);
+  const std::string own = gateway + ": ";
+  return fmt::format("it waits for gateway {}: {}", gateway,
+                     why->second.starts_with(own) ? why->second.substr(own.size()) : why->second);
+}
+
+void Membership::note_lost(const std::string& why) {
+  for (const auto& [id, gateway] : parts_.recorder.contents().admissions.through_others())
+    why_waits_[id] = why;
+}
+
+void Membership::forget_waits(const std::vector<core::AdmissionId>& gone) {
+  for (const core::AdmissionId id : gone) {
+    pauses_.erase(id);
+    why_waits_.erase(id);
+  }
+}
+
+/// What another gateway has not agreed to is asked for again, later each time, unless it had agreed
+/// for a while.
+void Membership::note_refusal(core::AdmissionId id, const std::string& why) {
+  const auto& recorded = parts_.recorder.contents().admissions;
+  if (recorded.find(id) == nullptr || recorded.through(id).empty()) return;
+  Pause& pause = pauses_[id];
+  const bool is_recent = now() < add_saturating(pause.until, kLongestPause);
+  pause.length = is_recent ? std::clamp(2 * pause.length, kFirstPause, kLongestPause) : kFirstPause;
+  pause.until = add_saturating(now(), pause.length);
+  why_waits_[id] = why;
+  if (parts_.admissions.waits(id))
+    static_cast<void>(
+        parts_.admissions.let_wait({{.id = id, .why = why_waits(id, recorded.through(id))}}));
+}
+
+/// Asks for an admission that another gateway has to make for this one again: this gateway was not
+/// there, or that one does not agree for a while. True if one was asked for.
+bool Membership::ask_again_some() {
+  const auto& gateways = state().system().gateways;
+  for (const auto& [id, name] : parts_.recorder.contents().admissions.through_others()) {
+    if (!parts_.admissions.waits(id) || withdrawn_.contains(id)) continue;
     const auto gateway = std::ranges::find(gateways, name, &core::Gateway::name);
     const auto index = static_cast<std::size_t>(gateway - gateways.begin());
-    if (held.contains(id) || ask_again_.contains(id) || withdrawn_.contains(id)) continue;
     if (gateway == gateways.end() || index == self_) {
       withdrawn_[id].why = fmt::format("{}, where its publisher was, is no other gateway", name);
       continue;
     }
-    if (member_->view().alive(index, now()) != core::cluster::Alive::present ||
-        !state().admissions().contains(id))
+    const auto pause = pauses_.find(id);
+    if ((pause != pauses_.end() && pause->second.until > now()) ||
+        member_->view().alive(index, now()) != core::cluster::Alive::present)
       continue;
-    ask_again_[id] = add_saturating(now(), kRefusedWishAgain);
-    ask_again(*admissions.find(id), index);
+    ask_again(id, index);
     return true;
   }
   return false;
 }
 
-void Membership::ask_again(const control::Request& request, std::size_t gateway) {
-  const core::AdmissionId id = request.id;
+void Membership::ask_again(core::AdmissionId id, std::size_t gateway) {
   const auto decide = [this, id, gateway]() -> std::optional<Reserving::Wish> {
     const auto* const there = parts_.recorder.contents().admissions.find(id);
-    const auto channel = state().admissions().find(id);
-    if (there == nullptr || channel == state().admissions().end()) return std::nullopt;
-    return requests::wish_elsewhere(state().system().channels[channel->second].name, *there,
-                                    gateway);
+    if (there == nullptr || !parts_.admissions.waits(id)) return std::nullopt;
+    const std::string& named = std::get<control::Admit>(there->body).channel;
+    const auto channel = state().find_channel(named);
+    return requests::wish_elsewhere(channel ? state().system().channels[*channel].name : named,
+                                    *there, gateway);
   };
   const auto granted = [this, id] { return state().admissions().contains(id); };
-  const auto refused = [this, id](const std::string& why) {
-    parts_.log.info(Kind::gateway, fmt::format("admission {} waits: {}", id, why));
-  };
-  const auto refused_by_another = [this, id](const std::string& why) {
+  const auto refused = [this, id](const std::string& why) { note_refusal(id, why); };
+  const auto refused_for_good = [this, id](const std::string& why) {
     withdrawn_.try_emplace(id, Withdrawn{.why = why});
   };
   ask({.decide = decide,
        .granted = granted,
        .refused = refused,
-       .refused_by_another = refused_by_another});
+       .refused_for_good = refused_for_good});
 }
 
 bool Membership::crosses_others(std::size_t channel) const {

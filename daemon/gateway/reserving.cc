@@ -104,6 +104,20 @@ Reserving::Jobs::iterator Reserving::find(Number number) {
   return std::ranges::find(jobs_, number, &Open::number);
 }
 
+bool Reserving::has(Number number) const {
+  return held_.contains(number) || std::ranges::any_of(jobs_, [number](const Open& open) {
+           return open.number == number && open.asked && !open.abandoned;
+         });
+}
+
+void Reserving::forget(Number adopted) {
+  for (auto it = jobs_.begin(); it != jobs_.end();) {
+    const bool concerned = it->job.gateway && it->job.adopted == adopted;
+    it->abandoned = it->abandoned || concerned;
+    it = concerned && !it->asked ? jobs_.erase(it) : std::next(it);
+  }
+}
+
 void Reserving::session_closed(std::uint64_t session) {
   for (auto it = jobs_.begin(); it != jobs_.end();) {
     const bool concerned = it->job.session != 0 && it->job.session == session;
@@ -122,9 +136,11 @@ void Reserving::refuse_all(const std::string& why) {
 /// Ends the use of a reservation. Others have it after the gates have closed and the store says so.
 void Reserving::give_back(Number number) {
   held_.erase(number);
+  agreements_changed_ = true;
   if (const auto* const there = parts_.networks.footprint(number))
     parts_.networks.count(number, *there, parts_.networks.permits().self());
   to_release_.push_back(number);
+  parts_.ended(number);
 }
 
 void Reserving::release_closed(core::cluster::Member& member, Value now) {
@@ -162,6 +178,7 @@ void Reserving::put_in_force(const Open& open) {
   held_.insert_or_assign(open.number, Held{.channel = open.wish.asked.channel,
                                            .admissions = ids_of(open.wish.asked),
                                            .on_behalf = open.wish.asked.on_behalf});
+  agreements_changed_ = true;
   parts_.networks.hold(open.number, open.wish.footprint);
   // The publisher of the channel may have been admitted together with it.
   parts_.networks.leave_out(open.number);
@@ -172,7 +189,8 @@ void Reserving::put_in_force(const Open& open) {
   if (used) return;
   give_back(open.number);
   if (withdrawn && !open.abandoned)
-    open.job.refused("what was reserved for it was withdrawn: " + open.withdrawn);
+    open.job.refused((open.wish.asked.on_behalf ? "" : "what was reserved for it was withdrawn: ") +
+                     open.withdrawn);
 }
 
 void Reserving::on(const core::cluster::Reserved& event, const core::cluster::Member& /*member*/) {
@@ -214,9 +232,10 @@ void Reserving::on(const core::cluster::Refused& event, const core::cluster::Mem
   const Open open = std::move(*it);
   jobs_.erase(it);
   parts_.networks.leave_out(std::nullopt);
+  parts_.ended(event.id);
   if (open.abandoned) return;
-  const bool by_another = event.by && open.job.refused_by_another;
-  const auto& refused = by_another ? open.job.refused_by_another : open.job.refused;
+  const bool for_good = event.by && event.why.final && open.job.refused_for_good;
+  const auto& refused = for_good ? open.job.refused_for_good : open.job.refused;
   refused(words(event.why, event.by, member));
 }
 
@@ -227,9 +246,9 @@ void Reserving::on(const core::cluster::Withdrawn& event, const core::cluster::M
   const auto it = held_.find(event.id);
   if (it == held_.end()) return;
   const Held held = it->second;
-  parts_.log("what " + held.channel + " had reserved is withdrawn: " + why);
+  if (!held.on_behalf) parts_.log("what " + held.channel + " had reserved is withdrawn: " + why);
   give_back(event.id);
-  parts_.withdrawn(held.admissions, held.on_behalf && event.by.has_value(), why);
+  parts_.withdrawn(held.admissions, held.on_behalf && event.by && event.why.final, why);
 }
 
 void Reserving::on(const core::cluster::Found& event, const core::cluster::Member& member,
@@ -244,10 +263,12 @@ void Reserving::on(const core::cluster::Found& event, const core::cluster::Membe
   held_.emplace(
       event.id,
       Held{.channel = asked->channel, .admissions = ids_of(*asked), .on_behalf = asked->on_behalf});
+  agreements_changed_ = true;
   parts_.networks.hold(event.id, *footprint);
 }
 
 void Reserving::lost() {
+  agreements_changed_ = true;
   for (const auto& [number, held] : std::exchange(held_, {})) parts_.networks.drop(number);
   for (const Number number : std::exchange(leaving_, {})) parts_.networks.drop(number);
   for (const Number number : std::exchange(to_release_, {})) parts_.networks.drop(number);
@@ -262,7 +283,7 @@ bool Reserving::step(core::cluster::Member& member, Value now) {
     return true;
   });
   for (auto it = jobs_.begin(); it != jobs_.end();) {
-    if (it->asked || now < add_saturating(it->since, kPatience)) {
+    if (it->asked || it->job.gateway || now < add_saturating(it->since, kPatience)) {
       ++it;
       continue;
     }
@@ -331,7 +352,7 @@ Reserving::Jobs::iterator Reserving::next_turn() {
 std::optional<Value> Reserving::next_time() const {
   std::optional<Value> next;
   for (const Open& open : jobs_) {
-    if (open.asked) continue;
+    if (open.asked || open.job.gateway) continue;
     const Value end = add_saturating(open.since, kPatience);
     if (!next || end < *next) next = end;
   }

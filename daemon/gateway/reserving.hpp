@@ -41,12 +41,13 @@ class Reserving {
     /// Called when it is reserved and may be used. False if it is not used after all.
     std::function<bool()> granted;
     std::function<void(const std::string& why)> refused;
-    /// Called instead of `refused` if another gateway has refused it; empty: `refused` is.
-    std::function<void(const std::string& why)> refused_by_another{};
+    /// Called instead of `refused` if another gateway has refused it for good; empty: `refused` is.
+    std::function<void(const std::string& why)> refused_for_good{};
     std::uint64_t session = 0;             ///< the job ends with this session; 0: with none
     std::string key{};                     ///< at most one job has this key; empty: no key
     std::optional<uid_t> user{};           ///< who has asked; nullopt: a gateway
     std::optional<std::size_t> gateway{};  ///< another gateway that has asked
+    Number adopted = 0;                    ///< the number under which its request was adopted
     [[nodiscard]] bool is_own() const { return !user && !gateway; }
   };
   struct Parts {
@@ -57,15 +58,19 @@ class Reserving {
     /// Whether something that is in use of that channel needs that reservation.
     std::function<bool(const std::string& channel, Number number)> needs;
     /// Called when what was reserved for these admissions is withdrawn. `ended`: another gateway
-    /// had made them for this one, and does not make them any more.
+    /// had made them for this one, and will not make them again.
     std::function<void(const std::vector<core::AdmissionId>&, bool ended, const std::string& why)>
         withdrawn;
+    /// Called when nothing with that number is asked for or held here any more.
+    std::function<void(Number number)> ended;
     std::function<void(const std::string&)> log;
   };
   /// Reservations are numbered from `first` on.
   Reserving(Parts parts, Number first) : parts_(std::move(parts)), next_(first) {}
 
-  static constexpr Value kPatience = 5'000'000'000;  ///< ns that a job waits for its turn
+  /// How long a job waits for its turn, ns. One of another gateway waits until forget(): that
+  /// gateway says when it does not want it any more.
+  static constexpr Value kPatience = 5'000'000'000;
 
   /// Why a user can have no further job; empty if they can.
   [[nodiscard]] std::string bar(uid_t user) const;
@@ -76,6 +81,8 @@ class Reserving {
   /// Refuses the job that waits with this key. False if there is none.
   bool refuse(const std::string& key, const std::string& why);
   void ask(Job job, Value now);
+  /// Ends the job of another gateway that was adopted under that number.
+  void forget(Number adopted);
   [[nodiscard]] Number new_number() { return next_++; }
   /// Whether a job of this gateway itself is there.
   [[nodiscard]] bool has_own() const;
@@ -115,6 +122,10 @@ class Reserving {
   [[nodiscard]] const std::map<Number, Held>& held() const { return held_; }
   /// The admissions for which something is held.
   [[nodiscard]] std::unordered_set<core::AdmissionId> held_admissions() const;
+  /// Whether that number is held, or was asked for and is not answered yet.
+  [[nodiscard]] bool has(Number number) const;
+  /// Whether what other gateways have admitted for this one may have changed since the last call.
+  [[nodiscard]] bool take_agreements_changed() { return std::exchange(agreements_changed_, false); }
 
  private:
   struct Open {
@@ -147,8 +158,9 @@ class Reserving {
   std::optional<std::size_t> latest_gateway_;  ///< of the other gateways
   bool latest_own_ = false;                    ///< the latest turn was one of this gateway itself
   bool unused_ = false;                        ///< there may be something for tidy()
-  std::vector<Number> to_release_;             ///< when the gates have closed
-  std::vector<Number> leaving_;                ///< released, but the store may still have them
+  bool agreements_changed_ = false;
+  std::vector<Number> to_release_;  ///< when the gates have closed
+  std::vector<Number> leaving_;     ///< released, but the store may still have them
 };
 
 }  // namespace mlcca

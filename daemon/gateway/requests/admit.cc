@@ -41,8 +41,13 @@ std::optional<Response> admit_again(Context& context, const Asker& asker,
                     "first, or take another key",
                     id, request.key));
   const auto& left_out = context.admissions.left_out();
-  if (const auto out = left_out.find(id); out != left_out.end())
-    return invalid(words_of(out->second) + ": release it, or correct the description");
+  if (const auto out = left_out.find(id); out != left_out.end()) {
+    if (!context.admissions.waits(id))
+      return invalid(words_of(out->second) + ": release it, or correct the description");
+    Response response = failed(words_of(out->second));
+    if (context.admissions.own(id, request, asker.peer.session)) response.owned = id;
+    return response;
+  }
   Response response = context.channels.of_admission(id);
   if (context.admissions.own(id, request, asker.peer.session)) response.owned = id;
   response.held = context.recorder.is_uncommitted(id);

@@ -8,6 +8,7 @@
 
 #include "core/cluster/footprint.hpp"
 #include "core/model/text.hpp"
+#include "daemon/gateway/admissions.hpp"
 #include "daemon/gateway/can_forwarding.hpp"
 #include "daemon/gateway/delivery_events.hpp"
 #include "daemon/gateway/membership.hpp"
@@ -80,6 +81,19 @@ bool is_without_publisher(const Context& context, const control::Request& reques
     return own &&
            (admit.from.empty() || state.find_place(admit.from) == members.publisher(p).place);
   });
+}
+
+bool is_publisher_gone(const Context& context, const control::Request& request) {
+  if (!is_without_publisher(context, request)) return false;
+  const auto& wanted = std::get<control::Admit>(request.body);
+  const auto& recorded = context.recorder.contents().admissions;
+  return std::ranges::none_of(
+      context.admissions.left_out_of(wanted.channel), [&](core::AdmissionId id) {
+        const control::Request* const one = recorded.find(id);
+        if (one == nullptr || !recorded.through(id).empty()) return false;
+        const auto& admit = std::get<control::Admit>(one->body);
+        return !admit.from.empty() && (wanted.from.empty() || admit.from == wanted.from);
+      });
 }
 
 Result<Reserving::Wish> wish_for_another(Context& context, const control::Request& request,

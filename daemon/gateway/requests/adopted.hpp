@@ -20,6 +20,9 @@ namespace mlcca::requests {
                                                        std::size_t gateway);
 /// Whether nobody publishes any more what that subscriber was admitted for.
 [[nodiscard]] bool is_without_publisher(const Context& context, const control::Request& request);
+/// Whether that is for good: no admission of this gateway brings such a publisher, not even one for
+/// which the description has no place now.
+[[nodiscard]] bool is_publisher_gone(const Context& context, const control::Request& request);
 /// Adds the admission to state and gates, if it is not there. The error says why nothing was
 /// changed.
 Result<void> admit_adopted(Context& context, const control::Request& request);

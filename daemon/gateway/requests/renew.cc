@@ -13,7 +13,8 @@ Response renew(Context& context, const Asker& /*asker*/, const control::RenewReq
   const auto named = admissions.named(request.admission, request.key);
   if (!named) return invalid(named.error().text);
   const core::AdmissionId id = *named;
-  if (const auto out = admissions.left_out().find(id); out != admissions.left_out().end())
+  if (const auto out = admissions.left_out().find(id);
+      out != admissions.left_out().end() && !admissions.waits(id))
     return invalid(words_of(out->second));
   if (!admissions.remaining(id))
     return control::Done{

@@ -26,7 +26,7 @@ class TextCodec : public Codec {
     return line({static_cast<std::int64_t>(a.stage)}) + list(a.gateways) + a.admission;
   }
   [[nodiscard]] std::string write(const VoteOf& v) const override {
-    return line({v.asked, v.vote.ok}) + v.vote.reason;
+    return line({v.asked, v.vote.ok, v.vote.final}) + v.vote.reason;
   }
   [[nodiscard]] std::string write(const Current& c) const override {
     return line({num(c.generation), c.digest[0], c.former[0], c.open, c.undone}) + names(c.waits);
@@ -69,10 +69,11 @@ class TextCodec : public Codec {
     return a;
   }
   [[nodiscard]] std::optional<VoteOf> vote(std::string_view v) const override {
-    const auto n = numbers<2>(v);
+    const auto n = numbers<3>(v);
     if (!n) return std::nullopt;
-    return VoteOf{.asked = (*n)[0],
-                  .vote = {.ok = (*n)[1] != 0, .hop = {}, .reason = std::string(v)}};
+    return VoteOf{
+        .asked = (*n)[0],
+        .vote = {.ok = (*n)[1] != 0, .hop = {}, .reason = std::string(v), .final = (*n)[2] != 0}};
   }
   [[nodiscard]] std::optional<Current> current(std::string_view v) const override {
     const auto n = numbers<5>(v);

@@ -139,7 +139,8 @@ bool World::fits(std::size_t g) const {
   const bool own = std::ranges::any_of(hosts_[g].answers, [&](const auto& entry) {
     return entry.second == 0 || hosts_[g].held.contains(entry.first);
   });
-  return !own && !others.unreadable && bytes_of(others.rates) == 0;
+  if (serves(g)) return is_all_agreed(g);
+  return (!own || scenario_->subscribers != 0) && !others.unreadable && bytes_of(others.rates) == 0;
 }
 
 std::vector<std::size_t> World::way_of(std::size_t g) const {
@@ -182,11 +183,13 @@ void World::act(std::size_t g, const Event& event) {
                    host.held.insert(e.id);
                    // V is stored in the kernel before the gate opens.
                    host.until = member.valid_until();
+                   if (serves(g)) on_agreed(g, e.id);
                    if (!scenario_->behalf || g != 1) host.gates[{g, e.id}] = {.open = true};
                    vote_as(g, e.id, true);
                  },
                  [&](const Refused& e) {
                    answer(g, e.id, 2);
+                   if (serves(g)) on_refused(g, e.id, e.by && e.why.final);
                    vote_as(g, e.id, false);
                  },
                  [&](const Conflict& e) {
@@ -203,6 +206,7 @@ void World::act(std::size_t g, const Event& event) {
                  [&](const Withdrawn& e) {
                    close(g, {g, e.id});
                    host.held.erase(e.id);
+                   if (serves(g)) on_refused(g, e.id, e.by && e.why.final);
                    vote_as(g, e.id, false);
                    member.release(e.id, clock(g));
                  },
@@ -273,6 +277,7 @@ void World::turn(std::size_t g) {
     end_strange_behalf(g);
   }
   step_behalf(g);
+  follow_agreements(g);
   set_way(g);
   const Value slack =
       scenario_->mutant == Mutant::clock_error_ignored ? kLease * kClockError / kMillion : 0;

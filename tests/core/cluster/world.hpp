@@ -42,6 +42,8 @@ enum class Mutant : std::uint8_t {
   active_without_asking,   ///< a gateway that comes back does not wait for the others
   agreed_at_once,          ///< an admission for another gateway is agreed to before it is reserved
   kept_after_its_end,      ///< it is not withdrawn when what was reserved for it ends
+  ended_by_a_passing_refusal,  ///< a refusal that is not final releases an admission
+  served_without_a_vote,  ///< a subscriber is served as soon as its publisher is known for another
 };
 
 /// What may happen in a run, and how often.
@@ -52,6 +54,7 @@ struct Scenario {
   int steps = 9;                        ///< number of steps of time
   bool way = false;                     ///< the requests of gateway 0 go through gateway 1
   bool behalf = false;                  ///< gateway 0 makes the admissions that gateway 1 asks for
+  int subscribers = 0;                  ///< of those, gateway 1 has so many in its journal
   bool elect = false;                   ///< the gateways can replace each other
   std::vector<int> wants = {1, 1};      ///< number of requests of each gateway
   int releases = 0;
@@ -158,7 +161,11 @@ class World {
     std::map<Origin, bool> agreed;
     std::map<Origin, std::uint64_t> behalf;  ///< own admissions for others; 0: not asked for yet
     std::uint64_t next_id = 1;
-    std::map<std::uint64_t, int> answers;  ///< 1: granted, 2: refused
+    std::map<std::uint64_t, int> answers;    ///< 1: granted, 2: refused
+    std::set<int> kept;                      ///< subscribers in its journal
+    std::map<int, std::uint64_t> asked_for;  ///< its request for a subscriber
+    std::map<int, Gate> locals;              ///< to subscribers on a network of its own
+    int asked_again = -1;                    ///< at this time
   };
 
   [[nodiscard]] Value clock(std::size_t gateway) const;
@@ -196,6 +203,19 @@ class World {
   void end_behalf(std::size_t g, const Origin& origin);
   void end_strange_behalf(std::size_t g);
   void check_behalf();
+  [[nodiscard]] bool serves(std::size_t g) const;
+  [[nodiscard]] std::optional<int> subscriber_of(std::size_t g, std::uint64_t id) const;
+  [[nodiscard]] bool is_all_agreed(std::size_t g) const;
+  [[nodiscard]] bool are_all_kept() const;
+  void want_subscriber(std::size_t g, std::uint64_t id);
+  void on_agreed(std::size_t g, std::uint64_t id);
+  void on_refused(std::size_t g, std::uint64_t id, bool final);
+  void forget_subscriber(std::size_t g, std::uint64_t id);
+  void end_publisher(std::size_t g);
+  void follow_agreements(std::size_t g);
+  void check_subscribers();
+  void check_served();
+  void forget_subscribers();
   void pass_time();
   void check();
   void forget();
@@ -213,6 +233,8 @@ class World {
   std::vector<Host> hosts_;
   std::vector<Late> late_;
   std::set<Admission> made_;  ///< of other gateways, that gateway 0 has admitted at some time
+  std::set<int> promised_;    ///< subscribers that were granted and not released
+  bool gone_ = false;         ///< the publisher of the subscribers
   std::vector<int> wants_;
   int releases_ = 0, lates_ = 0, lost_ = 0, twice_ = 0, stalls_ = 0, pauses_ = 0, crashes_ = 0,
       fences_ = 0, compactions_ = 0, outages_ = 0, restores_ = 0, refusals_ = 0, drains_ = 0;

@@ -20,7 +20,8 @@ void World::vote_as(std::size_t g, std::uint64_t id, bool ok) {
   const Origin* const origin = made_for(g, id);
   if (origin == nullptr || (!ok && scenario_->mutant == Mutant::kept_after_its_end)) return;
   if (ok) made_.emplace(origin->gateway, origin->id);
-  hosts_[g].member->vote(*origin, {.ok = ok, .hop = {}, .reason = ok ? "" : "no"}, clock(g));
+  hosts_[g].member->vote(
+      *origin, {.ok = ok, .hop = {}, .reason = ok ? "" : "no", .final = !ok && gone_}, clock(g));
 }
 
 /// Asked for when no other one is decided. What a former process has asked for goes on.
@@ -29,11 +30,11 @@ void World::step_behalf(std::size_t g) {
   for (auto& [origin, id] : host.behalf) {
     if (id != 0 || !host.agreed.contains(origin) || !host.member->why_not(clock(g)).empty())
       continue;
-    if (fits(g)) {
+    if (fits(g) && !gone_) {
       id = host.next_id++;
       ask(g, id, {origin.gateway});
     } else {
-      host.member->vote(origin, {.ok = false, .hop = {}, .reason = "no"}, clock(g));
+      host.member->vote(origin, {.ok = false, .hop = {}, .reason = "no", .final = gone_}, clock(g));
       host.agreed.erase(origin);
     }
     return;

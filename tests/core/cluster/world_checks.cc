@@ -27,6 +27,7 @@ void World::check() {
   }
   if (on_bus.size() > 1) broken_ = "two admissions are on a medium that carries one";
   if (ways > 1) broken_ = "two gateways carry the same";
+  check_subscribers();
   check_views();
 }
 
@@ -74,6 +75,8 @@ void World::recover() {
       broken_ = "a gateway is no member though all is well: " + hosts_[g].member->why_not(clock(g));
   if (!broken_.empty()) return;
   check_behalf();
+  check_served();
+  forget_subscribers();
   for (const Host& host : hosts_)
     for (const auto& [id, what] : host.answers)
       if (what == 0) broken_ = "an admission has no answer";
@@ -125,8 +128,11 @@ std::pair<std::uint64_t, std::uint64_t> World::fingerprint() const {
     if (h.flight) f(h.flight->txn, h.flight->result);
     for (const auto& [origin, ok] : h.agreed) f(origin.gateway, origin.id, origin.asked, ok);
     for (const auto& [origin, id] : h.behalf) f(origin.gateway, origin.id, origin.asked, id);
+    f(h.kept, h.asked_for, h.asked_again);
+    for (const auto& [s, gate] : h.locals) f(s, gate.open, gate.closed);
   }
   for (const auto& [gateway, id] : made_) f(gateway, id);
+  f(promised_, gone_);
   for (const Late& one : late_) f(one.gateway, one.process, one.txn);
   return f.value();
 }

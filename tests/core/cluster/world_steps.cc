@@ -57,7 +57,7 @@ std::vector<Step> World::steps(bool faults) const {
       all.push_back({.kind = Step::Kind::want, .gateway = g});
     if (releases_ > 0 && !hosts_[g].held.empty())
       all.push_back({.kind = Step::Kind::release, .gateway = g});
-    if (refusals_ > 0 && !hosts_[g].agreed.empty())
+    if (refusals_ > 0 && !hosts_[g].agreed.empty() && are_all_kept())
       all.push_back({.kind = Step::Kind::change_mind, .gateway = g});
   }
   if (faults) add_faults(all);
@@ -139,12 +139,19 @@ void World::take(const Step& step) {
       break;
     case Step::Kind::want:
       --wants_[g];
+      if (serves(g)) want_subscriber(g, host.next_id);
       ask(g, host.next_id++, way_of(g));
       turn(g);
       break;
     case Step::Kind::release: {
       --releases_;
       const std::uint64_t id = *host.held.begin();
+      if (serves(g)) forget_subscriber(g, id);
+      if (scenario_->subscribers != 0 && g == 0) {
+        end_publisher(g);
+        turn(g);
+        break;
+      }
       close(g, {g, id});
       host.held.erase(id);
       vote_as(g, id, false);

@@ -226,7 +226,7 @@ TEST_F(MembersElsewhere, ItEndsWithThePublisher) {
       << said(1);
 }
 
-TEST_F(MembersElsewhere, ItEndsWithTheGatewayOfThePublisher) {
+TEST_F(MembersElsewhere, ItIsClosedBeforeWhatTheGatewayOfThePublisherHasIsGivenAway) {
   both_admitted();
   at(1).published.clear();
   at(0).end();
@@ -241,12 +241,16 @@ TEST_F(MembersElsewhere, ItEndsWithTheGatewayOfThePublisher) {
   EXPECT_NE(said(1).find("g0 is not there"), std::string::npos) << said(1);
 }
 
-TEST_F(MembersElsewhere, ItEndsWhenThatGatewayIsDrained) {
+TEST_F(MembersElsewhere, ItIsClosedWhileThatGatewayIsDrained) {
   both_admitted();
   at(0).ask(control::DrainRequest{});
   pass(5 * kSecondNs);
   EXPECT_FALSE(passes_on());
   EXPECT_TRUE(at(1).state().admissions().empty());
+  EXPECT_EQ(entries("x/g1/"), 0U);
+  at(0).ask(control::JoinRequest{});
+  pass(15 * kSecondNs);
+  EXPECT_TRUE(passes_on());
 }
 
 TEST_F(MembersElsewhere, ItGoesOnOverARestartOfEitherGateway) {
