@@ -8,6 +8,7 @@
 #include <ranges>
 #include <utility>
 
+#include "base/many.hpp"
 #include "bpf/gate.h"
 #include "daemon/gates/close_unpinned.hpp"
 #include "daemon/gates/early.hpp"
@@ -245,12 +246,11 @@ void Drift::check_bypass(int ifindex, const enforce::PortGate& gate, net::Links&
   reported_past_.sample(gate.name(), seen.past, now_s);
   seen.past += seen.bypass.update(counts);
   if (const auto bypassed = reported_past_.sample(gate.name(), seen.past, now_s))
-    report_(
-        Kind::bypass,
-        fmt::format("{} has sent {} frames that its gate has not seen: a program sends past the "
-                    "queueing layer (AF_PACKET with PACKET_QDISC_BYPASS)",
-                    gate.name(), *bypassed),
-        true);
+    report_(Kind::bypass,
+            fmt::format("{} has sent {} that its gate has not seen: a program sends past the "
+                        "queueing layer (AF_PACKET with PACKET_QDISC_BYPASS)",
+                        gate.name(), many(*bypassed, "frame")),
+            true);
 }
 
 void Drift::report(int ifindex, const enforce::PortGate& gate, control::Interface& to) const {

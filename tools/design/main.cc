@@ -5,6 +5,8 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <string>
+#include <string_view>
 
 #include "control/version.hpp"
 #include "tools/design/verbs.hpp"
@@ -15,8 +17,27 @@ using namespace mlcca;                 // NOLINT(google-build-using-namespace)
 using namespace mlcca::tools::design;  // NOLINT(google-build-using-namespace)
 using tools::Exit;
 
-constexpr const char* kFooter =
-    "Exit status: 0 clean, 1 findings, 2 usage or unreadable input, 3 the outside world failed.";
+constexpr std::string_view kOfAll = "2 usage or unreadable input, 3 the outside world failed.";
+constexpr std::string_view kWrites =
+    "2 usage or unreadable input,\n3 the output exists, or the outside world failed.";
+
+/// The exit statuses of a verb, for its help.
+struct Statuses {
+  std::string_view verb;
+  std::string_view own;  ///< 0, and 1 if it has that
+  std::string_view rest;
+};
+constexpr Statuses kStatuses[] = {
+    {"analyse-bus", "0 all deadlines are met, 1 one can be missed or is not known", kOfAll},
+    {"check", "0 neither errors nor warnings, 1 there are some", kWrites},
+    {"describe", "0 done, 1 ended at a question", kOfAll},
+    {"export", "0 done", kWrites},
+    {"format", "0 done", kWrites},
+    {"generate", "0 done", kOfAll},
+    {"import", "0 done", kWrites},
+    {"new", "0 done, 1 ended at a question", kWrites},
+    {"rollout", "0 it is in force, 1 refused", kOfAll},
+};
 
 }  // namespace
 
@@ -31,7 +52,7 @@ int main(int argc, char** argv) {
   app.add_option("--timeout", context.timeout_s)->check(CLI::Range(0.001, 86400.0))->group("");
   app.add_flag("--json", context.json, "print JSON");
   app.add_flag("--no-color", context.no_color, "no colour on a terminal, as with NO_COLOR");
-  app.footer(kFooter);
+  app.footer(fmt::format("Exit status: 0 done, 1 refused or found something, {}", kOfAll));
   app.require_subcommand(1, 1);
   app.failure_message([&app](const CLI::App*, const CLI::Error& error) {
     const auto verbs = app.get_subcommands();
@@ -48,10 +69,10 @@ int main(int argc, char** argv) {
   add_import(app, context);
   add_new(app, context);
   add_rollout(app, context);
-  for (auto* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
-    verb->fallthrough();
-    if (verb->get_footer().empty()) verb->footer(kFooter);
-  }
+  for (auto* verb : app.get_subcommands([](const CLI::App*) { return true; })) verb->fallthrough();
+  for (const auto& of : kStatuses)
+    app.get_subcommand(std::string(of.verb))
+        ->footer(fmt::format("Exit status: {}, {}", of.own, of.rest));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -236,13 +236,19 @@ class WiresharkTest : public ExportTest {
   /// The fields of each frame as tshark shows them, one line for each frame, separated by bars.
   std::string dissected(unsigned link_type, const std::vector<std::string>& frames,
                         const std::vector<std::string>& fields) {
-    const auto script = folder_.write("names.lua", exported({"wireshark"}));
-    std::vector<std::string> arguments = {
-        "tshark", "-n",
-        "-X",     "lua_script:" + script,
-        "-r",     folder_.write("a.pcap", capture(link_type, frames)),
-        "-T",     "fields",
-        "-E",     "separator=|"};
+    return dissected_by({exported({"wireshark"})}, link_type, frames, fields);
+  }
+  /// The same with these scripts loaded, one after the other.
+  std::string dissected_by(const std::vector<std::string>& scripts, unsigned link_type,
+                           const std::vector<std::string>& frames,
+                           const std::vector<std::string>& fields) {
+    std::vector<std::string> arguments = {"tshark", "-n"};
+    for (std::size_t i = 0; i < scripts.size(); ++i)
+      arguments.insert(
+          arguments.end(),
+          {"-X", "lua_script:" + folder_.write(fmt::format("names{}.lua", i), scripts[i])});
+    arguments.insert(arguments.end(), {"-r", folder_.write("a.pcap", capture(link_type, frames)),
+                                       "-T", "fields", "-E", "separator=|"});
     for (const auto& field : fields) arguments.insert(arguments.end(), {"-e", field});
     auto out = test::run_program(arguments).out;
     if (const auto warning = out.find("Running as user"); warning != std::string::npos)
@@ -284,6 +290,27 @@ TEST_F(WiresharkTest, NamesChannelsOfCanFrames) {
       dissected(227, {can_frame(0x123, "a"), can_frame(0x81234567, "b"), can_frame(0x777, "")},
                 {"mlcca.can.channel", "mlcca.can.network", "mlcca.can.sender"}),
       "beat,beat|first,second|switch,gate\nmoved|first|switch\n||\n");
+}
+
+TEST_F(WiresharkTest, AChannelOfSeveralNetworksIsNamedOnceInALine) {
+  const auto info = dissected(227, {can_frame(0x123, "a")}, {"_ws.col.Info"});
+  EXPECT_EQ(info.find("[beat]"), info.rfind("[beat]")) << info;
+  EXPECT_TRUE(has(info, " [beat]")) << info;
+}
+
+TEST_F(WiresharkTest, ScriptsOfSeveralSystemsWorkTogether) {
+  const auto one = exported({"wireshark"});
+  auto text = robot();
+  for (auto at = text.find("\"beat\""); at != std::string::npos; at = text.find("\"beat\"", at))
+    text.replace(at, 6, "\"pulse\"");
+  const auto other = run(text, {"wireshark"}).out;
+  const auto both = [&](unsigned link_type, const std::string& frame, const char* field) {
+    return dissected_by({one, one, other}, link_type, {frame}, {field});
+  };
+  EXPECT_EQ(both(1, datagram(big(0x11, 8) + big(0, 1)), "famouso.channel"), "beat or pulse\n");
+  EXPECT_EQ(both(1, datagram(big(0x13, 8) + big(0, 1)), "famouso.channel"), "moved\n");
+  EXPECT_EQ(both(227, can_frame(0x123, "a"), "mlcca.can.channel"), "beat,beat,pulse,pulse\n");
+  EXPECT_TRUE(has(both(227, can_frame(0x123, "a"), "_ws.col.Info"), " [beat] [pulse]\n"));
 }
 
 TEST_F(WiresharkTest, ReportsWhatIsTooShort) {
