@@ -32,7 +32,7 @@ Result<Fd> listen_at(const std::string& path, int type, mode_t mode, int backlog
 
 Result<Fd> handed_over(int type) {
   const int given = ::sd_listen_fds(1);
-  if (given > 1) return fail("systemd handed over more than one socket");
+  if (given > 1) return fail("systemd has handed over several sockets");
   if (given < 1) return Fd();
   Fd socket(SD_LISTEN_FDS_START);
   if (::sd_is_socket_unix(socket.get(), type, 1, nullptr, 0) <= 0)

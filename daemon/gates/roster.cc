@@ -50,7 +50,7 @@ Result<std::map<std::uint32_t, bool>> programs_of_gates() {
   std::array<gate_program, 128> some{};
   while ((size = ::read(list.get(), some.data(), sizeof(some))) > 0) {
     if (size % static_cast<ssize_t>(sizeof(gate_program)) != 0)
-      return fail("list the programs of gates: half an entry");
+      return fail("list the programs of gates: an entry is cut off");
     for (std::size_t n = 0; n < static_cast<std::size_t>(size) / sizeof(gate_program); ++n) {
       const std::string_view name = static_cast<const char*>(some.at(n).name);
       const auto* const kind = std::ranges::find(kKinds, name, &Kind::name);

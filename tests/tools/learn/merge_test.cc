@@ -141,5 +141,63 @@ TEST_F(LearnMerge, ANetworkThatCannotHaveTheTrafficIsLeftAsItIs) {
       << ran.error;
 }
 
+// --- what check refuses of a patch ---------------------------------------------------------------
+
+/// The note about the patched description; empty if there is none.
+std::string refused_note(const Ran& ran) {
+  const auto at =
+      ran.error.find("note: 'mlccactl check' refuses a part of the patched description");
+  return at == std::string::npos ? "" : ran.error.substr(at, ran.error.find('\n', at) - at);
+}
+
+TEST_F(LearnMerge, WhatCheckWouldRefuseOfThePatchIsSaid) {
+  const std::string slow = lines(1000, 60, "310#1122");
+  const auto path = drafted(slow, {"--bitrate", "can0=10k"});
+  ASSERT_EQ(run({"check", path}).status, 0);
+  const Ran ran = merged(slow + lines(10, 2000, "120#1122334455667788"), path);
+  EXPECT_EQ(ran.status, 1);
+  EXPECT_NE(refused_note(ran), "") << ran.error;
+  apply(ran, path);
+  const Ran checked = run({"check", path});
+  EXPECT_EQ(checked.status, 1) << checked.out;
+  EXPECT_TRUE(checked.out.contains("can0")) << checked.out;
+
+  // What the description had before is not the patch's.
+  const Ran more =
+      merged(lines(10, 2000, "120#1122334455667788") + slow + lines(1000, 60, "7F0#11"), path);
+  EXPECT_EQ(more.status, 1);
+  EXPECT_TRUE(more.out.contains("can0-7F0")) << more.out;
+  EXPECT_FALSE(refused_note(more).contains("can0-120")) << more.error;
+}
+
+TEST_F(LearnMerge, APatchThatCheckAcceptsHasNoNote) {
+  const std::string slow = lines(1000, 60, "310#1122");
+  const auto path = drafted(slow);
+  const Ran ran = merged(slow + lines(100, 60, "120#11"), path);
+  EXPECT_EQ(ran.status, 1);
+  EXPECT_FALSE(ran.error.contains("mlccactl check")) << ran.error;
+}
+
+TEST_F(LearnMerge, OfIncludedFilesItSaysThatTheyAreNotChecked) {
+  const std::string slow = lines(1000, 60, "310#1122");
+  const auto path = drafted(slow);
+  std::string text = content_of(path);
+  const std::string end = "</Network>\n";
+  const auto from = text.find("  <Network ");
+  const auto to = text.find(end) + end.size();
+  const std::string network = text.substr(from, to - from);
+  text.replace(from, to - from,
+               "<xi:include xmlns:xi=\"http://www.w3.org/2001/XInclude\" href=\"bus.xml\"/>\n");
+  folder.write("bus.xml", network);
+  const auto whole = folder.write("whole.xml", text);
+  ASSERT_EQ(run({"check", whole}).status, 0);
+  const Ran ran = merged(slow + lines(100, 60, "120#11"), whole);
+  EXPECT_EQ(ran.status, 1) << ran.error;
+  EXPECT_TRUE(ran.out.contains("bus.xml")) << ran.out;
+  EXPECT_TRUE(ran.error.contains("note: the patch changes files that " + whole +
+                                 " includes: run 'mlccactl check' when it is applied"))
+      << ran.error;
+}
+
 }  // namespace
 }  // namespace mlcca::test
