@@ -1,5 +1,7 @@
-# Installs the pages below share/doc/mlcca, beside examples/, so that the links between them work.
-PAGES := README.md CHANGELOG.md $(wildcard docs/*.md docs/*/*.md docs/drawings/*.svg docs/reference/bench/*)
+# Installs the pages below share/doc/mlcca, beside examples/, and what else they link to, so that the
+# links work there (tests/docs/installed).
+PAGES := README.md CHANGELOG.md $(wildcard docs/*.md docs/*/*.md docs/drawings/*.svg docs/reference/bench/*) \
+	proto/mlcca/v1/control.proto include/mlcca/client/events.h
 install-docs:
 	$(call say,INSTALL,$(words $(PAGES)) pages)
 	$(Q)for file in $(PAGES); do \
