@@ -41,16 +41,16 @@ std::string shown_digits(const Sha256::Digest& digest) {
 }
 
 void Rollout::restore(const store::Membership& record) {
-  rolled_ = array_of<kDigestOctets>(record.rolled_digest);
-  replaced_ = array_of<kDigestOctets>(record.replaced_digest);
-  in_force_ = array_of<kDigestOctets>(record.in_force_digest);
-  voted_ = array_of<kDigestOctets>(record.voted_digest);
+  following_.rolled = array_of<kDigestOctets>(record.rolled_digest);
+  following_.replaced = array_of<kDigestOctets>(record.replaced_digest);
+  following_.in_force = array_of<kDigestOctets>(record.in_force_digest);
+  following_.voted = array_of<kDigestOctets>(record.voted_digest);
 }
 
 void Rollout::put_into(store::Membership& record) const {
-  record.rolled_digest = octets_of(rolled_);
-  record.replaced_digest = octets_of(replaced_);
-  record.in_force_digest = octets_of(in_force_);
+  record.rolled_digest = octets_of(following_.rolled);
+  record.replaced_digest = octets_of(following_.replaced);
+  record.in_force_digest = octets_of(following_.in_force);
 }
 
 // --- what is loaded ------------------------------------------------------------------------------
@@ -68,12 +68,8 @@ void Rollout::loaded() {
                        "the description cannot be kept for other gateways: " + kept.error().text);
 }
 
-/// The kernel has taken the wanted description, whoever has loaded it.
 void Rollout::note_followed() {
-  if (wanted_ != parts_.scene.digest) return;
-  rolled_ = parts_.scene.digest;
-  replaced_ = parts_.scene.file_digest;
-  wanted_.reset();
+  following_.note_loaded(parts_.scene.digest, parts_.scene.file_digest);
 }
 
 std::optional<Rollout::Digest> Rollout::pending() const {
@@ -150,8 +146,9 @@ void Rollout::on(const cc::NotRolledOut& event) {
 }
 
 void Rollout::keep_needed() {
-  std::set<Digest> needed{parts_.scene.digest, rolled_, in_force_, former_, voted_};
-  if (wanted_) needed.insert(*wanted_);
+  std::set<Digest> needed{parts_.scene.digest, following_.rolled, following_.in_force, former_,
+                          following_.voted};
+  if (following_.wanted) needed.insert(*following_.wanted);
   if (checked_) needed.insert(checked_->digest);
   if (vote_) needed.insert(vote_->first);
   static_cast<void>(parts_.patience.wait_for([&] {
@@ -163,8 +160,8 @@ void Rollout::keep_needed() {
 void Rollout::on(const cc::Switch& event) {
   note_followed();
   const bool here = event.digest == parts_.scene.digest;
+  following_.on(event, parts_.scene.digest);
   if (event.open && here) {
-    in_force_ = event.digest;
     former_ = event.former;
     keep_needed();
   }
@@ -178,22 +175,6 @@ void Rollout::on(const cc::Switch& event) {
                                                event.generation, shown_digits(event.digest),
                                                event.open ? "is in force" : "comes into force",
                                                here ? "" : ": this gateway has another one"));
-  follow(event);
-}
-
-/// What came by a rollout is replaced by the next one; so is the file that a rollout has replaced,
-/// where the text of the rollout is lost. What the operator has loaded is replaced by a description
-/// that comes into force later, not by one that was in force before.
-void Rollout::follow(const cc::Switch& event) {
-  const Digest& now = parts_.scene.digest;
-  if (event.digest == now) {
-    wanted_.reset();
-    return;
-  }
-  const bool by_rollout = now == rolled_ || now == replaced_;
-  const bool is_new = event.digest != in_force_;
-  if (by_rollout || (is_new && (event.digest == voted_ || now == in_force_)))
-    wanted_ = event.digest;
 }
 
 // --- a text is read beside the loop --------------------------------------------------------------
@@ -324,8 +305,9 @@ bool Rollout::step(cc::Member& member) {
 /// Loads the file again after it was loaded unchecked at the start: when the store has the
 /// description in force, or when the file itself has come into force.
 bool Rollout::check_file(const cc::Member& member) {
-  if (!parts_.scene.unchecked || !checks_file_ || loading_ || busy_ || wanted_) return false;
-  if (parts_.scene.digest != in_force_ && !in_store(in_force_, member)) {
+  if (!parts_.scene.unchecked || !checks_file_ || loading_ || busy_ || following_.wanted)
+    return false;
+  if (parts_.scene.digest != following_.in_force && !in_store(following_.in_force, member)) {
     busy_ = true;
     return false;
   }
@@ -352,14 +334,14 @@ bool Rollout::report_cannot(cc::Member& member) {
                                shown_digits(cannot.digest), cannot.why));
   const auto& current = member.view().records().current.value;
   if (current && current->digest == cannot.digest) member.cannot_switch(cannot.why);
-  if (wanted_ == cannot.digest) wanted_.reset();
+  if (following_.wanted == cannot.digest) following_.wanted.reset();
   return true;
 }
 
 bool Rollout::cast_vote(cc::Member& member) {
   if (!vote_) return false;
   const auto [digest, why] = *std::exchange(vote_, std::nullopt);
-  if (why.empty()) voted_ = digest;
+  if (why.empty()) following_.voted = digest;
   if (digest != parts_.scene.digest)
     parts_.log.notice(
         Kind::rollout,
@@ -393,11 +375,14 @@ bool Rollout::stage(cc::Member& member) {
 }
 
 bool Rollout::follow(const cc::Member& member) {
-  if (!wanted_ || loading_ || busy_ || cannot_ || *wanted_ == parts_.scene.digest) return false;
-  if (checked_ && checked_->digest == *wanted_) return load();
+  if (!following_.wanted || loading_ || busy_ || cannot_ ||
+      *following_.wanted == parts_.scene.digest)
+    return false;
+  if (checked_ && checked_->digest == *following_.wanted) return load();
   if (check_ || next_check_) return false;
-  next_check_ = std::make_shared<Check>(
-      Check{.why = Why::follow, .digest = *wanted_, .text = in_store(*wanted_, member)});
+  next_check_ = std::make_shared<Check>(Check{.why = Why::follow,
+                                              .digest = *following_.wanted,
+                                              .text = in_store(*following_.wanted, member)});
   return begin_check();
 }
 
@@ -408,7 +393,7 @@ bool Rollout::load() {
     if (described) described->file_digest = file;
     return described;
   };
-  loading_ = parts_.load(read, [this, digest = *wanted_](const std::string& why) {
+  loading_ = parts_.load(read, [this, digest = *following_.wanted](const std::string& why) {
     loading_ = false;
     if (why.empty())
       note_followed();

@@ -13,6 +13,7 @@
 #include "base/clock.hpp"
 #include "base/result.hpp"
 #include "control/messages.hpp"
+#include "core/cluster/following.hpp"
 #include "core/cluster/member.hpp"
 #include "daemon/gateway/described.hpp"
 #include "daemon/gateway/event_log.hpp"
@@ -136,7 +137,6 @@ class Rollout {
   bool follow(const core::cluster::Member& member);
   bool load();
   bool check_file(const core::cluster::Member& member);
-  void follow(const core::cluster::Switch& event);
   void note_followed();
   void finish(const std::string& why);
   void keep_needed();
@@ -150,10 +150,7 @@ class Rollout {
   Response accept(const core::cluster::Member& member);
 
   Parts parts_;
-  Digest rolled_{}, replaced_{};  ///< what a rollout has put in force, and the digest of the file
-                                  ///< that it replaces
-  Digest in_force_{};  ///< the latest description of the cluster that was in force here as well
-  Digest voted_{};
+  core::cluster::Following following_;
   Digest former_{};  ///< the one before the description that the cluster has in force
   std::shared_ptr<Check> check_;
   bool check_begun_ = false;
@@ -161,7 +158,6 @@ class Rollout {
   std::shared_ptr<Check> next_check_;  ///< begins when check_ has ended
   std::optional<std::pair<Digest, std::string>> vote_;
   std::optional<core::cluster::Rollout> staged_;
-  std::optional<Digest> wanted_;   ///< the description that is to be in force here
   std::optional<Digest> lacking_;  ///< a description whose text is neither here nor in the store
   std::optional<Cannot> cannot_;
   bool loading_ = false;

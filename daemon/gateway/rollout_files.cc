@@ -81,15 +81,15 @@ ReadDescription Rollout::reader(ReadDescription read, const cc::Member* member) 
   };
   const Scene& scene = parts_.scene;
   SharedPorts here;
-  if (scene.state && scene.digest == in_force_)
+  if (scene.state && scene.digest == following_.in_force)
     here = cc::shared_ports(scene.state->system(), scene.self);
-  return [read = std::move(read), rolled = source(rolled_), in_force = source(in_force_),
-          here = std::move(here), replaced = replaced_, read_text = parts_.read,
-          starts = member == nullptr]() -> DescribedResult {
+  return [read = std::move(read), rolled = source(following_.rolled),
+          in_force = source(following_.in_force), here = std::move(here), following = following_,
+          read_text = parts_.read, starts = member == nullptr]() -> DescribedResult {
     auto file = read();
     if (!file) return file;
     file->file_digest = file->digest;
-    if (file->digest == replaced && file->digest != rolled.digest)
+    if (following.replaces(file->digest))
       if (auto other = rolled_out(*file, rolled, read_text)) return std::move(*other);
     if (file->digest == in_force.digest || in_force.digest == Digest{}) return file;
     const SharedPorts ports = here ? here : ports_in(in_force, read_text, *file);

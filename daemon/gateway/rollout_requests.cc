@@ -88,7 +88,7 @@ Response Rollout::accept(const cc::Member& member) {
   if (!in_store(current->digest, member) && !kept(current->digest))
     return failed(fmt::format("nothing was changed: the store does not have the text of {}",
                               shown_digits(current->digest)));
-  wanted_ = current->digest;
+  following_.wanted = current->digest;
   return control::Done{
       fmt::format("description {} is taken up from the cluster", shown_digits(current->digest))};
 }
