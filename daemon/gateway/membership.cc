@@ -120,6 +120,7 @@ void Membership::begin() {
   if (const auto proposed = parts_.rollout.pending()) member_->resume_rollout(*proposed);
   failed_.assign(system.gateways.size(), true);
   joined_ = false;
+  lapsed_at_.reset();
   early_.clear();
   wish_again_.clear();
   ask_again_.clear();
@@ -239,6 +240,7 @@ void Membership::take_in(const cc::Event& event) {
   } else if (std::holds_alternative<cc::Joined>(event)) {
     joined_ = asks_others_ = true;
     pauses_.clear();
+    lapsed_at_.reset();
   } else if (const auto* withdrawn = std::get_if<cc::Withdrawn>(&event)) {
     reserving_->on(*withdrawn, *member_);
   } else if (const auto* adopt = std::get_if<cc::Adopt>(&event)) {
@@ -346,7 +348,7 @@ bool Membership::may_use_leased() const {
 
 void Membership::set_permits() {
   core::Permits& permits = networks_->permits();
-  if (!joined_ || leaving_ || !is_in_force() || parts_.scene.unchecked)
+  if (!joined_ || leaving_ || is_unheard() || !is_in_force() || parts_.scene.unchecked)
     permits.close(true);
   else if (!may_use_leased() || now() < until_retry_)
     permits.close(false);
@@ -387,12 +389,6 @@ void Membership::note_failed() {
   for (std::size_t g = 0; g < failed_.size(); ++g)
     state().set_failed(g, failed_[g] || (g == self_ && !able));
   member_->set_able(able);
-}
-
-void Membership::expire() {
-  if (!member_) return;
-  member_->on_time(now());
-  static_cast<void>(bring_in_line());
 }
 
 void Membership::committed(const Result<void>& done) {

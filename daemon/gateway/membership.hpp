@@ -88,8 +88,9 @@ class Membership final : private core::Holdings {
   /// Applies what the store has said, decides and enforces what follows, and sends transactions.
   /// Replaces Turn::settle() in a cluster.
   void act();
-  /// The gates have closed by themselves, or may have. Closes what holds only with the lease before
-  /// they open again.
+  /// The gates have closed by themselves, or may have. Before they open again, closes what holds
+  /// only with the lease; if that has ended, everything on shared networks until the store has
+  /// confirmed a beat.
   void expire();
   /// What was answered is on disk; an error says why it is not. Calls the functions of
   /// after_commit().
@@ -175,6 +176,7 @@ class Membership final : private core::Holdings {
   void enforce_again();
   void drain_when_closed();
   void set_permits();
+  [[nodiscard]] bool is_unheard();
   [[nodiscard]] bool may_use_leased() const;
   [[nodiscard]] bool is_in_force() const;
   void raise_until();
@@ -234,7 +236,8 @@ class Membership final : private core::Holdings {
   std::vector<bool> failed_;  ///< by gateway: whether the cluster has elected that it has failed
   std::vector<core::cluster::Event> early_;  ///< events that came before anything was decided
   bool decided_ = false;
-  bool joined_ = false;  ///< whether it has joined with this description
+  bool joined_ = false;             ///< whether it has joined with this description
+  std::optional<Value> lapsed_at_;  ///< the gates have closed by themselves; see is_unheard()
   bool leaving_ = false, draining_ = false, left_ = false;
   bool lost_ = false;  ///< the lease was lost, and the gates may not have closed yet
   Value enforce_at_ = 0;

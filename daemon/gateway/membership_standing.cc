@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The texts about a gateway's standing in its cluster.
+// A gateway's standing in its cluster, and the texts about it.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
 
+#include "core/cluster/lease.hpp"
 #include "daemon/gateway/membership.hpp"
 #include "mlcca/arithmetic.hpp"
 
@@ -34,6 +35,22 @@ std::string Membership::bar(uid_t user) const {
 std::string Membership::why_closed() const {
   const std::string why = standing();
   return why.empty() ? "the store has not answered lately" : why;
+}
+
+void Membership::expire() {
+  if (!member_) return;
+  // Before that, nobody can have called this gateway off.
+  if (now() >= member_->valid_until()) lapsed_at_ = now();
+  member_->on_time(now());
+  static_cast<void>(bring_in_line());
+}
+
+/// Whether the store has not confirmed a beat since the gates closed by themselves. Another gateway
+/// can have called this one off by then, and another description can be in force.
+bool Membership::is_unheard() {
+  if (lapsed_at_ && member_->valid_until() >= cc::valid_until(*lapsed_at_, parts_.lease))
+    lapsed_at_.reset();
+  return lapsed_at_.has_value();
 }
 
 std::string Membership::rollout_bar() const {
