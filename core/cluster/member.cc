@@ -47,7 +47,7 @@ Member::Member(std::shared_ptr<const Keys> keys, const Codec& codec, const Ident
       admissions_(identity_.gateway, identity_.session, identity_.first_wait),
       adoptions_(identity_.gateway),
       election_(identity_.gateway, keys_->gateways()),
-      rollouts_(identity_.gateway, identity_.digest) {}
+      rollouts_(identity_.gateway, identity_.digest, identity_.rollout_patience) {}
 
 void Member::on_state(const StoreState& state, Value now) {
   reachable_ = state.reachable;

@@ -36,6 +36,8 @@ class Member {
     Journalled was = {};        ///< what the previous process had written to the journal
     /// Longest wait after a first conflict, ns; see Admissions.
     Value first_wait = Admissions::kFirstWait;
+    /// How long a rollout waits, ns; see Rollouts.
+    Value rollout_patience = Rollouts::kPatience;
   };
   /// Begins the text of why_not() if the store does not answer.
   static constexpr std::string_view kNoAnswer = "the store does not answer";

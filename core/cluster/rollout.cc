@@ -219,7 +219,7 @@ std::optional<Work> Rollouts::propose(const View& view, const Codec& codec) cons
                                    .chunks = static_cast<std::uint32_t>(staged_->chunks.size()),
                                    .by = keys.gateway_name(self_),
                                    .without = staged_->without,
-                                   .patience = kPatience})}}};
+                                   .patience = patience_})}}};
   }
   Work work{.kind = Work::Kind::chunk,
             .number = chunk_,
@@ -277,7 +277,7 @@ bool Rollouts::is_ours(const View& view, const Next& next) const {
 Value Rollouts::over_at(const View& view) const {
   const auto& next = view.records().next.value;
   const bool ours = next && is_ours(view, *next);
-  return add_saturating(next_since_, ours ? std::min(next->patience, kPatience) : 2 * kPatience);
+  return add_saturating(next_since_, ours ? std::min(next->patience, patience_) : 2 * patience_);
 }
 
 /// The entry d/current with which the proposal comes into force. The one before it is the one that
@@ -370,7 +370,7 @@ std::optional<Work> Rollouts::undo(const View& view, const Codec& codec, Value n
     const auto& vote = view.records().rollout_votes[*g].value;
     return vote && vote->next == record.mod && !vote->ok;
   });
-  if (!cannot && now < add_saturating(current_since_, kPatience)) return std::nullopt;
+  if (!cannot && now < add_saturating(current_since_, patience_)) return std::nullopt;
   Current current = *record.value;
   std::swap(current.digest, current.former);
   ++current.generation;
@@ -461,7 +461,7 @@ std::optional<Value> Rollouts::next_time(const View& view, Value now) const {
   };
   if (left_at_) at(queues_empty_at(*left_at_));
   const auto& current = view.records().current.value;
-  if (current && !current->open && !current->undone) at(add_saturating(current_since_, kPatience));
+  if (current && !current->open && !current->undone) at(add_saturating(current_since_, patience_));
   if (view.records().next.mod != 0) at(over_at(view));
   return next;
 }

@@ -26,8 +26,10 @@ class Rollouts {
   /// How long nothing is tried again after the store refused something, so that beats go on.
   static constexpr Value kForbidden = 2'000'000'000;
 
-  /// `own`: digest of the description from which this gateway decides.
-  Rollouts(std::size_t self, const Digest& own) : self_(self), own_(own) {}
+  /// `own`: digest of the description from which this gateway decides. `patience`: a checker has
+  /// a shorter one.
+  Rollouts(std::size_t self, const Digest& own, Value patience = kPatience)
+      : self_(self), own_(own), patience_(patience) {}
 
   /// Starts a rollout. Its one result is an event: NotRolledOut, or a Switch to it. If the
   /// description is coming into force already, gateways that have died are called off, so that
@@ -110,6 +112,7 @@ class Rollouts {
 
   std::size_t self_;
   Digest own_;
+  Value patience_;
   std::optional<Rollout> staged_;
   std::uint64_t stage_ = 0;        ///< counts the calls of stage()
   std::optional<Digest> pending_;  ///< staged here, and its outcome is unknown yet

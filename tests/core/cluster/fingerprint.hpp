@@ -95,7 +95,9 @@ class Fingerprint {
   void add(const Taken& v) { (*this)(bytes_of(v.part.rates), v.through); }
   void add(const VoteOf& v) { (*this)(v.asked, v.vote); }
   void add(const Vote& v) { (*this)(v.ok, v.reason); }
-  void add(const Current& v) { (*this)(v.generation, v.digest[0], v.former[0], v.open, v.waits); }
+  void add(const Current& v) {
+    (*this)(v.generation, v.digest[0], v.former[0], v.open, v.waits, v.undone);
+  }
   void add(const Next& v) { (*this)(v.generation, v.digest[0], v.chunks, v.by, v.without); }
   void add(const RolloutVote& v) { (*this)(v.next, v.ok, v.reason); }
   void add(const Rollout& v) { (*this)(v.digest[0], v.chunks, v.without); }

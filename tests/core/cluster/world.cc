@@ -10,6 +10,8 @@ namespace {
 
 constexpr Value kMillion = 1'000'000;
 const TextCodec kCodec;
+const std::array kCodecs{DescriptionCodec(0), DescriptionCodec(1), DescriptionCodec(2),
+                         DescriptionCodec(3)};
 
 template <class... F>
 struct Cases : F... {
@@ -41,6 +43,7 @@ std::shared_ptr<const Keys> keys_of(std::size_t gateways) {
 World::World(const Scenario& scenario, std::shared_ptr<const Keys> keys)
     : scenario_(&scenario),
       keys_(std::move(keys)),
+      without_last_(scenario.removes ? keys_of(scenario.gateways - 1) : keys_),
       hosts_(scenario.gateways),
       wants_(scenario.wants) {
   releases_ = scenario.releases;
@@ -56,6 +59,9 @@ World::World(const Scenario& scenario, std::shared_ptr<const Keys> keys)
   restores_ = scenario.restores;
   refusals_ = scenario.refusals;
   drains_ = scenario.drains;
+  objections_ = scenario.objections;
+  cannots_ = scenario.cannots;
+  ordered_.assign(scenario.orders.size(), false);
   store_.write(
       {{.key = keys_->current(),
         .value = kCodec.write(
@@ -65,7 +71,8 @@ World::World(const Scenario& scenario, std::shared_ptr<const Keys> keys)
   for (int round = 0; round < 40; ++round) {
     const auto all = steps(false);
     const auto it = std::ranges::find_if(all, [](const Step& s) {
-      return s.kind != Step::Kind::time && s.kind != Step::Kind::want;
+      return s.kind != Step::Kind::time && s.kind != Step::Kind::want &&
+             s.kind != Step::Kind::roll_out;
     });
     if (it != all.end()) take(*it);
   }
@@ -87,14 +94,17 @@ Value World::real_of(std::size_t g, Value local) const {
 void World::start(std::size_t g) {
   Host& host = hosts_[g];
   ++host.process;
-  host.member.emplace(
-      keys_, kCodec,
-      Member::Identity{.gateway = g,
-                       .digest = TextCodec::digest(1),
-                       .session = (g * 100) + host.process,
-                       .lease = kLease,
-                       .was = host.journal,
-                       .first_wait = scenario_->waits ? Admissions::kFirstWait : 0});
+  begin_process(g);
+  host.member.emplace(host.rollout.loaded == kWithoutLast ? without_last_ : keys_,
+                      kCodecs[host.rollout.loaded],
+                      Member::Identity{.gateway = g,
+                                       .digest = TextCodec::digest(host.rollout.loaded),
+                                       .session = (g * 100) + host.process,
+                                       .lease = kLease,
+                                       .was = host.journal,
+                                       .first_wait = scenario_->waits ? Admissions::kFirstWait : 0,
+                                       .rollout_patience = rolls_out() ? scenario_->patience * kStep
+                                                                       : Rollouts::kPatience});
   host.paused = host.stalled = host.synced = host.drained = false;
   host.flight.reset();
   host.former.reset();
@@ -184,7 +194,7 @@ void World::act(std::size_t g, const Event& event) {
                    // V is stored in the kernel before the gate opens.
                    host.until = member.valid_until();
                    if (serves(g)) on_agreed(g, e.id);
-                   if (!scenario_->behalf || g != 1) host.gates[{g, e.id}] = {.open = true};
+                   if (!scenario_->behalf || g != 1) open_gate(g, {g, e.id});
                    vote_as(g, e.id, true);
                  },
                  [&](const Refused& e) {
@@ -216,6 +226,7 @@ void World::act(std::size_t g, const Event& event) {
                    host.held.clear();
                    host.agreed.clear();
                    host.behalf.clear();
+                   host.rollout.opened.clear();
                  },
                  [&](const Found& e) { host.found.insert(e.id); },
                  [&](const Joined&) {
@@ -225,15 +236,17 @@ void World::act(std::size_t g, const Event& event) {
                  [&](const Adopt& e) {
                    if (makes_for_others(g)) return adopt_behalf(g, e.origin);
                    host.agreed[e.origin] = true;
-                   member.vote(e.origin, {.ok = true, .hop = {}, .reason = {}}, clock(g));
+                   // What another description has reserved cannot be read.
+                   const bool ok = !rolls_out() || !e.footprint.parts.empty();
+                   member.vote(e.origin, {.ok = ok, .hop = {}, .reason = {}}, clock(g));
                  },
                  [&](const Opened& e) {
-                   if (!makes_for_others(g))
-                     host.gates[{e.origin.gateway, e.origin.id}] = {.open = true};
+                   if (!makes_for_others(g)) open_gate(g, {e.origin.gateway, e.origin.id});
                  },
                  [&](const Ended& e) {
                    close(g, {e.origin.gateway, e.origin.id});
                    host.agreed.erase(e.origin);
+                   host.rollout.opened.erase({e.origin.gateway, e.origin.id});
                    end_behalf(g, e.origin);
                  },
                  [&](const Failed& e) { host.failed[e.gateway] = e.failed; },
@@ -271,7 +284,10 @@ void World::turn(std::size_t g) {
   Host& host = hosts_[g];
   for (auto events = host.member->take_events(); !events.empty();
        events = host.member->take_events())
-    for (const Event& event : events) act(g, event);
+    for (const Event& event : events) {
+      act(g, event);
+      on_rollout(g, event);
+    }
   if (std::exchange(host.joined, false)) {
     close_strange(g);
     end_strange_behalf(g);
@@ -279,6 +295,7 @@ void World::turn(std::size_t g) {
   step_behalf(g);
   follow_agreements(g);
   set_way(g);
+  put_permits(g);
   const Value slack =
       scenario_->mutant == Mutant::clock_error_ignored ? kLease * kClockError / kMillion : 0;
   if (host.member->valid_until() != 0) host.until = host.member->valid_until() + slack;
@@ -326,6 +343,7 @@ void World::send(std::size_t g, Txn txn) {
     default:
       break;
   }
+  mutate_rollout(txn);
   host.flight = Flight{.txn = std::move(txn), .beat = beat, .result = std::nullopt};
 }
 
@@ -340,7 +358,10 @@ void World::check_fence(const Txn& txn) {
 }
 
 TxnResult World::do_txn(const Txn& txn) {
+  const auto it = store_.entries.find(keys_->next());
+  const Entry next = it == store_.entries.end() ? Entry{} : it->second;
   TxnResult result = store_.apply(txn);
+  if (result.outcome == Outcome::committed) note_decision(txn, next);
   if (result.outcome == Outcome::committed) check_fence(txn);
   return result;
 }
@@ -361,6 +382,7 @@ void World::watch(std::size_t g) {
         for (const auto& [key, held] : store_.entries)
           if (key.starts_with("r/bus/" + entry.key.substr(2)))
             batch.entries.push_back({.key = key, .value = {}, .mod = batch.revision, .gone = true});
+  mutate_seen(g, batch);
   host.member->on_batch(batch, clock(g));
   turn(g);
 }
@@ -368,7 +390,9 @@ void World::watch(std::size_t g) {
 void World::read_all(std::size_t g) {
   Host& host = hosts_[g];
   host.member->on_snapshot_begin(store_.revision, clock(g));
-  host.member->on_batch(store_.snapshot(), clock(g));
+  Batch all = store_.snapshot();
+  mutate_seen(g, all);
+  host.member->on_batch(all, clock(g));
   host.member->on_snapshot_end(clock(g));
   host.seen = store_.log.size();
   host.synced = true;

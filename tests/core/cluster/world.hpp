@@ -16,6 +16,7 @@
 #include "core/cluster/lease.hpp"
 #include "core/cluster/member.hpp"
 #include "tests/core/cluster/codec.hpp"
+#include "tests/core/cluster/rollout_side.hpp"
 #include "tests/core/cluster/store_stub.hpp"
 
 namespace mlcca::core::cluster::test {
@@ -44,6 +45,15 @@ enum class Mutant : std::uint8_t {
   kept_after_its_end,      ///< it is not withdrawn when what was reserved for it ends
   ended_by_a_passing_refusal,  ///< a refusal that is not final releases an admission
   served_without_a_vote,  ///< a subscriber is served as soon as its publisher is known for another
+  // Of rollouts.
+  counted_without_vote,  ///< who has not staged the description counts as having agreed
+  former_vote_counts,    ///< a vote on another proposal counts
+  open_at_once,          ///< shared networks stay open while gateways change
+  said_before_closed,    ///< a gateway says that it has changed, and still sends by the former one
+  opened_before_all,     ///< who is silent counts as having changed
+  described_stays_open,  ///< what a description promises passes though another one is in force
+  open_unheard,          ///< one that has hung opens before the store has answered
+  off_ignored,           ///< who was called off is waited for all the same
 };
 
 /// What may happen in a run, and how often.
@@ -71,6 +81,12 @@ struct Scenario {
   int drains = 0;
   bool waits = false;                     ///< for a step of time after a conflict
   std::vector<std::size_t> faulty = {0};  ///< gateways to which faults happen
+  std::vector<Order> orders = {};         ///< rollouts
+  int objections = 0;                     ///< votes against a description
+  int cannots = 0;            ///< descriptions that cannot be loaded where all have agreed
+  Value patience = 6;         ///< of a rollout, in steps of time
+  bool removes = false;       ///< the last gateway is not in description kWithoutLast
+  bool off_for_good = false;  ///< who has crashed does not come back, and is called off
   Mutant mutant = Mutant::none;
 };
 
@@ -87,6 +103,11 @@ struct Step {
     release,
     change_mind,
     drain,
+    roll_out,
+    judge,
+    load,
+    object,
+    cannot_load,
     late,
     lose,
     lose_silently,
@@ -131,6 +152,7 @@ class World {
   struct Gate {
     bool open = false;
     Value closed = 0;  ///< real time at which it was closed
+    std::uint8_t description = 1;
   };
   struct Flight {
     Txn txn;
@@ -166,6 +188,7 @@ class World {
     std::map<int, std::uint64_t> asked_for;  ///< its request for a subscriber
     std::map<int, Gate> locals;              ///< to subscribers on a network of its own
     int asked_again = -1;                    ///< at this time
+    RolloutSide rollout;
   };
 
   [[nodiscard]] Value clock(std::size_t gateway) const;
@@ -216,6 +239,37 @@ class World {
   void check_subscribers();
   void check_served();
   void forget_subscribers();
+
+  // Rollouts (world_rollout.cc).
+  [[nodiscard]] bool rolls_out() const { return !scenario_->orders.empty(); }
+  /// One was ordered, or will be when a gateway has been off for long enough.
+  [[nodiscard]] bool has_begun_rollout() const;
+  [[nodiscard]] bool is_in_force(std::size_t g) const;
+  [[nodiscard]] bool may_use(std::size_t g) const;
+  [[nodiscard]] bool may_order(const Order& order) const;
+  [[nodiscard]] Digest ordered(const Order& order) const;
+  [[nodiscard]] bool described_on_wire(std::size_t g) const;
+  void open_gate(std::size_t g, const Admission& admission);
+  void begin_process(std::size_t g);
+  void stop_process(std::size_t g);
+  void go_on(std::size_t g);
+  void on_rollout(std::size_t g, const Event& event);
+  void put_permits(std::size_t g);
+  void add_rollout_steps(std::vector<Step>& all) const;
+  void take_rollout(const Step& step);
+  void roll_out(const Order& order);
+  void judge(std::size_t g, bool ok);
+  void load(std::size_t g);
+  void cannot_load(std::size_t g);
+  void mutate_rollout(Txn& txn) const;
+  void mutate_seen(std::size_t g, Batch& batch) const;
+  void note_decision(const Txn& txn, const Entry& next);
+  void check_descriptions();
+  void check_rollouts();
+  void call_off_who_is_gone();
+  /// Whether a gateway is not in a description.
+  [[nodiscard]] bool is_removed(std::size_t g, const Digest& description) const;
+  [[nodiscard]] bool is_removed(std::size_t g) const;
   void pass_time();
   void check();
   void forget();
@@ -225,6 +279,7 @@ class World {
 
   const Scenario* scenario_;
   std::shared_ptr<const Keys> keys_;
+  std::shared_ptr<const Keys> without_last_;  ///< keys of description kWithoutLast
   StoreStub store_;
   StoreStub backup_;  ///< from before the first request
   bool up_ = true;
@@ -238,6 +293,10 @@ class World {
   std::vector<int> wants_;
   int releases_ = 0, lates_ = 0, lost_ = 0, twice_ = 0, stalls_ = 0, pauses_ = 0, crashes_ = 0,
       fences_ = 0, compactions_ = 0, outages_ = 0, restores_ = 0, refusals_ = 0, drains_ = 0;
+  std::vector<bool> ordered_;  ///< which of the orders have been given
+  int objections_ = 0, cannots_ = 0;
+  std::set<std::int64_t> refused_;  ///< proposals that whoever has made them takes for ended
+  Digest was_open_ = TextCodec::digest(1);  ///< the description that was in force last
   std::string broken_;
 };
 

@@ -9,10 +9,12 @@ namespace mlcca::core::cluster::test {
 
 std::string text_of(const Step& step) {
   constexpr std::array kNames = {
-      "time",    "beats",          "apply",   "answer",      "watch",  "read all",      "want",
-      "release", "change of mind", "drain",   "late",        "lose",   "lose silently", "done late",
-      "again",   "stall",          "unstall", "pause",       "resume", "crash",         "restart",
-      "fence",   "compact",        "outage",  "outage ends", "restore"};
+      "time",      "beats",   "apply",          "answer",  "watch",    "read all",
+      "want",      "release", "change of mind", "drain",   "roll out", "judge",
+      "load",      "object",  "cannot load",    "late",    "lose",     "lose silently",
+      "done late", "again",   "stall",          "unstall", "pause",    "resume",
+      "crash",     "restart", "fence",          "compact", "outage",   "outage ends",
+      "restore"};
   return std::string(kNames[static_cast<std::size_t>(step.kind)]) + ' ' +
          std::to_string(step.gateway) +
          (step.index == 0 ? std::string() : '/' + std::to_string(step.index));
@@ -48,7 +50,7 @@ std::vector<Step> World::steps(bool faults) const {
   }
   // Before anything was asked for, one time is like another.
   const bool begun =
-      !faults || scenario_->elect ||
+      !faults || scenario_->elect || has_begun_rollout() ||
       std::ranges::any_of(hosts_, [](const Host& host) { return !host.answers.empty(); });
   if (all.empty() && !at_end() && begun) all.push_back({.kind = Step::Kind::time});
   for (std::size_t g = 0; g < hosts_.size(); ++g) {
@@ -60,6 +62,7 @@ std::vector<Step> World::steps(bool faults) const {
     if (refusals_ > 0 && !hosts_[g].agreed.empty() && are_all_kept())
       all.push_back({.kind = Step::Kind::change_mind, .gateway = g});
   }
+  add_rollout_steps(all);
   if (faults) add_faults(all);
   return all;
 }
@@ -83,6 +86,8 @@ void World::add_faults(std::vector<Step>& all) const {
     add(1, host.paused, resume);
     add(crashes_, host.member.has_value(), crash);
     add(1, !host.member, restart);
+    add(objections_, runs(g) && host.rollout.to_judge, object);
+    add(cannots_, runs(g) && host.rollout.following.wanted, cannot_load);
     add(fences_, true, fence);
     add(compactions_, runs(g) && host.synced, compact);
   }
@@ -176,6 +181,13 @@ void World::take(const Step& step) {
       turn(g);
       break;
     }
+    case Step::Kind::roll_out:
+    case Step::Kind::judge:
+    case Step::Kind::load:
+    case Step::Kind::object:
+    case Step::Kind::cannot_load:
+      take_rollout(step);
+      break;
     default:
       take_fault(step);
       break;
@@ -243,15 +255,18 @@ void World::take_fault(const Step& step) {
     case pause:
       --pauses_;
       host.paused = true;
+      stop_process(g);
       break;
     case resume:
       host.paused = false;
+      go_on(g);
       host.member->on_time(clock(g));
       turn(g);
       break;
     case crash:
       --crashes_;
       if (lates_ > 0) to_late();
+      stop_process(g);
       host.member.reset();
       // Who asked is told nothing any more.
       std::erase_if(host.answers, [](const auto& entry) { return entry.second == 0; });
