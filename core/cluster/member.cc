@@ -84,7 +84,7 @@ void Member::on_result(const TxnResult& result, Value now) {
 
 void Member::settle(const std::vector<Done>& all, Value now) {
   for (const Done& done : all) {
-    if (done.fate == Done::Fate::done) on_joined(done.revision);
+    if (done.fate == Done::Fate::done) on_joined(done.revision, now);
     if (done.fate == Done::Fate::done) election_.on_committed(done.work.role, done.revision);
     if (!done.read.empty()) wait_for_ = newest_of(done.read);
     if (done.work.kind == Work::Kind::vote)
@@ -123,7 +123,7 @@ void Member::on_cleaned(const Done& done, Value now) {
     clean_from_.at(done.work.number) = add_saturating(now, kCleanAgain);
 }
 
-void Member::on_joined(std::int64_t revision) {
+void Member::on_joined(std::int64_t revision, Value now) {
   if (phase_ != Phase::joining) return;
   phase_ = Phase::joined;
   found_ = false;
@@ -133,6 +133,7 @@ void Member::on_joined(std::int64_t revision) {
   journal_.epoch_revision = chain_.epoch();
   journal_.seen_revision = revision;
   journal_.gone_back = false;
+  journal_.waits = now < view_.leases_end();
 }
 
 void Member::lose(const std::string& why, Value now) {
@@ -184,7 +185,7 @@ void Member::begin(Value now) {
   // there is a V.
   if (!goes_on_) events_.emplace_back(Lost{.why = "this gateway joins again"});
   // Members from before the store was restored may send until their leases have ended.
-  if (!same_epoch()) view_.await_leases(now, identity_.lease);
+  if (!same_epoch() || journal_.waits) view_.await_leases(now, identity_.lease);
   if (view_.went_back()) wait_for_ = 0;
   view_.forget_going_back();
   chain_.begin(own.mod, goes_on_ ? incarnation : 0, view_.records().epoch.mod,
@@ -219,6 +220,7 @@ void Member::check_standing(Value now) {
 void Member::step(Value now) {
   check_standing(now);
   const bool joined = phase_ == Phase::joined;
+  if (joined && now >= view_.leases_end()) journal_.waits = false;
   if (joined && !found_ && caught_up()) {
     found_ = true;
     admissions_.find(view_, goes_on_, now, events_);
@@ -282,8 +284,6 @@ std::string Member::why_no_description() const {
   return "the description in force is another one: 'mlccactl rollout' puts that of this gateway in "
          "force for all, or takes up the other one (--accept)";
 }
-
-std::string Member::why_not(Value now) const { return why_not(0, now); }
 
 std::string Member::why_not(std::uint64_t id, Value now) const {
   switch (standing(now)) {

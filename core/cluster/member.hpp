@@ -67,7 +67,7 @@ class Member {
   // Requests of this gateway.
   /// Why nothing can be reserved now; empty if reserve() would be tried. Only one reservation is
   /// decided at a time.
-  [[nodiscard]] std::string why_not(Value now) const;
+  [[nodiscard]] std::string why_not(Value now) const { return why_not(0, now); }
   /// Starts a reservation that was decided from the present view. It gets one answer: the event
   /// Reserved, Refused or Conflict. After Conflict the caller decides again, and calls reserve() or
   /// release().
@@ -138,7 +138,7 @@ class Member {
   void go_back(Value now);
   void check_standing(Value now);
   void settle(const std::vector<Done>& all, Value now);
-  void on_joined(std::int64_t revision);
+  void on_joined(std::int64_t revision, Value now);
   void on_cleaned(const Done& done, Value now);
   [[nodiscard]] bool has_gone_back() const;
   [[nodiscard]] bool same_epoch() const;

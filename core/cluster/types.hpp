@@ -164,6 +164,7 @@ struct Journalled {
   std::int64_t seen_revision = 0;  ///< may lag behind; never earlier than `incarnation`
   Digest voted_digest = {};        ///< the description that it last agreed to
   bool gone_back = false;  ///< the store has gone back in that epoch; over when it joins in another
+  bool waits = false;      ///< leases from before that epoch may not have ended
   bool operator==(const Journalled&) const = default;
 };
 

@@ -37,7 +37,8 @@ store::Membership record_of(const cc::Journalled& journalled) {
           .incarnation = static_cast<std::uint64_t>(journalled.incarnation),
           .seen_revision = static_cast<std::uint64_t>(journalled.seen_revision),
           .voted_digest = octets_of(journalled.voted_digest),
-          .gone_back = journalled.gone_back};
+          .gone_back = journalled.gone_back,
+          .waits = journalled.waits};
 }
 cc::Journalled journalled_in(const store::Membership& record) {
   return {.epoch = array_of<std::tuple_size_v<cc::Epoch>>(record.epoch),
@@ -45,7 +46,8 @@ cc::Journalled journalled_in(const store::Membership& record) {
           .incarnation = static_cast<std::int64_t>(record.incarnation),
           .seen_revision = static_cast<std::int64_t>(record.seen_revision),
           .voted_digest = array_of<std::tuple_size_v<cc::Digest>>(record.voted_digest),
-          .gone_back = record.gone_back};
+          .gone_back = record.gone_back,
+          .waits = record.waits};
 }
 
 }  // namespace
@@ -487,7 +489,6 @@ void Membership::session_closed(std::uint64_t session) {
   if (reserving_) reserving_->session_closed(session);
 }
 
-bool Membership::is_adopted(core::AdmissionId id) const { return adopting_ && adopting_->has(id); }
 bool Membership::is_twin(core::AdmissionId id) const {
   return adopting_ && id != 0 && adopting_->is_twin(id);
 }

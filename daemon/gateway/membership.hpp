@@ -127,7 +127,9 @@ class Membership final : private core::Holdings {
   void admissions_gone(const std::vector<core::AdmissionId>& gone);
   void session_closed(std::uint64_t session);
   /// Whether the admission was made for another gateway, which alone releases it.
-  [[nodiscard]] bool is_adopted(core::AdmissionId id) const;
+  [[nodiscard]] bool is_adopted(core::AdmissionId id) const {
+    return adopting_ && adopting_->has(id);
+  }
   /// See Adopting::is_twin().
   [[nodiscard]] bool is_twin(core::AdmissionId id) const;
   [[nodiscard]] const core::cluster::Baseline& baseline() const { return networks_->baseline(); }

@@ -125,6 +125,7 @@ Entry some_entry(FuzzedDataProvider& in) {
                      some_octets(in)};
       out.drained = in.ConsumeBool();
       out.gone_back = in.ConsumeBool();
+      out.waits = in.ConsumeBool();
       return out;
     }
     case 8:

@@ -103,7 +103,7 @@ class Fingerprint {
   void add(const Rollout& v) { (*this)(v.digest[0], v.chunks, v.without); }
   void add(const Journalled& v) {
     (*this)(v.epoch[0], v.epoch_revision, v.incarnation, v.seen_revision, v.voted_digest[0],
-            v.gone_back);
+            v.gone_back, v.waits);
   }
   void add(const Footprint& v) {
     word(v.parts.size());

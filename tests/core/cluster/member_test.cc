@@ -193,6 +193,24 @@ TEST_F(ClusterMember, AStoreThatHasGoneBackStaysSoOverARestart) {
   EXPECT_EQ(at(0).standing(now), Member::Standing::joined) << "it is over";
 }
 
+TEST_F(ClusterMember, LeasesFromBeforeANewEpochAreWaitedForAlsoAfterARestart) {
+  in_force(1);
+  start(0);
+  store.write({{.key = keys->epoch(), .value = "n"}});
+  run();
+  pass(3 * kSecond);
+  ASSERT_EQ(at(0).standing(now), Member::Standing::waiting);
+  start(0, at(0).journalled());
+  EXPECT_EQ(at(0).standing(now), Member::Standing::waiting);
+  at(0).reserve(unit(1), now);
+  run();
+  EXPECT_EQ(nodes[0].take<Refused>().size(), 1U);
+  pass(12 * kSecond);
+  EXPECT_EQ(at(0).standing(now), Member::Standing::joined);
+  start(0, at(0).journalled());
+  EXPECT_EQ(at(0).standing(now), Member::Standing::joined) << "it is over";
+}
+
 /// A crash after the new epoch was seen, and before this gateway has joined in it.
 TEST_F(ClusterMember, AStoreThatHasGoneBackStaysSoUntilItHasJoinedInANewEpoch) {
   in_force(1);

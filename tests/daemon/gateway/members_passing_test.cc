@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <random>
@@ -280,6 +281,45 @@ TEST_F(MembersPassing, ALackOfCapacityPasses) {
   at(1).ask(control::ReleaseRequest{.channel = {}, .admission = 0, .key = "c4own1"});
   pass(40 * kSecondNs);
   EXPECT_TRUE(passes_on("own1"));
+}
+
+/// It is closed, and ends when the disk takes that. The log does not repeat what the disk says.
+TEST_F(MembersPassing, WhatTheDiskDoesNotLetEndStaysClosed) {
+  admit_both();
+  at(1).published.clear();
+  at(1).disk().trouble(store::test::Trouble::fail, 1, ENOSPC, 1'000'000);
+  at(0).ask(control::ReleaseRequest{.channel = {}, .admission = 0, .key = "c3own0"});
+  for (int n = 0; n < 100; ++n) {
+    pass(kStepNs);
+    EXPECT_FALSE(passes_on("own1")) << n;
+  }
+  EXPECT_EQ(journalled(1), 1U);
+  EXPECT_LE(at(1).published.size(), 6U) << all_said(1);
+  at(1).disk().trouble(store::test::Trouble::fail, 1, 0, 0);
+  pass(12 * kSecondNs);
+  EXPECT_EQ(journalled(1), 0U);
+  end_all();
+}
+
+/// Gateway g1 has changed its mind while g0 was away. That withdraws nothing else at g0.
+TEST_F(MembersPassing, WhatWasRefusedWhileAGatewayWasAwayTouchesNothingElseAtItsStart) {
+  admit_both();
+  at(0).end();
+  for (const auto& [name, entry] : store.entries)
+    if (name.starts_with("/mlcca/pair/a/g1/g0/")) {
+      auto vote = codec.vote(entry.value);
+      ASSERT_TRUE(vote);
+      vote->vote.ok = false;
+      store.write({{.key = name, .value = codec.write(*vote)}});
+      break;
+    }
+  at(0).published.clear();
+  at(0).events.clear();
+  start(0);
+  run();
+  EXPECT_EQ(std::ranges::count(at(0).events, "withdrawn"), 0) << all_said(0);
+  pass(kSecondNs);
+  EXPECT_TRUE(passes(0, 0)) << "it is described";
 }
 
 /// A gateway that agrees, and withdraws that at once, is asked more and more rarely.

@@ -161,7 +161,8 @@ class Model {
                                       .seen_revision = pick(1000),
                                       .voted_digest = text(),
                                       .drained = pick(2) == 0,
-                                      .gone_back = pick(2) == 0};
+                                      .gone_back = pick(2) == 0,
+                                      .waits = pick(2) == 0};
     return membership_;
   }
 
