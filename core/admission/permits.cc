@@ -98,7 +98,7 @@ bool Permits::is_reserved_by_another(const Use& use) const {
 
 void Permits::changed() {
   for (std::uint64_t& count : grown_) ++count;
-  for (std::uint64_t& count : shrunk_) ++count;
+  for (Ends& ended : ended_) ended.add_any();
 }
 
 void Permits::set_standing(std::vector<std::vector<cluster::Standing>> standing) {
@@ -121,13 +121,17 @@ void Permits::put(std::uint64_t reservation, cluster::Footprint footprint, bool 
 void Permits::erase(std::uint64_t reservation) {
   by_another_.erase(reservation);
   for (std::size_t n = 0; n < reserved_.size(); ++n) {
-    if (reserved_[n].erase(reservation) == 0) continue;
+    const auto gone = reserved_[n].extract(reservation);
+    if (!gone) continue;
     auto& sources = of_source_[n];
-    for (auto it = sources.begin(); it != sources.end();) {
+    if (gone.mapped().rates.empty()) ended_[n].add_any();
+    for (const cluster::RatePart& rate : gone.mapped().rates) {
+      const auto it = sources.find(rate.source);
+      ended_[n].add(rate.source);
+      if (it == sources.end()) continue;
       it->second.erase(reservation);
-      it = it->second.empty() ? sources.erase(it) : std::next(it);
+      if (it->second.empty()) sources.erase(it);
     }
-    ++shrunk_[n];
   }
 }
 

@@ -24,7 +24,7 @@ class Permits {
         reserved_(system.networks.size()),
         of_source_(system.networks.size()),
         grown_(system.networks.size(), 0),
-        shrunk_(system.networks.size(), 0) {}
+        ended_(system.networks.size()) {}
 
   [[nodiscard]] std::size_t self() const { return self_; }
 
@@ -68,16 +68,49 @@ class Permits {
   }
   /// Something is reserved there for what an admission has brought.
   [[nodiscard]] bool has_reserved(std::size_t network, AdmissionId admission) const {
-    return std::ranges::any_of(of_source_[network], [admission](const auto& source) {
-      return source.first.admission == admission;
-    });
+    const auto& all = of_source_[network];
+    const auto it = all.lower_bound({.publisher = 0, .admission = admission, .from = 0});
+    return it != all.end() && it->first.publisher == 0 && it->first.admission == admission;
   }
   /// Change whenever more, or less, of a network may be used than before.
   [[nodiscard]] std::uint64_t grown(std::size_t network) const { return grown_[network]; }
-  [[nodiscard]] std::uint64_t shrunk(std::size_t network) const { return shrunk_[network]; }
+  [[nodiscard]] std::uint64_t shrunk(std::size_t network) const { return ended_[network].end(); }
+  /// The traffic of which less may be used since shrunk() was that number; nullopt: any may be.
+  [[nodiscard]] std::optional<std::span<const cluster::Source>> ended_since(
+      std::size_t network, std::uint64_t shrunk) const {
+    return ended_[network].since(shrunk);
+  }
 
  private:
   struct Allowed;
+  /// The latest of what has ended, as many as fit.
+  class Ends {
+   public:
+    void add(const cluster::Source& source) {
+      constexpr std::size_t most = 1024;
+      if (latest_.size() == most) forget();
+      latest_.push_back(source);
+    }
+    /// Anything may have ended.
+    void add_any() {
+      forget();
+      ++first_;
+    }
+    [[nodiscard]] std::uint64_t end() const { return first_ + latest_.size(); }
+    [[nodiscard]] std::optional<std::span<const cluster::Source>> since(
+        std::uint64_t number) const {
+      if (number < first_) return std::nullopt;
+      return std::span(latest_).subspan(number - first_);
+    }
+
+   private:
+    void forget() {
+      first_ += latest_.size();
+      latest_.clear();
+    }
+    std::vector<cluster::Source> latest_;
+    std::uint64_t first_ = 0;  ///< number of the oldest of them
+  };
   [[nodiscard]] Allowed allowed_by(const cluster::Standing& standing, const Use& use) const;
   [[nodiscard]] static Allowed allowed_by(const cluster::Part& part, const Use& use);
   void changed();
@@ -90,7 +123,7 @@ class Permits {
   bool open_ = true;
   bool standing_open_ = true;
   std::vector<std::uint64_t> grown_;
-  std::vector<std::uint64_t> shrunk_;
+  std::vector<Ends> ended_;  // by network
 };
 
 /// What covers that path of a mesh: as much payload, in events that take no less of its time.

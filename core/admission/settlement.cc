@@ -217,6 +217,7 @@ class State::Settlement {
         touch(s_.usage_.carried_by(n));
       }
       if (change.relieved || !change.fits) s_.relieved_.insert(n);
+      if (change.held) s_.touch_detours(n);
     }
   }
 

@@ -224,13 +224,48 @@ void State::note_permits() {
   bool grown = false;
   for (std::size_t n = 0; n < system_.networks.size(); ++n) {
     const bool more = std::exchange(seen_grown_[n], permits_->grown(n)) != permits_->grown(n);
-    const bool less = std::exchange(seen_shrunk_[n], permits_->shrunk(n)) != permits_->shrunk(n);
+    const std::uint64_t before = std::exchange(seen_shrunk_[n], permits_->shrunk(n));
+    const bool less = before != permits_->shrunk(n);
     if (more || less) others_stale_.insert(n);
     grown = grown || more;
-    if (less)
-      for (const std::size_t c : usage_.carried_by(n)) touched_.insert(c);
+    if (less) touch_ended(n, before);
   }
-  if (grown) touched_.insert(wished_.begin(), wished_.end());
+  if (!grown) return;
+  std::ranges::copy_if(wished_, std::inserter(touched_, touched_.end()), [this](std::size_t c) {
+    return !is_best(c) || usage_.detours().contains(c);
+  });
+}
+
+/// Nothing is better than what the channel is given, but for the ways.
+bool State::is_best(std::size_t channel) const {
+  const Decision& now = decisions_[channel];
+  return now.set == 0 && now.granted != 0 && now.all_granted();
+}
+
+/// Channels that may be given less of the network than when that had not ended.
+void State::touch_ended(std::size_t network, std::uint64_t shrunk) {
+  const auto& carried = usage_.carried_by(network);
+  const auto ended = permits_->ended_since(network, shrunk);
+  if (!ended || !ledger_.counts_all(network)) {
+    touched_.insert(carried.begin(), carried.end());
+    return;
+  }
+  for (const cluster::Source& source : *ended) {
+    const auto publisher = source.admission == 0 ? std::optional(source.publisher)
+                                                 : members_.admitted(source.admission).publisher;
+    if (!publisher || (source.admission == 0 && *publisher >= system_.publishers.size())) continue;
+    const std::size_t channel = members_.publisher(*publisher).channel;
+    if (carried.contains(channel)) touched_.insert(channel);
+  }
+  touch_detours(network);
+}
+
+/// Which way a delivery takes does not depend on the past where gateways are elected. So one that
+/// does not take its first way is decided again with whatever changes here.
+void State::touch_detours(std::size_t network) {
+  const auto& carried = usage_.carried_by(network);
+  for (const std::size_t c : usage_.detours())
+    if (carried.contains(c)) touched_.insert(c);
 }
 
 /// The publisher of the admission comes or goes, and with it the flows that they are of.
@@ -336,10 +371,7 @@ std::vector<std::size_t> State::wishes() const {
     return std::ranges::any_of(
         routes, [&](const Route& route) { return std::ranges::find(route, self) != route.end(); });
   };
-  std::erase_if(wished_, [&](std::size_t c) {
-    const Decision& now = decisions_[c];
-    return now.set == 0 && now.granted != 0 && now.all_granted();
-  });
+  std::erase_if(wished_, [this](std::size_t c) { return is_best(c); });
   std::vector<std::size_t> all;
   std::ranges::copy_if(wished_, std::back_inserter(all), [&](std::size_t c) {
     return std::ranges::any_of(decisions_[c].verdicts, is_ours);

@@ -268,6 +268,9 @@ class State {
   void note_reservations(AdmissionId id);
   void note_own_there(std::size_t network);
   void note_permits();
+  [[nodiscard]] bool is_best(std::size_t channel) const;
+  void touch_ended(std::size_t network, std::uint64_t shrunk);
+  void touch_detours(std::size_t network);
   [[nodiscard]] bool are_permits_seen() const;
   /// What each hop of a granted delivery gives now. Leaves the ledger as it was.
   [[nodiscard]] std::vector<Hop> hops_of_granted(const Verdict& verdict);

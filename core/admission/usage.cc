@@ -34,6 +34,7 @@ void Usage::forget(std::size_t channel) {
     it->second.erase(channel);
     if (it->second.empty()) pairs_[n].erase(it);
   }
+  if (std::exchange(old.detour, false)) detours_.erase(channel);
   granted_ -= std::exchange(old.granted, 0);
   refused_ -= std::exchange(old.refused, 0);
   old.carried.clear();
@@ -50,9 +51,10 @@ Usage::OfChannel Usage::use_of(const Situation& s, const Decision& decision) {
       note(s.system, out.carried, v.route);
       note_pairs(out.pairs, v.media);
     }
+    const auto& routes = s.topology.routes(s.members.publisher(v.publisher).place, v.to);
+    if (v.granted && !routes.empty() && v.route != routes.front()) out.detour = true;
     if (best) continue;
-    for (const Route& route : s.topology.routes(s.members.publisher(v.publisher).place, v.to))
-      note(s.system, out.waiting, route);
+    for (const Route& route : routes) note(s.system, out.waiting, route);
   }
   return out;
 }
@@ -64,6 +66,7 @@ void Usage::set(const Situation& s, std::size_t channel, const Decision& decisio
   for (const std::size_t r : now.carried) carried_[r].insert(channel);
   for (const std::size_t r : now.waiting) waiting_[r].insert(channel);
   for (const auto& [n, pair] : now.pairs) pairs_[n][pair].insert(channel);
+  if (now.detour) detours_.insert(channel);
   granted_ += now.granted;
   refused_ += now.refused;
   of_channel_[channel] = std::move(now);

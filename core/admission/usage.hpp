@@ -51,6 +51,8 @@ class Usage {
   [[nodiscard]] const Channels& waiting_for(std::size_t resource) const {
     return waiting_[resource];
   }
+  /// Channels with a granted delivery that does not take the first of its possible routes.
+  [[nodiscard]] const Channels& detours() const { return detours_; }
   /// Numbers of granted and of refused deliveries, of all channels.
   [[nodiscard]] std::size_t granted() const { return granted_; }
   [[nodiscard]] std::size_t refused() const { return refused_; }
@@ -64,6 +66,7 @@ class Usage {
     std::vector<std::size_t> carried;
     std::vector<std::pair<std::size_t, std::uint64_t>> pairs;
     std::vector<std::size_t> waiting;
+    bool detour = false;
     std::size_t granted = 0;
     std::size_t refused = 0;
     bool operator==(const OfChannel&) const = default;
@@ -75,6 +78,7 @@ class Usage {
   std::vector<Channels> carried_;
   std::vector<std::unordered_map<std::uint64_t, Channels>> pairs_;
   std::vector<Channels> waiting_;
+  Channels detours_;
   std::size_t granted_ = 0;
   std::size_t refused_ = 0;
 };

@@ -109,6 +109,23 @@ bool is_theirs(std::size_t gateway, const cluster::Source& source,
   return source.admission != 0 && !(counts && counts(gateway, source));
 }
 
+/// What several reservations have of one admission counts once: the most of it.
+Value rate_of_all(const cluster::Foreign& foreign, const CountsWithPublisher& counts) {
+  std::vector<std::pair<Theirs, Value>> rates;
+  rates.reserve(foreign.rates.size());
+  for (const cluster::RatePart& part : foreign.rates)
+    if (is_theirs(part.gateway, part.source, counts))
+      rates.emplace_back(Theirs(part.gateway, part.source),
+                         std::min(part.bytes_per_second, kTooMuch));
+  // Mostly they are sorted: gateways number their admissions and reservations as they come.
+  if (!std::ranges::is_sorted(rates)) std::ranges::sort(rates);
+  Value sum = 0;
+  for (std::size_t i = 0; i < rates.size(); ++i)
+    if (i + 1 == rates.size() || rates[i].first != rates[i + 1].first)
+      sum = std::min(sum + rates[i].second, kTooMuchInAll);
+  return sum;
+}
+
 bool take_messages(const cluster::Foreign& foreign, const can::Assumptions& bus,
                    const CountsWithPublisher& counts, Others& others) {
   bool all = true;
@@ -206,14 +223,7 @@ Others others_on(const System& system, const World& world, std::size_t network,
     others.busy = view->background;
   }
   others.complete = !foreign.unreadable;
-  std::map<Theirs, Value> rates;
-  for (const cluster::RatePart& part : foreign.rates) {
-    if (!is_theirs(part.gateway, part.source, counts)) continue;
-    Value& most = rates[{part.gateway, part.source}];
-    most = std::max(most, std::min(part.bytes_per_second, kTooMuch));
-  }
-  for (const auto& [theirs, bytes] : rates)
-    others.bytes_per_second = std::min(others.bytes_per_second + bytes, kTooMuchInAll);
+  others.bytes_per_second = rate_of_all(foreign, counts);
   if (!foreign.bus.empty()) {
     const auto bus = bus_of(system, world.conditions[network], network);
     if (!bus || !take_messages(foreign, *bus, counts, others)) others.complete = false;

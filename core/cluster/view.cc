@@ -62,6 +62,7 @@ void View::end_snapshot(Value now) {
   if (!snapshot_) return;
   snapshot_ = false;
   touch_all();
+  found_.clear();
   records_ = std::exchange(coming_, {});
   revision_ = coming_revision_;
   complete_ = true;
@@ -76,6 +77,12 @@ void View::end_snapshot(Value now) {
 }
 
 void View::on_time(Value now) { expire(now); }
+
+void View::touch_reservation(std::size_t network, std::size_t gateway) {
+  changed_.insert(network);
+  const auto found = found_.find(network);
+  if (found != found_.end() && gateway != self_) found->second[gateway] = nullptr;
+}
 
 void View::touch_all() {
   for (std::size_t n = 0; n < keys_->networks(); ++n) changed_.insert(n);
@@ -105,7 +112,7 @@ void View::take_in(const Entry& entry, Value now) {
       time_member(key->gateway, now);
       break;
     case Key::Kind::reservation:
-      changed_.insert(key->network);
+      touch_reservation(key->network, key->gateway);
       if (entry.mod < records_.members[key->gateway].fence) dying_.insert(key->gateway);
       break;
     case Key::Kind::asked:
@@ -251,7 +258,7 @@ void View::expire(Value now) {
       while (at != records_.reservations.end() && at->first.network == n &&
              at->first.gateway == *it) {
         if (is_over(at->first, at->second, now)) {
-          changed_.insert(n);
+          touch_reservation(n, *it);
           // Of another description it was not read, and is over as well.
           records_.strange.erase(keys_->reservation(n, *it, at->first.id));
           at = records_.reservations.erase(at);
@@ -265,28 +272,67 @@ void View::expire(Value now) {
   }
 }
 
-Foreign View::foreign(std::size_t network) const {
-  return collected(network, [this](const Records::ReservationKey& key) {
-    return !adopted_.contains({key.gateway, key.id});
-  });
+/// The others that have reserved something there.
+std::vector<std::size_t> View::others_on(std::size_t network) const {
+  const auto& records = records_.reservations;
+  std::vector<std::size_t> all;
+  Records::ReservationKey from{.network = network, .gateway = 0, .id = 0};
+  for (;;) {
+    const auto it = records.lower_bound(from);
+    if (it == records.end() || it->first.network != network) return all;
+    if (it->first.gateway != self_) all.push_back(it->first.gateway);
+    from.gateway = it->first.gateway + 1;
+  }
 }
 
-Foreign View::of_others(std::size_t network) const {
-  return collected(network, [](const Records::ReservationKey&) { return true; });
-}
-
-template <class Counts>
-Foreign View::collected(std::size_t network, Counts counts) const {
-  Foreign all;
-  all.unreadable = records_.unreadable(network);
-  for (auto it = records_.reservations.lower_bound({.network = network, .gateway = 0, .id = 0});
-       it != records_.reservations.end() && it->first.network == network; ++it) {
-    if (it->first.gateway == self_ || !counts(it->first)) continue;
+void View::collect(Foreign& all, std::size_t network, std::size_t gateway, bool adopted_too) const {
+  const auto& records = records_.reservations;
+  for (auto it = records.lower_bound({.network = network, .gateway = gateway, .id = 0});
+       it != records.end() && it->first.network == network && it->first.gateway == gateway; ++it) {
+    if (!adopted_too && adopted_.contains({gateway, it->first.id})) continue;
     if (it->second.taken)
-      add(all, it->second.taken->part, it->first.gateway);
+      add(all, it->second.taken->part, gateway);
     else
       all.unreadable = true;
   }
+}
+
+const View::OfGateways& View::find_foreign(std::size_t network) const {
+  const auto [at, fresh] = found_.try_emplace(network);
+  OfGateways& found = at->second;
+  if (fresh)
+    for (const std::size_t gateway : others_on(network)) found.emplace(gateway, nullptr);
+  for (auto& [gateway, of_one] : found) {
+    if (of_one) continue;
+    Foreign all;
+    collect(all, network, gateway, false);
+    of_one = std::make_shared<const Foreign>(std::move(all));
+  }
+  return found;
+}
+
+Foreign View::foreign(std::size_t network) const {
+  const auto found = std::views::values(find_foreign(network));
+  Foreign all;
+  all.unreadable = records_.unreadable(network) ||
+                   std::ranges::any_of(found, [](const auto& part) { return part->unreadable; });
+  const auto join = [&found](auto member, auto& to) {
+    std::size_t count = 0;
+    for (const auto& part : found) count += ((*part).*member).size();
+    to.reserve(count);
+    for (const auto& part : found)
+      to.insert(to.end(), ((*part).*member).begin(), ((*part).*member).end());
+  };
+  join(&Foreign::rates, all.rates);
+  join(&Foreign::bus, all.bus);
+  join(&Foreign::paths, all.paths);
+  return all;
+}
+
+Foreign View::of_others(std::size_t network) const {
+  Foreign all;
+  all.unreadable = records_.unreadable(network);
+  for (const std::size_t gateway : others_on(network)) collect(all, network, gateway, true);
   return all;
 }
 
@@ -294,7 +340,7 @@ void View::adopt(std::size_t gateway, std::uint64_t id, bool adopted) {
   if (adopted ? !adopted_.insert({gateway, id}).second : adopted_.erase({gateway, id}) == 0) return;
   for (std::size_t n = 0; n < keys_->networks(); ++n)
     if (records_.reservations.contains({.network = n, .gateway = gateway, .id = id}))
-      changed_.insert(n);
+      touch_reservation(n, gateway);
 }
 
 Value View::all_leases_end(Value now, Value own_lease) const {

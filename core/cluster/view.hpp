@@ -111,8 +111,11 @@ class View {
   void time_member(std::size_t gateway, Value now);
   void time_left(std::string_view gateway, Value now);
   void expire_left(Value now);
-  template <class Counts>
-  [[nodiscard]] Foreign collected(std::size_t network, Counts counts) const;
+  void collect(Foreign& all, std::size_t network, std::size_t gateway, bool adopted_too) const;
+  [[nodiscard]] std::vector<std::size_t> others_on(std::size_t network) const;
+  using OfGateways = std::map<std::size_t, std::shared_ptr<const Foreign>>;
+  const OfGateways& find_foreign(std::size_t network) const;
+  void touch_reservation(std::size_t network, std::size_t gateway);
   void touch_all();
   void touch_those_of(std::size_t gateway);
   void expire(Value now);
@@ -133,6 +136,10 @@ class View {
   std::set<std::size_t> changed_;
   std::set<Records::AskedKey> touched_;
   Value leases_end_ = 0, lawful_end_ = 0;  ///< see await_leases()
+
+  /// What foreign() has found, by network, of each gateway that has something there; null: it may
+  /// have something else since. Of many gateways one changes at a time.
+  mutable std::map<std::size_t, OfGateways> found_;
 };
 
 }  // namespace mlcca::core::cluster

@@ -120,6 +120,7 @@ class Ledger {
   struct Change {
     bool fits = true;       ///< false: what is held would suffer; rebuild_others() is due
     bool relieved = false;  ///< something takes less now
+    bool held = false;      ///< a flow that was held without a placeholder has one now
   };
   /// In place of what there was, while channels hold something of the network. No mark is open.
   Change set_others(std::size_t network, Others others);
@@ -128,6 +129,9 @@ class Ledger {
   [[nodiscard]] bool has_others(std::size_t network) const {
     return !others_.empty() && !others_[network].is_empty();
   }
+  /// All placeholders count in full, and all that is promised of the network fits. Otherwise what
+  /// counts depends on the order in which it was decided.
+  [[nodiscard]] bool counts_all(std::size_t network) const;
   /// What is promised on the flow's resource without the flow itself.
   [[nodiscard]] Value reserved_without(const Flow& flow) const;
   /// Placeholders of a publisher do not count until place_rest(). No mark is open.
@@ -252,7 +256,9 @@ class Ledger {
                                      bool& relieved);
   [[nodiscard]] bool change_sums(std::size_t network, const Others& others, bool& relieved);
   [[nodiscard]] bool change_standing(std::size_t network, std::vector<Placeholder> standing,
-                                     bool& relieved);
+                                     Change& change);
+  [[nodiscard]] bool holds_in_full(const Placed& placed) const;
+  [[nodiscard]] bool count_held(std::size_t network, std::span<Placed* const> fresh);
   [[nodiscard]] bool raise(Placed& placed, Raised& step);
 
   std::size_t networks_ = 0;

@@ -195,7 +195,7 @@ bool Ledger::change_sums(std::size_t network, const Others& others, bool& reliev
 }
 
 bool Ledger::change_standing(std::size_t network, std::vector<Placeholder> standing,
-                             bool& relieved) {
+                             Change& change) {
   OfOthers& here = others_[network];
   std::vector<Placed> next;
   next.reserve(standing.size());
@@ -208,17 +208,20 @@ bool Ledger::change_standing(std::size_t network, std::vector<Placeholder> stand
       now->in_full = old.in_full;
     } else if (old.counts) {
       lift(old);
-      relieved = true;
+      change.relieved = true;
     }
   }
   const std::vector<Placed> before = std::exchange(here.standing, std::move(next));
+  std::vector<Placed*> fresh;  // of flows that are held
   bool fits = true;
   for (Placed& p : here.standing) {
     const auto old = std::ranges::lower_bound(before, p.what.flow, {}, flow_of);
     const bool known = old != before.end() && old->what.flow == p.what.flow;
     const bool same = known && old->what == p.what;
     if (carries(p.what.flow)) {
-      fits = fits && same;  // it counts with what is held of the flow
+      // It counts with what is held of the flow.
+      if (!known) fresh.push_back(&p);
+      fits = fits && (same || !known);
       continue;
     }
     if (p.counts || place(p)) continue;
@@ -229,7 +232,46 @@ bool Ledger::change_standing(std::size_t network, std::vector<Placeholder> stand
   const bool left = std::ranges::any_of(before, [&](const Placed& old) {
     return carries(old.what.flow) && placeholder(old.what.flow) == nullptr;
   });
-  return fits && !left;
+  change.held = !fresh.empty();
+  return fits && !left && count_held(network, fresh);
+}
+
+/// Whether the flow holds as much as the placeholder has.
+bool Ledger::holds_in_full(const Placed& placed) const {
+  const Flow& flow = placed.what.flow;
+  const Holding& held = *find(flow);
+  if (held.bytes_per_second < placed.what.bytes_per_second ||
+      std::ranges::any_of(
+          placed.what.shares,
+          [&](const mesh::Share& share) {
+            return domains_[flow.resource][share.domain] > others_[flow.resource].most_time;
+          }))
+    return false;
+  if (!beyond(placed.what.shares, held.mesh ? std::span<const mesh::Share>(held.mesh->shares)
+                                            : std::span<const mesh::Share>())
+           .empty())
+    return false;
+  if (!placed.what.message || !schedules_[flow.resource]) return true;
+  const can::Message* const now = schedules_[flow.resource]->find(key_of(flow));
+  return now != nullptr && can::strictest(*now, *placed.what.message) == *now;
+}
+
+bool Ledger::counts_all(std::size_t network) const {
+  if (schedules_[network] && schedules_[network]->spares_any()) return false;
+  if (others_.empty()) return true;
+  return has_room(network, 0, {}) &&
+         std::ranges::all_of(others_[network].standing, [this](const Placed& placed) {
+           return placed.counts ||
+                  (carries(placed.what.flow) && placed.in_full && holds_in_full(placed));
+         });
+}
+
+/// Placeholders of flows that are held without one: each counts in full from now on, if the flow
+/// holds as much. False if it may be otherwise when all of the network is decided again.
+bool Ledger::count_held(std::size_t network, std::span<Placed* const> fresh) {
+  if (fresh.empty()) return true;
+  for (Placed* const placed : fresh) placed->in_full = true;
+  return counts_all(network);
 }
 
 /// Whether a domain has more than its limit beside what is measured as busy, and more than before.
@@ -257,8 +299,7 @@ Ledger::Change Ledger::set_others(std::size_t network, Others others) {
   change.fits = change_sums(network, others, change.relieved);
   change.fits =
       change_messages(network, std::move(others.messages), change.relieved) && change.fits;
-  change.fits =
-      change_standing(network, std::move(others.standing), change.relieved) && change.fits;
+  change.fits = change_standing(network, std::move(others.standing), change) && change.fits;
   if (is_fuller(network, before, others.busy)) change.fits = false;
   return change;
 }

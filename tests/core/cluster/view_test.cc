@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "core/cluster/footprint.hpp"
 #include "core/cluster/lease.hpp"
 #include "tests/core/cluster/codec.hpp"
 #include "tests/core/cluster/store_stub.hpp"
@@ -280,6 +283,70 @@ TEST_F(ClusterView, WhatIsAdoptedIsNotForeign) {
   EXPECT_EQ(held(), 0U);
   view.adopt(1, 1, false);
   EXPECT_EQ(held(), 5U);
+}
+
+/// Whatever has changed since it was asked for.
+TEST_F(ClusterView, WhatOthersHoldFollowsFromItsRecordsAtAnyTime) {
+  std::mt19937_64 random(7);
+  const auto below = [&](std::size_t n) { return random() % n; };
+  std::set<Records::AskedKey> adopted;
+  Value now = 0;
+  std::size_t held_something = 0;
+  for (std::size_t g = 0; g < 4; ++g) beat(g, now);
+  for (int step = 0; step < 2000; ++step) {
+    const std::size_t network = below(2);
+    const std::size_t gateway = below(4);
+    const std::uint64_t id = 1 + below(5);
+    const std::string key = keys->reservation(network, gateway, id);
+    switch (below(8)) {
+      case 0:
+      case 1:
+      case 2:
+        put(key,
+            codec.write(Taken{.channel = {},
+                              .publisher = {},
+                              .part = part_of(network, 1 + below(9)),
+                              .through = {}}),
+            now);
+        break;
+      case 3:
+        drop(key, now);
+        break;
+      case 4: {
+        const Records::AskedKey one{1 + below(3), id};
+        const bool more = adopted.insert(one).second;
+        if (!more) adopted.erase(one);
+        view.adopt(one.first, one.second, more);
+        break;
+      }
+      case 5:
+        put(key, "?", now);
+        break;
+      case 6:
+        // A gateway is fenced, and comes back later.
+        if (gateway != 0) put(keys->fence(gateway), "fence", now);
+        now += 20 * kSecond;
+        view.on_time(now);
+        if (gateway != 0) beat(gateway, now);
+        break;
+      default:
+        if (below(10) == 0) read_all(now);
+    }
+    for (std::size_t n = 0; n < 2; ++n) {
+      Foreign expected;
+      expected.unreadable = view.records().unreadable(n);
+      for (const auto& [at, record] : view.records().reservations) {
+        if (at.network != n || at.gateway == 0 || adopted.contains({at.gateway, at.id})) continue;
+        if (record.taken)
+          add(expected, record.taken->part, at.gateway);
+        else
+          expected.unreadable = true;
+      }
+      held_something += expected.rates.empty() ? 0 : 1;
+      ASSERT_EQ(view.foreign(n), expected) << "step " << step;
+    }
+  }
+  EXPECT_GT(held_something, 1000U);
 }
 
 TEST_F(ClusterView, TellsWhoIsThere) {

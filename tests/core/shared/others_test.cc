@@ -106,6 +106,57 @@ TEST(OthersTest, WhatIsPromisedCountsWhetherOrNotItIsHeld) {
   EXPECT_TRUE(l.schedule(kBus)->messages().empty());
 }
 
+/// A flow that is held as it is promised, and of which that becomes known only now: what it holds
+/// counts in full, and nothing else has to be decided again.
+TEST(OthersTest, APromiseOfWhatIsHeldAlreadyChangesNothing) {
+  Ledger l = two_networks();
+  l.add(flow(1), 100);
+  ASSERT_FALSE(l.schedule(flow(1), frame(5)));
+  Others others;
+  others.standing = {promised(1, frame(5))};
+  const Ledger::Change change = l.set_others(kBus, others);
+  EXPECT_TRUE(change.fits);
+  EXPECT_TRUE(change.held);
+  EXPECT_TRUE(l.counts_all(kBus));
+  EXPECT_EQ(l.reserved(kBus), 100U);
+  EXPECT_EQ(l.schedule(kBus)->messages().size(), 1U);
+  const Ledger::Change again = l.set_others(kBus, others);
+  EXPECT_TRUE(again.fits);
+  EXPECT_FALSE(again.held) << "it is known";
+  l.remove(1);
+  EXPECT_EQ(l.reserved(kBus), 100U) << "the promise stays";
+}
+
+/// Others count more of it than is held.
+TEST(OthersTest, APromiseOfMoreThanIsHeldIsDecidedAgain) {
+  const auto fits = [](Value bytes, const can::Message& message) {
+    Ledger l = two_networks();
+    l.add(flow(1), 100);
+    EXPECT_FALSE(l.schedule(flow(1), frame(5)));
+    Others others;
+    others.standing = {promised(1, message, bytes)};
+    return l.set_others(kBus, others).fits;
+  };
+  EXPECT_TRUE(fits(100, frame(5)));
+  EXPECT_FALSE(fits(101, frame(5)));
+  EXPECT_FALSE(fits(100, frame(4)));
+  EXPECT_FALSE(fits(100, frame(5, 9 * kMillisecond)));
+}
+
+/// What counts then depends on the order.
+TEST(OthersTest, APromiseIsDecidedAgainWhereNotAllThatIsPromisedCounts) {
+  Ledger l = two_networks();
+  Others others;
+  others.most_bytes = 250;
+  others.standing = {promised(1, frame(5)), promised(2, frame(6)), promised(3, frame(7))};
+  l.set_others(kBus, others);
+  EXPECT_FALSE(l.counts_all(kBus)) << "there is room for two of them";
+  l.add(flow(4), 1);
+  ASSERT_FALSE(l.schedule(flow(4), frame(8)));
+  others.standing.push_back(promised(4, frame(8), 1));
+  EXPECT_FALSE(l.set_others(kBus, others).fits);
+}
+
 TEST(OthersTest, WhatAnotherHasReservedOfTheSameFlowCountsInFullWhereItIsGivenUp) {
   Ledger l = two_networks();
   Others others;

@@ -103,6 +103,76 @@ TEST(PermitsTest, WhatIsWithdrawnHereIsCountedAllTheSame) {
   EXPECT_EQ(messages_on(pair[0].state, kShared), before);
 }
 
+TEST(PermitsTest, KnowsOfWhichTrafficLessMayBeUsed) {
+  System system = networks(false);
+  Permits permits(system, 0);
+  const auto ended = [&](std::uint64_t since) {
+    std::vector<AdmissionId> all;
+    const auto sources = permits.ended_since(kShared, since);
+    if (!sources) return std::vector<AdmissionId>{0};
+    for (const cluster::Source& source : *sources) all.push_back(source.admission);
+    return all;
+  };
+  const auto put = [&](std::uint64_t number, AdmissionId admission) {
+    cluster::Part part;
+    part.network = kShared;
+    part.rates.push_back({.bytes_per_second = 1, .source = {.admission = admission}});
+    permits.put(number, {.parts = {part}, .gateways = {}});
+  };
+  const std::uint64_t before = permits.shrunk(kShared);
+  put(1, 11);
+  put(2, 12);
+  EXPECT_EQ(permits.shrunk(kShared), before);
+  EXPECT_TRUE(permits.has_reserved(kShared, 11));
+  EXPECT_FALSE(permits.has_reserved(kOwn, 11));
+  permits.erase(1);
+  EXPECT_FALSE(permits.has_reserved(kShared, 11));
+  EXPECT_TRUE(permits.has_reserved(kShared, 12));
+  EXPECT_EQ(ended(before), std::vector<AdmissionId>{11});
+  put(2, 13);  // in place of the other one
+  EXPECT_EQ(ended(before), (std::vector<AdmissionId>{11, 12}));
+  const std::uint64_t between = permits.shrunk(kShared);
+  EXPECT_TRUE(ended(between).empty());
+  permits.erase(2);
+  EXPECT_EQ(ended(between), std::vector<AdmissionId>{13});
+  permits.close(false);
+  EXPECT_NE(permits.shrunk(kShared), between);
+  EXPECT_EQ(ended(between), std::vector<AdmissionId>{0}) << "that may be anything";
+  const std::uint64_t closed = permits.shrunk(kShared);
+  for (std::uint64_t number = 1; number <= 3000; ++number) {
+    put(number, number);
+    permits.erase(number);
+  }
+  EXPECT_EQ(ended(closed), std::vector<AdmissionId>{0}) << "more than it remembers";
+  EXPECT_EQ(ended(permits.shrunk(kShared) - 1), std::vector<AdmissionId>{3000});
+}
+
+/// Where one channel is given back, another one is not decided again.
+TEST(PermitsTest, AChangeOfOneChannelDecidesNoOther) {
+  System system = networks(false);
+  std::vector<std::size_t> channels;
+  for (int i = 0; i < 5; ++i) channels.push_back(add_channel(system, every(50 * kMs)));
+  describe(system, channels[0], every(50 * kMs));
+  Pair pair(system);
+  State& state = pair[0].state;
+  for (std::size_t i = 1; i < 4; ++i)
+    ASSERT_TRUE(pair[0].admit(both_ends(channels[i], i, every(50 * kMs))));
+  const Admission last = both_ends(channels[4], 4, every(50 * kMs));
+  const auto footprint = pair[0].ask(last);
+  ASSERT_TRUE(footprint);
+  ASSERT_TRUE(pair[0].commit(4, *footprint));
+  EXPECT_TRUE(state.settle().empty()) << "others count it";
+  Proposal p = state.propose(last);
+  ASSERT_TRUE(p.fit());
+  std::move(p).accept();
+  EXPECT_TRUE(state.settle().empty()) << "it is in force, and so is all else, as before";
+  state.remove(4);
+  const auto changes = state.settle();
+  EXPECT_TRUE(changes.empty() || (changes.size() == 1 && changes[0].channel == channels[4]));
+  pair[0].permits.erase(4);
+  EXPECT_TRUE(state.settle().empty());
+}
+
 TEST(PermitsTest, WithoutTheStoreWhatIsReservedEndsAndWhatIsDescribedStays) {
   System system = networks(false);
   const std::size_t c = add_channel(system, every(50 * kMs));
