@@ -84,9 +84,11 @@ class Follower {
   Channel* channel_ = nullptr;
   std::uint64_t timeout_ms_ = 0;
   std::unique_ptr<Call> call_;
-  std::size_t prefix_ = 0;      ///< index of the prefix whose page is requested next
-  std::string key_;             ///< first key of that page
-  std::uint64_t limit_ = 4096;  ///< entries of a page; reduced when entries are long
+  std::size_t prefix_ = 0;  ///< index of the prefix whose page is requested next
+  std::string key_;         ///< first key of that page
+  /// Entries of a page; reduced when entries are long. For each page etcd counts all entries behind
+  /// it, too: with short pages its work grows with the square of the entries.
+  std::uint64_t limit_ = 16'384;
   std::int64_t revision_ = 0;
   bool paging_ = false;
   bool waits_ = false;  ///< for room in the outbox

@@ -114,7 +114,7 @@ TEST_F(ClusterStore, ManyEntriesComeInPagesAndNoneIsMissing) {
   const Bridged bridged(folder(), "gw1", {store().endpoint(0)});
   Gateway gateway(loop_.get(), bridged.socket());
   ASSERT_TRUE(loop_.until([&] { return gateway.state.reachable; })) << bridged.log();
-  constexpr std::uint64_t batches = 100;
+  constexpr std::uint64_t batches = 200;
   for (std::uint64_t id = 0; id < batches; ++id) {
     std::vector<std::string> keys;
     for (int i = 0; i < 100; ++i)
@@ -132,7 +132,7 @@ TEST_F(ClusterStore, ManyEntriesComeInPagesAndNoneIsMissing) {
     EXPECT_EQ(result.outcome, Outcome::committed) << result.why;
   gateway.link.follow({own("many/"), "/mlcca/t/e"});
   ASSERT_TRUE(loop_.until([&] { return gateway.synced != 0; })) << bridged.log();
-  EXPECT_EQ(gateway.entries.size(), 10'050U) << bridged.log();
+  EXPECT_EQ(gateway.entries.size(), 20'050U) << bridged.log();
   EXPECT_EQ(gateway.snapshots, 1);
 }
 
