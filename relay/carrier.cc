@@ -67,6 +67,7 @@ bool Carrier::start(const control::Transfer& transfer, Layer& from, Layer& to) {
   problems_.erase(way);
   slots_[number] = Slot{.transfer = transfer, .carried = {}, .to = &to, .delay = {}};
   by_subject_[transfer.subject].push_back(number);
+  if (transfer.latency_ns != 0) latencies_.insert(transfer.latency_ns);
   return true;
 }
 
@@ -83,6 +84,8 @@ void Carrier::remove(std::size_t number) {
   const auto known = by_subject_.find(transfer.subject);
   std::erase(known->second, number);
   if (known->second.empty()) by_subject_.erase(known);
+  if (const auto latency = latencies_.find(transfer.latency_ns); latency != latencies_.end())
+    latencies_.erase(latency);
   slots_[number].reset();
   free_.push_back(number);
 }

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -65,6 +66,10 @@ class Carrier {
 
   [[nodiscard]] std::size_t transfers() const { return slots_.size() - free_.size(); }
   [[nodiscard]] std::size_t interfaces() const { return layers_.size(); }
+  /// The shortest Latency of all transfers, in ns; 0: none is stated.
+  [[nodiscard]] std::uint64_t shortest_latency() const {
+    return latencies_.empty() ? 0 : *latencies_.begin();
+  }
   /// Calls the handler for each transfer with its counters since it was started.
   void each(const std::function<void(const control::Transfer&, const Carried&)>& handler) const;
   [[nodiscard]] Losses losses() const;
@@ -101,6 +106,7 @@ class Carrier {
   std::vector<std::size_t> free_;
   std::unordered_map<std::uint64_t, std::vector<std::size_t>> by_subject_;
   std::map<std::uint32_t, OpenedLayer> layers_;  ///< by interface index
+  std::multiset<std::uint64_t> latencies_;       ///< those that transfers state
   std::vector<control::Transfer> waiting_;       ///< transfers that could not be started yet
   std::map<std::string, std::string> problems_;  ///< what has failed and why, as it was logged, so
                                                  ///< that it is logged once

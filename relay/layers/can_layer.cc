@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstring>
 #include <iterator>
 #include <optional>
 #include <utility>
@@ -46,6 +47,7 @@ class RawSocket : public FrameSocket {
     return {};
   }
   Got receive(Frame& to) override;
+  [[nodiscard]] bool pending() const override { return batch_.pending(); }
   Sent send(const canfd_frame& frame, bool fd) override {
     const std::size_t size = fd ? CANFD_MTU : CAN_MTU;
     const ssize_t n = ::send(socket_.get(), &frame, size, MSG_DONTWAIT | MSG_NOSIGNAL);
@@ -55,6 +57,7 @@ class RawSocket : public FrameSocket {
 
  private:
   Fd socket_;
+  Batch batch_{sizeof(canfd_frame)};
   std::uint64_t dropped_ = 0;
 };
 
@@ -78,9 +81,11 @@ Result<std::unique_ptr<FrameSocket>> RawSocket::open(std::uint32_t ifindex) {
 }
 
 FrameSocket::Got RawSocket::receive(Frame& to) {
-  const auto [n, flags, said] = receive_into(socket_, &to.frame, sizeof to.frame);
+  const Batch::Message message = batch_.next(socket_);
+  const auto [n, flags, said] = message.received;
   if (n < 0) return errno == ENODEV || errno == ENXIO ? Got::gone : Got::nothing;
   if (said.says_dropped) dropped_ = said.dropped;
+  std::memcpy(&to.frame, message.data, static_cast<std::size_t>(n));
   to.fd = n == CANFD_MTU;
   to.local = (flags & MSG_DONTROUTE) != 0;
   to.unix_ns = said.unix_ns;
@@ -184,7 +189,7 @@ void CanLayer::leave(Follower follower, const control::Endpoint& endpoint,
 
 bool CanLayer::receive(std::size_t most, const OnEvent& on_event) {
   send_due(0);
-  for (std::size_t count = 0; count < most; ++count) {
+  for (std::size_t count = 0; count < most || socket_->pending(); ++count) {
     FrameSocket::Frame frame;
     const auto got = socket_->receive(frame);
     if (got != FrameSocket::Got::frame) return got != FrameSocket::Got::gone;

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <ctime>
+#include <utility>
 
 namespace mlcca::relay {
 namespace {
@@ -46,6 +47,41 @@ Received receive_into(const Fd& socket, void* data, std::size_t room, void* from
   const ssize_t size = ::recvmsg(socket.get(), &message, MSG_DONTWAIT | flags);
   if (size < 0) return {};
   return {size, message.msg_flags, beside(message)};
+}
+
+Batch::Batch(std::size_t room) : data_(kMost * room) {
+  for (std::size_t i = 0; i < kMost; ++i) {
+    parts_.at(i) = {.iov_base = &data_.at(i * room), .iov_len = room};
+    msghdr& message = messages_.at(i).msg_hdr;
+    message.msg_name = &from_.at(i);
+    message.msg_iov = &parts_.at(i);
+    message.msg_iovlen = 1;
+    message.msg_control = control_.at(i).bytes.data();
+  }
+}
+
+Batch::Message Batch::next(const Fd& socket) {
+  if (at_ == count_) {
+    at_ = count_ = 0;
+    if (std::exchange(drained_, false)) {
+      errno = EAGAIN;
+      return {};
+    }
+    for (mmsghdr& one : messages_) {
+      one.msg_hdr.msg_namelen = sizeof(sockaddr_storage);
+      one.msg_hdr.msg_controllen = sizeof(Control::bytes);
+    }
+    const int n = ::recvmmsg(socket.get(), messages_.data(), kMost, MSG_DONTWAIT, nullptr);
+    if (n <= 0) return {};
+    count_ = static_cast<std::size_t>(n);
+    drained_ = count_ < kMost;
+  }
+  const std::size_t which = at_++;
+  msghdr& message = messages_.at(which).msg_hdr;
+  return {.received = {static_cast<ssize_t>(messages_.at(which).msg_len), message.msg_flags,
+                       beside(message)},
+          .data = static_cast<const std::uint8_t*>(parts_.at(which).iov_base),
+          .from = &from_.at(which)};
 }
 
 Result<void> ask_for_times(const Fd& socket) {

@@ -3,9 +3,11 @@
 #pragma once
 #include <sys/socket.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "base/handle.hpp"
 #include "base/result.hpp"
@@ -32,6 +34,40 @@ struct Received {
 /// Receives without waiting. `from`: where the sender's address is stored, or null.
 [[nodiscard]] Received receive_into(const Fd& socket, void* data, std::size_t room,
                                     void* from = nullptr, socklen_t from_size = 0, int flags = 0);
+
+/// Receives several messages with one system call.
+class Batch {
+ public:
+  /// `data` and `from` are valid until the next call.
+  struct Message {
+    Received received;
+    const std::uint8_t* data = nullptr;
+    const sockaddr_storage* from = nullptr;
+  };
+
+  /// `room`: octets of the longest message; longer ones are cut.
+  explicit Batch(std::size_t room);
+  /// The next message, without waiting. If the kernel had fewer messages than a batch takes, the
+  /// call after the last of them gives none (EAGAIN) without asking the kernel again.
+  [[nodiscard]] Message next(const Fd& socket);
+  /// Whether there are messages of which a poll of the socket does not tell.
+  [[nodiscard]] bool pending() const { return at_ < count_; }
+
+ private:
+  static constexpr std::size_t kMost = 8;
+  struct Control {
+    alignas(cmsghdr) std::array<char, 128> bytes;
+  };
+
+  std::vector<std::uint8_t> data_;
+  std::array<sockaddr_storage, kMost> from_{};
+  std::array<Control, kMost> control_{};
+  std::array<iovec, kMost> parts_{};
+  std::array<mmsghdr, kMost> messages_{};
+  std::size_t at_ = 0;
+  std::size_t count_ = 0;
+  bool drained_ = false;  ///< the kernel had no more than these
+};
 
 /// Makes the kernel state the time of each message and the number of dropped ones.
 [[nodiscard]] Result<void> ask_for_times(const Fd& socket);

@@ -86,7 +86,7 @@ void UdpLayer::leave(Follower follower, const control::Endpoint& /*endpoint*/,
 // --- what comes ----------------------------------------------------------------------------------
 
 bool UdpLayer::receive(std::size_t most, const OnEvent& on_event) {
-  for (std::size_t count = 0; count < most; ++count) {
+  for (std::size_t count = 0; count < most || socket_->pending(); ++count) {
     UdpSocket::Datagram datagram;
     switch (socket_->receive(datagram)) {
       case UdpSocket::Got::gone:

@@ -45,6 +45,8 @@ class UdpSocket {
   /// interface is gone.
   enum class Got : std::uint8_t { datagram, nothing, failed, gone };
   virtual Got receive(Datagram& to) = 0;
+  /// Whether receive() has datagrams of which the descriptor does not tell.
+  [[nodiscard]] virtual bool pending() const { return false; }
   /// Reads the reported errors of earlier sends, which keep the socket readable until they are
   /// read.
   virtual void read_errors() = 0;

@@ -66,13 +66,13 @@ class EventSockets : public UdpSocket {
       : socket_(std::move(socket)),
         ifindex_(endpoint.ifindex),
         interface_(endpoint.interface),
-        port_(port),
-        buffer_(kReceived) {}
+        port_(port) {}
 
   [[nodiscard]] int fd() const override { return socket_.get(); }
   [[nodiscard]] Result<void> join(std::uint32_t group) override;
   void leave(std::uint32_t group) override;
   Got receive(Datagram& to) override;
+  [[nodiscard]] bool pending() const override { return batch_.pending(); }
   void read_errors() override;
   Sent send(std::uint32_t to, Octets header, Octets data) override;
   [[nodiscard]] std::uint32_t own_address() const override;
@@ -97,7 +97,7 @@ class EventSockets : public UdpSocket {
   std::uint16_t port_;
   std::vector<Member> members_;
   std::uint64_t dropped_ = 0;
-  std::vector<std::uint8_t> buffer_;
+  Batch batch_{kReceived};
 };
 
 Result<void> EventSockets::join(std::uint32_t group) {
@@ -123,13 +123,14 @@ void EventSockets::leave(std::uint32_t group) {
 }
 
 UdpSocket::Got EventSockets::receive(Datagram& to) {
-  sockaddr_in from{};
-  const auto [n, flags, said] =
-      receive_into(socket_, buffer_.data(), buffer_.size(), &from, sizeof from);
+  const Batch::Message message = batch_.next(socket_);
+  const auto [n, flags, said] = message.received;
   if (n < 0 && (errno == ENODEV || errno == ENXIO)) return Got::gone;
   if (n < 0) return errno == EAGAIN ? Got::nothing : Got::failed;  // e.g. ENETDOWN or ECONNREFUSED
   if (said.says_dropped) dropped_ = said.dropped;
-  to.octets = Octets(buffer_).first(static_cast<std::size_t>(n));
+  sockaddr_in from{};
+  std::memcpy(&from, message.from, sizeof from);
+  to.octets = Octets(message.data, static_cast<std::size_t>(n));
   to.from = ntohl(from.sin_addr.s_addr);
   to.unix_ns = said.unix_ns;
   return Got::datagram;
@@ -137,8 +138,9 @@ UdpSocket::Got EventSockets::receive(Datagram& to) {
 
 void EventSockets::read_errors() {
   constexpr unsigned most = 64;
+  std::array<std::uint8_t, 64> unused{};
   for (unsigned i = 0; i < most; ++i)
-    if (receive_into(socket_, buffer_.data(), buffer_.size(), nullptr, 0, MSG_ERRQUEUE).size < 0)
+    if (receive_into(socket_, unused.data(), unused.size(), nullptr, 0, MSG_ERRQUEUE).size < 0)
       return;
 }
 

@@ -39,6 +39,7 @@ class FakeSocket : public FrameSocket {
     out_.push_back({frame, fd, false, 7});
     return Sent::sent;
   }
+  [[nodiscard]] bool pending() const override { return in_batches_ && !in_.empty(); }
   [[nodiscard]] std::uint64_t dropped() const override { return 3; }
 
   std::deque<Frame> in_;
@@ -46,6 +47,7 @@ class FakeSocket : public FrameSocket {
   std::vector<can_filter> filters_;
   Sent outcome_ = Sent::sent;
   bool gone_ = false;
+  bool in_batches_ = false;
 };
 
 FrameSocket::Frame frame(std::uint32_t id, std::vector<std::uint8_t> data, bool fd = false) {
@@ -124,6 +126,21 @@ TEST_F(CanLayerTest, ALongEventOfFamousoIsTheFragmentsOfTheReference) {
   ASSERT_EQ(layer_->send(to, 1, {}), Sent::sent);
   EXPECT_EQ(socket_->out_[0].frame.len, 0);
   EXPECT_EQ(layer_->send(to, 1, counting(24'609)), Sent::too_long);
+}
+
+TEST_F(CanLayerTest, FramesOfWhichNoPollTellsAreReceivedBeyondTheMost) {
+  const auto from = endpoint("raw");
+  ASSERT_TRUE(layer_->follow(1, from, 1, 8));
+  FrameSocket::Frame one;
+  one.frame.can_id = kId;
+  std::size_t count = 0;
+  const auto receive_two = [&] { layer_->receive(2, [&](const Layer::Arrival&) { ++count; }); };
+  for (int i = 0; i < 5; ++i) socket_->in_.push_back(one);
+  receive_two();
+  EXPECT_EQ(count, 2U);
+  socket_->in_batches_ = true;
+  receive_two();
+  EXPECT_EQ(count, 5U);
 }
 
 TEST_F(CanLayerTest, AnEmptyEventIsAnEmptyFrame) {

@@ -272,7 +272,7 @@ bool Bus::open() {
 }
 
 void Bus::receive(std::uint64_t now) {
-  for (std::size_t i = 0; socket_ && i < kMostFrames; ++i) {
+  for (std::size_t i = 0; socket_ && (i < kMostFrames || socket_->pending()); ++i) {
     FrameSocket::Frame got;
     const auto how = socket_->receive(got);
     if (how == FrameSocket::Got::gone) socket_.reset();

@@ -3,7 +3,9 @@
 // does nothing but the system calls.
 //   probe delay SEND-ADDRESS RECEIVE-ADDRESS OUT-NAMESPACE COUNT
 //       one way, through whoever carries it
-//   probe forward FROM-INTERFACE TO-INTERFACE
+//   probe rate RECEIVE-ADDRESS OUT-NAMESPACE COUNT GAP-NS SEND-ADDRESS...
+//       COUNT events of 8 octets from each address, of the subjects "P", "Q", …, one in GAP-NS each
+//   probe forward FROM-INTERFACE TO-INTERFACE [SUBJECT]
 //       the peer: recv and sendto, until it is killed
 //   probe local SOCKET COUNT
 //       publish() to a handler, and its peer
@@ -81,10 +83,63 @@ int delay(char** argv) {
   return 0;
 }
 
-int forward(char** argv) {
-  const Fd in = udp_socket("", argv[0]);
-  const Fd out = udp_socket("", argv[1]);
-  const sockaddr_in to = group();
+/// Reads what has come, a pause apart, so that it takes little of the processor that is measured.
+std::size_t count_until_silent(const Fd& socket) {
+  constexpr auto pause = std::chrono::milliseconds(2);
+  constexpr auto silence = std::chrono::seconds(2);
+  std::array<char, 2048> buffer{};
+  std::size_t count = 0;
+  auto last = std::chrono::steady_clock::now();
+  while (std::chrono::steady_clock::now() - last < silence) {
+    while (::recv(socket.get(), buffer.data(), buffer.size(), MSG_DONTWAIT) > 0) {
+      ++count;
+      last = std::chrono::steady_clock::now();
+    }
+    std::this_thread::sleep_for(pause);
+  }
+  return count;
+}
+
+/// Sends on each socket in turn, evenly spaced, and returns the time from the first to the last.
+std::uint64_t send_evenly(const std::vector<Fd>& sockets, std::size_t count, std::uint64_t gap) {
+  std::array<char, kHeader + 8> event{};
+  const std::uint64_t began = monotonic_ns();
+  for (std::size_t i = 0; i < count * sockets.size(); ++i) {
+    while (monotonic_ns() < began + i * gap / sockets.size()) {
+    }
+    const auto which = i % sockets.size();
+    event[0] = static_cast<char>('P' + which);
+    const sockaddr_in to = group(event[0]);
+    ::sendto(sockets[which].get(), event.data(), event.size(), 0, generic_of(to), sizeof to);
+  }
+  return monotonic_ns() - began;
+}
+
+int rate(int addresses, char** argv) {
+  const std::size_t count = std::strtoul(argv[2], nullptr, 10);
+  const std::uint64_t gap = std::strtoull(argv[3], nullptr, 10);
+  std::vector<Fd> out;
+  for (int i = 0; i < addresses; ++i)
+    out.push_back(udp_socket(argv[4 + i], "", static_cast<char>('P' + i)));
+  const Fd other(::open(argv[1], O_RDONLY | O_CLOEXEC));
+  if (::setns(other.get(), CLONE_NEWNET) != 0) give_up("setns");
+  const Fd in = udp_socket(argv[0], "", 'P');
+  for (int i = 1; i < addresses; ++i) join(in, membership(argv[0], "", static_cast<char>('P' + i)));
+  std::size_t arrived = 0;
+  std::thread receiver([&] { arrived = count_until_silent(in); });
+  const std::uint64_t took = send_evenly(out, count, gap);
+  receiver.join();
+  const std::size_t sent = count * out.size();
+  std::printf("%zu of %zu events, %.0f a second\n", arrived, sent,
+              static_cast<double>(sent) * 1e9 / static_cast<double>(took));
+  return 0;
+}
+
+int forward(int argc, char** argv) {
+  const char subject = argc > 2 ? *argv[2] : 'B';
+  const Fd in = udp_socket("", argv[0], subject);
+  const Fd out = udp_socket("", argv[1], subject);
+  const sockaddr_in to = group(subject);
   std::array<char, 8192> buffer{};
   for (;;) {
     const ssize_t n = ::recv(in.get(), buffer.data(), buffer.size(), 0);
@@ -190,9 +245,10 @@ int announce(char** argv) {
 int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
   if (what == "delay" && argc == 6) return delay(argv + 2);
-  if (what == "forward" && argc == 4) return forward(argv + 2);
+  if (what == "rate" && argc > 6) return rate(argc - 6, argv + 2);
+  if (what == "forward" && (argc == 4 || argc == 5)) return forward(argc - 2, argv + 2);
   if (what == "local" && argc == 4) return local(argv + 2);
   if (what == "announce" && argc == 4) return announce(argv + 2);
-  std::fputs("probe delay|forward|local|announce …, see the head of its source\n", stderr);
+  std::fputs("probe delay|rate|forward|local|announce …, see the head of its source\n", stderr);
   return 2;
 }

@@ -46,6 +46,21 @@ inline void widen(const Fd& socket) {
   ::setsockopt(socket.get(), SOL_SOCKET, SO_RCVBUFFORCE, &of_root, sizeof of_root);
 }
 
+/// On the interface of that address or name.
+inline ip_mreqn membership(const std::string& own, const std::string& interface, char subject) {
+  ip_mreqn request{};
+  request.imr_multiaddr = group(subject).sin_addr;
+  if (!own.empty()) ::inet_pton(AF_INET, own.c_str(), &request.imr_address);
+  if (!interface.empty())
+    request.imr_ifindex = static_cast<int>(::if_nametoindex(interface.c_str()));
+  return request;
+}
+
+inline void join(const Fd& socket, const ip_mreqn& request) {
+  if (::setsockopt(socket.get(), IPPROTO_IP, IP_ADD_MEMBERSHIP, &request, sizeof request) != 0)
+    give_up("membership");
+}
+
 /// In the group, on the interface of that address or name. What it sends is not received there.
 inline Fd udp_socket(const std::string& own, const std::string& interface, char subject = 'B') {
   Fd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
@@ -56,13 +71,8 @@ inline Fd udp_socket(const std::string& own, const std::string& interface, char 
   if (!interface.empty())
     ::setsockopt(socket.get(), SOL_SOCKET, SO_BINDTODEVICE, interface.c_str(),
                  static_cast<socklen_t>(interface.size() + 1));
-  ip_mreqn request{};
-  request.imr_multiaddr = group(subject).sin_addr;
-  if (!own.empty()) ::inet_pton(AF_INET, own.c_str(), &request.imr_address);
-  if (!interface.empty())
-    request.imr_ifindex = static_cast<int>(::if_nametoindex(interface.c_str()));
-  if (::setsockopt(socket.get(), IPPROTO_IP, IP_ADD_MEMBERSHIP, &request, sizeof request) != 0)
-    give_up("membership");
+  const ip_mreqn request = membership(own, interface, subject);
+  join(socket, request);
   ::setsockopt(socket.get(), IPPROTO_IP, IP_MULTICAST_IF, &request, sizeof request);
   ::setsockopt(socket.get(), IPPROTO_IP, IP_MULTICAST_LOOP, &off, sizeof off);
   sockaddr_in address{};
