@@ -36,7 +36,7 @@ TEST(PaceTest, PausesEndWhenLittleArrives) {
   Pace pace;
   ASSERT_EQ(pause_after(pace, 5 * kMs, 32'500, 100), Pace::kPause);
   std::uint64_t now = 9 * kMs;
-  for (int i = 0; i < 70; ++i) EXPECT_EQ(pace.after_round(3, now += 150'000, 0), Pace::kPause);
+  for (int i = 0; i < 70; ++i) EXPECT_EQ(pace.after_round(3, now += 250'000, 0), Pace::kPause);
   EXPECT_EQ(pause_after(pace, now, 150'000, 30), 0U);
 }
 
@@ -46,10 +46,11 @@ TEST(PaceTest, PausesEndWithSilence) {
   EXPECT_EQ(pace.after_round(1, 50 * kMs, 0), 0U);
 }
 
-TEST(PaceTest, AnEventThatMustPassInLessThanFourPausesIsNotDelayed) {
+TEST(PaceTest, APauseTakesAtMostAQuarterOfTheShortestLatency) {
   Pace pace;
-  EXPECT_EQ(pause_after(pace, 5 * kMs, 32'500, 100, 4 * Pace::kPause), Pace::kPause);
-  EXPECT_EQ(pause_after(pace, 10 * kMs, 32'500, 100, 4 * Pace::kPause - 1), 0U);
+  EXPECT_EQ(pause_after(pace, 5 * kMs, 32'500, 100, 800'000), 200'000U);
+  EXPECT_EQ(pause_after(pace, 9 * kMs, 32'500, 100, 500'000), 125'000U);
+  EXPECT_EQ(pause_after(pace, 13 * kMs, 32'500, 100, 1'000), 250U);
 }
 
 }  // namespace
