@@ -197,6 +197,7 @@ void State::restore(Admission admission) {
   admissions_.insert_or_assign(admission.id, channel);
   members_.add(admission.id, std::move(admission.publisher), std::move(admission.subscriber));
   note_age(channel);
+  note_reservations(admission.id);
   touched_.insert(channel);
 }
 

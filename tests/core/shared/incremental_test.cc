@@ -141,7 +141,8 @@ class History {
     if (what < 68) return give_back();
     if (what < 76) return change_there();
     if (what < 82) return open_or_close();
-    if (what < 88) return withdraw();
+    if (what < 86) return withdraw();
+    if (what < 90) return wait_or_come_back();
     if (what < 96) return change_network();
     fail_there();
   }
@@ -206,12 +207,31 @@ class History {
     ++kinds["taken back"];
   }
 
+  /// What waits for another gateway is out of the state, and comes back with what is reserved.
+  void wait_or_come_back() {
+    if (!waiting_.empty() && chance(random_, 50)) {
+      const auto it = any_of(waiting_);
+      us().state.restore(it->second);
+      held_.insert(unused_.extract(it->first));
+      waiting_.erase(it);
+    } else if (!held_.empty()) {
+      const auto it = any_of(held_);
+      waiting_.emplace(it->first, us().state.admission(it->first));
+      us().state.remove(it->first);
+      unused_.insert(held_.extract(it));
+    } else {
+      return;
+    }
+    ++kinds["waits or comes back"];
+  }
+
   void give_back() {
     if (!leaving_.empty() && chance(random_, 50)) {
       leaving_.erase(any_of(leaving_));
     } else if (!unused_.empty()) {
       const auto it = any_of(unused_);
       us().permits.erase(it->first);
+      waiting_.erase(it->first);
       leaving_.insert(unused_.extract(it));
     } else {
       return;
@@ -284,6 +304,7 @@ class History {
   std::map<AdmissionId, cluster::Footprint> taken_back_;  ///< the admission alone
   std::map<AdmissionId, cluster::Footprint> unused_;      ///< without the admission
   std::map<AdmissionId, cluster::Footprint> leaving_;     ///< neither
+  std::map<AdmissionId, Admission> waiting_;              ///< of the unused ones, those that wait
 };
 
 class IncrementalTest : public ::testing::TestWithParam<unsigned> {
@@ -292,7 +313,7 @@ class IncrementalTest : public ::testing::TestWithParam<unsigned> {
   static void TearDownTestSuite() {
     if (histories < 100) return;
     EXPECT_GE(compared, steps / 2);
-    EXPECT_EQ(kinds.size(), 11U);
+    EXPECT_EQ(kinds.size(), 12U);
     for (const auto& [kind, times] : kinds) EXPECT_GE(times, 100U) << kind;
   }
   static inline std::size_t histories = 0, steps = 0, compared = 0;
