@@ -255,10 +255,11 @@ class Ledger {
   [[nodiscard]] bool change_messages(std::size_t network, std::vector<can::Message> messages,
                                      bool& relieved);
   [[nodiscard]] bool change_sums(std::size_t network, const Others& others, bool& relieved);
+  [[nodiscard]] bool lift_changed(std::vector<Placed>& before, std::vector<Placed>& next);
   [[nodiscard]] bool change_standing(std::size_t network, std::vector<Placeholder> standing,
                                      Change& change);
   [[nodiscard]] bool holds_in_full(const Placed& placed) const;
-  [[nodiscard]] bool count_held(std::size_t network, std::span<Placed* const> fresh);
+  [[nodiscard]] bool count_held(std::size_t network, std::span<Placed* const> fresh) const;
   [[nodiscard]] bool raise(Placed& placed, Raised& step);
 
   std::size_t networks_ = 0;

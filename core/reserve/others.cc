@@ -39,6 +39,9 @@ std::vector<mesh::Share> beyond(std::span<const mesh::Share> more,
   return rest;
 }
 
+/// Placeholders are sorted by their flows.
+constexpr auto kFlowOfPlaced = [](const auto& placed) { return placed.what.flow; };
+
 }  // namespace
 
 Ledger::Placed* Ledger::placeholder(const Flow& flow) {
@@ -194,28 +197,35 @@ bool Ledger::change_sums(std::size_t network, const Others& others, bool& reliev
   return fits;
 }
 
+/// Takes out what is not among `next`, and notes there what stays. Returns whether anything that
+/// counted was taken out.
+bool Ledger::lift_changed(std::vector<Placed>& before, std::vector<Placed>& next) {
+  bool any = false;
+  for (Placed& old : before) {
+    const auto now = std::ranges::lower_bound(next, old.what.flow, {}, kFlowOfPlaced);
+    if (now != next.end() && now->what == old.what) {
+      now->counts = old.counts;
+      now->in_full = old.in_full;
+    } else if (old.counts) {
+      lift(old);
+      any = true;
+    }
+  }
+  return any;
+}
+
 bool Ledger::change_standing(std::size_t network, std::vector<Placeholder> standing,
                              Change& change) {
   OfOthers& here = others_[network];
   std::vector<Placed> next;
   next.reserve(standing.size());
   for (Placeholder& p : standing) next.push_back({std::move(p), false});
-  const auto flow_of = [](const Placed& p) { return p.what.flow; };
-  for (Placed& old : here.standing) {
-    const auto now = std::ranges::lower_bound(next, old.what.flow, {}, flow_of);
-    if (now != next.end() && now->what == old.what) {
-      now->counts = old.counts;
-      now->in_full = old.in_full;
-    } else if (old.counts) {
-      lift(old);
-      change.relieved = true;
-    }
-  }
+  if (lift_changed(here.standing, next)) change.relieved = true;
   const std::vector<Placed> before = std::exchange(here.standing, std::move(next));
   std::vector<Placed*> fresh;  // of flows that are held
   bool fits = true;
   for (Placed& p : here.standing) {
-    const auto old = std::ranges::lower_bound(before, p.what.flow, {}, flow_of);
+    const auto old = std::ranges::lower_bound(before, p.what.flow, {}, kFlowOfPlaced);
     const bool known = old != before.end() && old->what.flow == p.what.flow;
     const bool same = known && old->what == p.what;
     if (carries(p.what.flow)) {
@@ -268,7 +278,7 @@ bool Ledger::counts_all(std::size_t network) const {
 
 /// Placeholders of flows that are held without one: each counts in full from now on, if the flow
 /// holds as much. False if it may be otherwise when all of the network is decided again.
-bool Ledger::count_held(std::size_t network, std::span<Placed* const> fresh) {
+bool Ledger::count_held(std::size_t network, std::span<Placed* const> fresh) const {
   if (fresh.empty()) return true;
   for (Placed* const placed : fresh) placed->in_full = true;
   return counts_all(network);

@@ -289,7 +289,7 @@ core::FormerRules Admissions::forget(const std::vector<core::AdmissionId>& gone)
   return left;
 }
 
-void Admissions::remove_from_state(core::AdmissionId id, core::FormerRules& left) {
+void Admissions::remove_from_state(core::AdmissionId id, core::FormerRules& left) const {
   const auto known = scene_.state->admissions().find(id);
   if (known == scene_.state->admissions().end()) return;
   const std::size_t channel = known->second;

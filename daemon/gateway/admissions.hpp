@@ -135,7 +135,7 @@ class Admissions {
   /// Removes admissions from everything except the disk. Returns the rules that the gates had for
   /// their channels.
   core::FormerRules forget(const std::vector<core::AdmissionId>& gone);
-  void remove_from_state(core::AdmissionId id, core::FormerRules& left);
+  void remove_from_state(core::AdmissionId id, core::FormerRules& left) const;
   [[nodiscard]] std::optional<control::LeftOutAdmission> restore_one(core::State& state,
                                                                      core::AdmissionId id) const;
 
