@@ -75,7 +75,8 @@ run-bench-relay: all $O/bench/probe $O/bench/bus-probe $(GUEST_READY)
 .PHONY: run-bench-relay
 
 # The cost of learning from a log of MIB mebibytes, and from four live buses beside candump.
-run-bench-learn: run-bench-learn-log all $(GUEST_READY)
+run-bench-learn: run-bench-learn-log all $O/bench/probe $(GUEST_READY)
+	$(Q)tests/bench/learn/ethernet $O
 	$(Q)tests/bench/learn/run $O
 run-bench-learn-log: $O/mlccactl $O/mlcca-design
 	$(Q)tests/bench/learn/log $O
