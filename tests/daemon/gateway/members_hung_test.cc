@@ -24,6 +24,18 @@ class MembersHung : public MembersRollout {
   }
 };
 
+TEST_F(MembersHung, DoesNotSendByADescriptionThatWasReplaced) {
+  hang();
+  ASSERT_EQ(roll_out(1, "2", {"g0"}), "checking");
+  pass(15 * kSecondNs);  // it counts the lease of the other one from its reload
+  ASSERT_EQ(state_of(1).state, "in-force") << state_of(1).why;
+  go_on();
+  EXPECT_FALSE(passes(0, 0));
+  pass(5 * kSecondNs);
+  EXPECT_TRUE(has(0, 2));
+  EXPECT_TRUE(passes(0, 0));
+}
+
 TEST_F(MembersHung, OpensAgainWhenTheStoreHasAnswered) {
   hang();
   link(0).up = false;
