@@ -2,15 +2,22 @@
 #include "daemon/gateway/adopting.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <map>
 #include <utility>
 #include <variant>
 
+#include "base/sha256.hpp"
+#include "control/protobuf.hpp"
 #include "daemon/gateway/requests/asked.hpp"
+#include "daemon/gateway/requests/elsewhere.hpp"
 
 namespace mlcca {
 namespace {
 
 constexpr const char* kUnwanted = "what was asked for has ended";
+constexpr const char* kReplaced = "its number is that of another admission since";
+constexpr const char* kAskedBefore = "it was asked for before";
 
 std::vector<core::AdmissionId> ids_in(const std::vector<control::Request>& requests) {
   std::vector<core::AdmissionId> ids;
@@ -40,6 +47,14 @@ std::optional<control::Request> with_publisher_of(const control::Request& one,
   return both;
 }
 
+/// Keys and leases concern the other gateway alone.
+WhichRequest which_of(std::size_t gateway, const control::Request& request) {
+  Sha256 hash;
+  hash.add(
+      control::bytes_of(control::Request{.id = 0, .body = requests::what_others_need(request)}));
+  return {.gateway = gateway, .number = request.id, .content = hash.digest()};
+}
+
 /// A vote: against it for that reason, or for it if there is none.
 core::cluster::Vote vote_of(std::string why) {
   const bool ok = why.empty();
@@ -54,16 +69,19 @@ void Adopting::on(const core::cluster::Adopt& event) {
              .footprint = event.footprint,
              .asked = cluster::asked_in(event.admission),
              .number = hands_.new_number(),
+             .asks = {},
              .ours = {},
              .theirs = {}};
+  list(adopted);
   networks_.count(adopted.number, adopted.footprint, event.origin.gateway);
   if (adopted.is_on_behalf()) resume(adopted);
 }
 
 void Adopting::on(const core::cluster::Opened& event) {
   const auto it = adopted_.find({event.origin.gateway, event.origin.id});
-  // What this gateway has to answer of one on behalf is not replaced: there is nothing to open.
-  if (it != adopted_.end() && !it->second.is_on_behalf()) it->second.due = Due::open;
+  // What this gateway has to answer is not lost: of one on behalf there is nothing to open.
+  if (it != adopted_.end() && !it->second.is_on_behalf() && !it->second.replaced)
+    it->second.due = Due::open;
 }
 
 void Adopting::on(const core::cluster::Ended& event) {
@@ -75,6 +93,8 @@ void Adopting::on(const core::cluster::Ended& event) {
     hands_.give_back(ids_in(it->second.ours));
   }
   networks_.drop(it->second.number);
+  unlist(it->second);
+  hold_nothing(it->second);
   adopted_.erase(it);
 }
 
@@ -86,26 +106,44 @@ void Adopting::lost() {
     networks_.drop(adopted.number);
   }
   adopted_.clear();
+  requests_.clear();
 }
 
-/// Another admission of the same gateway that has this request too, one that is open if there is
-/// one; null if there is none.
-Adopting::Adopted* Adopting::other_with(const Adopted& adopted, core::AdmissionId theirs) {
-  const auto has = [theirs](const std::vector<control::Request>& all) {
-    return std::ranges::find(all, theirs, &control::Request::id) != all.end();
-  };
-  Adopted* found = nullptr;
-  const std::size_t gateway = adopted.origin.gateway;
-  for (auto it = adopted_.lower_bound({gateway, 0});
-       it != adopted_.end() && it->first.first == gateway; ++it) {
-    Adopted& other = it->second;
-    if (&other == &adopted || !other.asked || other.is_on_behalf() || (found && !other.open) ||
-        (!has(other.asked->also) && !has(other.asked->requests)))
-      continue;
-    found = &other;
-    if (other.open) break;
-  }
-  return found;
+void Adopting::list(Adopted& adopted) {
+  if (!adopted.asked) return;
+  for (const auto* all : {&adopted.asked->also, &adopted.asked->requests})
+    for (const control::Request& request : *all)
+      adopted.asks.push_back(which_of(adopted.origin.gateway, request));
+  if (adopted.is_on_behalf()) return;
+  for (const WhichRequest& which : adopted.asks) requests_.ask(which, key_of(adopted));
+}
+
+void Adopting::unlist(const Adopted& adopted) {
+  for (const WhichRequest& which : adopted.asks) requests_.ask_no_more(which, key_of(adopted));
+}
+
+void Adopting::set_open(Adopted& adopted, bool open) {
+  adopted.open = open;
+  for (const WhichRequest& which : adopted.asks) requests_.set_open(which, key_of(adopted), open);
+}
+
+void Adopting::hold(Adopted& adopted, const WhichRequest& which, control::Request ours) {
+  adopted.theirs.push_back(which);
+  adopted.ours.push_back(std::move(ours));
+  requests_.hold(which, key_of(adopted));
+}
+
+void Adopting::hold_nothing(Adopted& adopted) {
+  for (const WhichRequest& which : adopted.theirs) requests_.hold_no_more(which);
+  adopted.theirs.clear();
+  adopted.ours.clear();
+}
+
+/// Another admission of the same gateway that asks for this request too, one that is open if there
+/// is one; null if there is none.
+Adopting::Adopted* Adopting::other_with(const Adopted& adopted, const WhichRequest& which) {
+  const auto other = requests_.other(which, key_of(adopted));
+  return other ? &adopted_.at(*other) : nullptr;
 }
 
 /// A publisher that several admissions have was taken in with the first one of them. Another one
@@ -115,72 +153,105 @@ void Adopting::hand_on(Adopted& adopted) {
   for (std::size_t i = adopted.theirs.size(); i > 0; --i) {
     Adopted* const other = other_with(adopted, adopted.theirs[i - 1]);
     if (other == nullptr || (adopted.open && !other->open)) continue;
-    move_request(adopted, i - 1, *other);
+    move_request(adopted, adopted.theirs[i - 1], *other);
   }
 }
 
 void Adopting::close(Adopted& adopted) {
   hand_on(adopted);
   if (!adopted.open) return;
-  adopted.open = false;
+  set_open(adopted, false);
   hands_.remove(ids_in(adopted.ours));
   hand_on(adopted);
 }
 
-std::optional<std::pair<Adopting::Adopted*, std::size_t>> Adopting::holder_of(
-    std::size_t gateway, core::AdmissionId theirs) {
-  for (auto it = adopted_.lower_bound({gateway, 0});
-       it != adopted_.end() && it->first.first == gateway; ++it) {
-    const auto found = std::ranges::find(it->second.theirs, theirs);
-    if (found != it->second.theirs.end())
-      return std::pair(&it->second, static_cast<std::size_t>(found - it->second.theirs.begin()));
+/// The other gateway cannot want it any more, and may not have ended it yet.
+void Adopting::replace(Adopted& former) {
+  former.replaced = true;
+  unlist(former);
+  close(former);
+  if (former.is_on_behalf()) {
+    hands_.forget(former.number);
+    hands_.give_back(ids_in(former.ours));
   }
-  return std::nullopt;
+  hold_nothing(former);
+  networks_.count(former.number, former.footprint, former.origin.gateway);
+  former.answer = vote_of(kReplaced);
+  former.due = Due::answer;
+}
+
+/// Ends what was asked for earlier with the number of this request and was something else. An error
+/// if that was asked for later.
+std::string Adopting::end_former(const Adopted& adopted, const WhichRequest& which) {
+  for (const auto* held = requests_.held(which); held != nullptr && held->which != which;
+       held = requests_.held(which)) {
+    Adopted& former = adopted_.at(held->holder);
+    if (former.origin.asked >= adopted.origin.asked) return kReplaced;
+    replace(former);
+  }
+  return {};
 }
 
 /// Moves a request, in front of those that may need its publisher.
-void Adopting::move_request(Adopted& from, std::size_t at, Adopted& to) {
-  const auto place = static_cast<std::ptrdiff_t>(at);
-  to.theirs.insert(to.theirs.begin(), from.theirs[at]);
-  to.ours.insert(to.ours.begin(), std::move(from.ours[at]));
-  from.theirs.erase(from.theirs.begin() + place);
-  from.ours.erase(from.ours.begin() + place);
+void Adopting::move_request(Adopted& from, const WhichRequest& which, Adopted& to) {
+  const auto at = std::ranges::find(from.theirs, which);
+  const auto ours = from.ours.begin() + (at - from.theirs.begin());
+  requests_.hold(which, key_of(to));
+  to.theirs.insert(to.theirs.begin(), *at);
+  to.ours.insert(to.ours.begin(), std::move(*ours));
+  from.theirs.erase(at);
+  from.ours.erase(ours);
 }
 
-std::optional<core::AdmissionId> Adopting::ours_of(std::size_t gateway, core::AdmissionId theirs) {
-  const auto holder = holder_of(gateway, theirs);
-  return holder ? std::optional(holder->first->ours[holder->second].id) : std::nullopt;
+std::optional<core::AdmissionId> Adopting::ours_of(const WhichRequest& which) const {
+  const auto* const held = requests_.held(which);
+  if (held == nullptr || held->which != which) return std::nullopt;
+  const Adopted& holder = adopted_.at(held->holder);
+  const auto at = std::ranges::find(holder.theirs, which) - holder.theirs.begin();
+  return holder.ours[static_cast<std::size_t>(at)].id;
 }
 
-/// Gives numbers of this gateway to those requests that no other adopted admission has brought, or
-/// takes them from one that is not open.
-void Adopting::name_requests(Adopted& adopted, const std::vector<control::Request>& requests) {
-  for (const control::Request& request : requests) {
-    if (const auto known = holder_of(adopted.origin.gateway, request.id)) {
-      const auto [holder, at] = *known;
-      if (holder != &adopted && !holder->open) move_request(*holder, at, adopted);
-      continue;
-    }
-    adopted.theirs.push_back(request.id);
-    adopted.ours.push_back(request);
-    adopted.ours.back().id = hands_.new_id();
+control::Request Adopting::with_own_number(control::Request request) const {
+  request.id = hands_.new_id();
+  return request;
+}
+
+/// Gives a number of this gateway to a request that no other adopted admission holds, or takes it
+/// from one that is not open. The result is why that is not possible, or empty.
+std::string Adopting::name_request(Adopted& adopted, const control::Request& request,
+                                   const WhichRequest& which) {
+  if (std::string why = end_former(adopted, which); !why.empty()) return why;
+  if (const auto* const held = requests_.held(which)) {
+    Adopted& holder = adopted_.at(held->holder);
+    if (&holder == &adopted || holder.open) return {};
+    if (holder.is_on_behalf()) return kAskedBefore;
+    move_request(holder, which, adopted);
+    return {};
   }
+  hold(adopted, which, with_own_number(request));
+  return {};
 }
 
 /// Publishers first.
-void Adopting::name_all(Adopted& adopted) {
-  name_requests(adopted, adopted.asked->also);
-  name_requests(adopted, adopted.asked->requests);
+std::string Adopting::name_all(Adopted& adopted) {
+  auto which = adopted.asks.begin();
+  for (const auto* all : {&adopted.asked->also, &adopted.asked->requests})
+    for (const control::Request& request : *all)
+      if (std::string why = name_request(adopted, request, *which++); !why.empty()) return why;
+  return {};
 }
 
 /// The footprint with admission numbers of this gateway; nullopt if it refers to an unknown
 /// admission.
-std::optional<core::cluster::Footprint> Adopting::mapped(const Adopted& adopted) {
+std::optional<core::cluster::Footprint> Adopting::mapped(const Adopted& adopted) const {
+  std::map<core::AdmissionId, WhichRequest> asks;
+  for (const WhichRequest& which : adopted.asks) asks.emplace(which.number, which);
   core::cluster::Footprint out = adopted.footprint;
   bool all = true;
   const auto map = [&](core::cluster::Source& source) {
     if (source.admission == 0) return;
-    const auto ours = ours_of(adopted.origin.gateway, source.admission);
+    const auto which = asks.find(source.admission);
+    const auto ours = which == asks.end() ? std::nullopt : ours_of(which->second);
     all = all && ours;
     source.admission = ours.value_or(source.admission);
   };
@@ -192,7 +263,7 @@ std::optional<core::cluster::Footprint> Adopting::mapped(const Adopted& adopted)
   return all ? std::optional(std::move(out)) : std::nullopt;
 }
 
-std::string Adopting::misfit(const Adopted& adopted) {
+std::string Adopting::misfit(const Adopted& adopted) const {
   if (!mapped(adopted)) return "it takes traffic of an admission that is not known here";
   for (std::size_t i = 0; i < adopted.ours.size(); ++i)
     if (std::string why = misfit(adopted, i); !why.empty()) return why;
@@ -216,10 +287,10 @@ void Adopting::vote(Adopted& adopted, core::cluster::Member& member, Value now) 
   }
   std::string why = is_unwanted(adopted) ? kUnwanted : "what is asked for is not understood here";
   if (adopted.asked && !is_unwanted(adopted)) {
-    name_all(adopted);
+    why = name_all(adopted);
     networks_.leave_out(adopted.number);
     hands_.bring_in_line();
-    why = misfit(adopted);
+    if (why.empty()) why = misfit(adopted);
     networks_.leave_out(std::nullopt);
   }
   const core::cluster::Origin origin = adopted.origin;
@@ -229,13 +300,14 @@ void Adopting::vote(Adopted& adopted, core::cluster::Member& member, Value now) 
 /// Starts to carry an adopted admission. The result is why it cannot be carried, or empty.
 std::string Adopting::open(Adopted& adopted) {
   if (is_unwanted(adopted)) return kUnwanted;
-  if (adopted.asked) name_all(adopted);
+  if (std::string unnamed = adopted.asked ? name_all(adopted) : ""; !unnamed.empty())
+    return unnamed;
   const auto footprint = mapped(adopted);
   if (!footprint) return "it takes traffic of an admission that is not known here";
   networks_.carry(adopted.number, *footprint, adopted.origin.gateway, adopted.footprint);
   networks_.leave_out(adopted.number);
   hands_.bring_in_line();
-  adopted.open = true;
+  set_open(adopted, true);
   std::string why;
   for (auto it = adopted.ours.begin(); it != adopted.ours.end() && why.empty(); ++it)
     if (const auto done = hands_.admit(*it); !done) why = done.error().text;
@@ -295,9 +367,10 @@ void Adopting::begin_on_behalf(Adopted& adopted) {
   const auto& requests = adopted.asked->requests;
   if (requests.size() != 1 || describes_publisher(std::get<control::Admit>(requests.front().body)))
     return answer(adopted, "what is asked for is not understood here");
-  if (holder_of(adopted.origin.gateway, requests.front().id))
-    return answer(adopted, "it was asked for before");
-  name_requests(adopted, requests);
+  const WhichRequest& which = adopted.asks.back();
+  if (const std::string why = end_former(adopted, which); !why.empty()) return answer(adopted, why);
+  if (requests_.held(which) != nullptr) return answer(adopted, kAskedBefore);
+  hold(adopted, which, with_own_number(requests.front()));
   const Ref ref{.origin = adopted.origin, .number = adopted.number};
   const auto asked = hands_.ask({.decide = [this, ref] { return wish_on_behalf(ref); },
                                  .granted = [this, ref] { return open_on_behalf(ref); },
@@ -314,10 +387,10 @@ void Adopting::begin_on_behalf(Adopted& adopted) {
 void Adopting::resume(Adopted& adopted) {
   const auto& requests = adopted.asked->requests;
   const auto found = found_.find({hands_.name_of(adopted.origin.gateway), adopted.origin.id});
-  if (found == found_.end() || requests.size() != 1 || found->second.body != requests.front().body)
+  if (found == found_.end() || requests.size() != 1 ||
+      found->second.body != requests.front().body || requests_.held(adopted.asks.back()) != nullptr)
     return;
-  adopted.theirs = {requests.front().id};
-  adopted.ours = {found->second};
+  hold(adopted, adopted.asks.back(), found->second);
   adopted.open = true;
   adopted.due = Due::resume;
   found_.erase(found);

@@ -16,6 +16,7 @@
 #include "core/admission/state.hpp"
 #include "core/cluster/member.hpp"
 #include "daemon/cluster/codec.hpp"
+#include "daemon/gateway/request_index.hpp"
 #include "daemon/gateway/reserving.hpp"
 #include "daemon/gateway/shared_networks.hpp"
 
@@ -65,6 +66,7 @@ class Adopting {
   /// Forgets everything without closing it, where the state that held it is gone already.
   void forget() {
     adopted_.clear();
+    requests_.clear();
     found_.clear();
   }
   /// After a start the store has this reservation of this gateway, which was made for another one.
@@ -87,7 +89,7 @@ class Adopting {
   [[nodiscard]] bool is_twin(core::AdmissionId id) const;
 
  private:
-  using Key = std::pair<std::size_t, std::uint64_t>;  ///< gateway, and its own number
+  using Key = RequestIndex<>::Admission;
   enum class Due : std::uint8_t { nothing, vote, open, resume, answer };
   /// Identifies an admission that was made for another gateway: its name and its own number.
   using For = std::pair<std::string, std::uint64_t>;
@@ -96,30 +98,38 @@ class Adopting {
     core::cluster::Footprint footprint;
     std::optional<cluster::Asked> asked;
     Number number = 0;
-    std::vector<control::Request> ours;  ///< the requests, with admission numbers of this gateway
-    std::vector<core::AdmissionId> theirs;  ///< numbers of the same requests at the other gateway
+    std::vector<WhichRequest> asks;      ///< of `asked`: first `also`, then `requests`
+    std::vector<control::Request> ours;  ///< requests that it holds, with numbers of this gateway
+    std::vector<WhichRequest> theirs;    ///< the same requests
     Due due = Due::vote;
     bool open = false;
     bool check = false;            ///< its publisher may have gone
+    bool replaced = false;         ///< the other gateway has given its number to something else
     core::cluster::Vote answer{};  ///< of Due::answer
     /// This gateway makes the admission itself; `ours` has the one request.
     [[nodiscard]] bool is_on_behalf() const { return asked && asked->on_behalf; }
   };
 
-  /// The adopted admission of that gateway that has brought this request, and its index there.
-  [[nodiscard]] std::optional<std::pair<Adopted*, std::size_t>> holder_of(std::size_t gateway,
-                                                                          core::AdmissionId theirs);
-  static void move_request(Adopted& from, std::size_t at, Adopted& to);
-  [[nodiscard]] std::optional<core::AdmissionId> ours_of(std::size_t gateway,
-                                                         core::AdmissionId theirs);
-  void name_requests(Adopted& adopted, const std::vector<control::Request>& requests);
-  void name_all(Adopted& adopted);
-  [[nodiscard]] std::string misfit(const Adopted& adopted);
+  static Key key_of(const Adopted& adopted) { return {adopted.origin.gateway, adopted.origin.id}; }
+  void list(Adopted& adopted);
+  void unlist(const Adopted& adopted);
+  void set_open(Adopted& adopted, bool open);
+  void hold(Adopted& adopted, const WhichRequest& which, control::Request ours);
+  void hold_nothing(Adopted& adopted);
+  void replace(Adopted& former);
+  [[nodiscard]] std::string end_former(const Adopted& adopted, const WhichRequest& which);
+  void move_request(Adopted& from, const WhichRequest& which, Adopted& to);
+  [[nodiscard]] std::optional<core::AdmissionId> ours_of(const WhichRequest& which) const;
+  [[nodiscard]] control::Request with_own_number(control::Request request) const;
+  [[nodiscard]] std::string name_request(Adopted& adopted, const control::Request& request,
+                                         const WhichRequest& which);
+  [[nodiscard]] std::string name_all(Adopted& adopted);
+  [[nodiscard]] std::string misfit(const Adopted& adopted) const;
   [[nodiscard]] std::string misfit(const Adopted& adopted, std::size_t request) const;
-  [[nodiscard]] std::optional<core::cluster::Footprint> mapped(const Adopted& adopted);
+  [[nodiscard]] std::optional<core::cluster::Footprint> mapped(const Adopted& adopted) const;
   [[nodiscard]] std::string open(Adopted& adopted);
   void close(Adopted& adopted);
-  [[nodiscard]] Adopted* other_with(const Adopted& adopted, core::AdmissionId theirs);
+  [[nodiscard]] Adopted* other_with(const Adopted& adopted, const WhichRequest& which);
   void hand_on(Adopted& adopted);
   void vote(Adopted& adopted, core::cluster::Member& member, Value now);
   void act_on(Adopted& adopted, Due due, core::cluster::Member& member, Value now);
@@ -141,6 +151,7 @@ class Adopting {
   SharedNetworks& networks_;
   Hands hands_;
   std::map<Key, Adopted> adopted_;
+  RequestIndex<> requests_;                ///< of all of them
   std::map<For, control::Request> found_;  ///< reserved by an earlier process, see keep_found()
 };
 

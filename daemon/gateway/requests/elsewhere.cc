@@ -123,18 +123,22 @@ control::Admit subscriber_alone(control::Admit request, core::AdmissionId id) {
   return request;
 }
 
-Reserving::Wish wish_elsewhere(const std::string& channel, const control::Request& request,
-                               std::size_t gateway) {
+control::Admit what_others_need(const control::Request& request) {
   const auto& admit = std::get<control::Admit>(request.body);
   control::Admit asked = subscriber_alone(admit, request.id);
   asked.from = admit.from;
   asked.key.clear();
   asked.lease_ns = 0;
   asked.hold = false;
+  return asked;
+}
+
+Reserving::Wish wish_elsewhere(const std::string& channel, const control::Request& request,
+                               std::size_t gateway) {
   return {.footprint = {.parts = {}, .gateways = {gateway}},
           .publisher = {},
           .asked = {.channel = channel,
-                    .requests = {{.id = request.id, .body = std::move(asked)}},
+                    .requests = {{.id = request.id, .body = what_others_need(request)}},
                     .also = {},
                     .on_behalf = true}};
 }

@@ -27,6 +27,9 @@ namespace mlcca::requests {
 /// The subscriber of such a request, as this gateway takes it in: its publisher comes with the
 /// admission of the other gateway.
 [[nodiscard]] control::Admit subscriber_alone(control::Admit request, core::AdmissionId id);
+/// What other gateways need to know of a request: without the key and the lease, and with a name of
+/// the subscriber.
+[[nodiscard]] control::Admit what_others_need(const control::Request& request);
 /// What to ask of the other gateway.
 [[nodiscard]] Reserving::Wish wish_elsewhere(const std::string& channel,
                                              const control::Request& request, std::size_t gateway);

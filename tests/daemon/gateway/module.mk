@@ -10,6 +10,7 @@ $(eval $(call unit_test,aside_test,tests/daemon/gateway/aside_test.cc,$(addprefi
 $(eval $(call unit_test,fork_budget_test,tests/daemon/gateway/fork_budget_test.cc,$(addprefix $O/daemon/,gateway/fork_budget.o serve/turns.o),))
 $(eval $(call unit_test,history_pages_test,tests/daemon/gateway/history_pages_test.cc tests/daemon/store/worlds.cc,$O/daemon/gateway/history_pages.o $(patsubst %.cc,$O/%.o,$(wildcard daemon/store/*.cc)) $O/libcontrol.a,-lsqlite3))
 $(eval $(call unit_test,rounds_test,tests/daemon/gateway/rounds_test.cc,,))
+$(eval $(call unit_test,request_index_test,tests/daemon/gateway/request_index_test.cc,,))
 $(eval $(call unit_test,drops_test,tests/daemon/gateway/drops_test.cc,$O/daemon/gateway/drops.o,-lfmt))
 $(eval $(call unit_test,health_test,tests/daemon/gateway/health_test.cc,$O/daemon/gateway/health.o $O/daemon/gateway/drops.o $O/libcore.a,-lfmt))
 $(eval $(call unit_test,user_names_test,tests/daemon/gateway/user_names_test.cc,$O/daemon/gateway/user_names.o,))

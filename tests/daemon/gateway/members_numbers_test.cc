@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A gateway that has lost its journal gives numbers of admissions that the store still has to
+// others.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "tests/daemon/gateway/members_forged.hpp"
+
+namespace mlcca::test {
+namespace {
+
+namespace cc = core::cluster;
+
+constexpr std::uint64_t kNumber = 7001;
+
+/// g1 does not run. It asks g0 to carry and to admit what these tests write.
+class MembersNumbers : public MembersForged {
+ protected:
+  void start_and_leave_g1() {
+    start_both();
+    at(1).end();
+    beat_of_g1();
+    run();
+  }
+  void ask_g0(std::uint64_t n, cc::Stage stage, const control::Admit& admit,
+              bool on_behalf = false) {
+    const cluster::Asked asked{.channel = admit.channel,
+                               .requests = {{.id = kNumber, .body = admit}},
+                               .also = {},
+                               .on_behalf = on_behalf};
+    store.write({{.key = key("x/g1/") + std::to_string(n),
+                  .value = codec.write(cc::Asked{
+                      .stage = stage, .admission = cluster::text_of(asked), .gateways = {0}})}});
+    beat_of_g1();
+    run();
+  }
+  void grant(std::uint64_t n, const control::Admit& admit) {
+    ask_g0(n, cc::Stage::prepared, admit);
+    ask_g0(n, cc::Stage::granted, admit);
+  }
+  std::string answer(std::uint64_t n) {
+    const auto vote = answer_to_g1(n);
+    if (!vote) return "no answer";
+    return vote->ok ? "yes" : vote->reason;
+  }
+  /// The entry of what g0 admits for g1.
+  std::string made_for_g1() {
+    for (const auto& [name, asked] : asked_by_g0())
+      if (asked.for_gateway == "g1") return name;
+    return {};
+  }
+  bool carries(const std::string& channel) {
+    const auto there = at(0).state().find_channel(channel);
+    return there && granted(0, *there);
+  }
+};
+
+TEST_F(MembersNumbers, AnotherRequestWithTheNumberOfAFormerOneIsJudgedAndCarried) {
+  start_and_leave_g1();
+  grant(1, wanted("c3", "own0", "g0"));
+  ASSERT_EQ(answer(1), "yes");
+  ASSERT_TRUE(carries("c3"));
+  grant(2, wanted("c4", "own0", "g0"));
+  EXPECT_EQ(answer(2), "yes");
+  EXPECT_TRUE(carries("c4"));
+  EXPECT_FALSE(carries("c3")) << "the former one has ended";
+  EXPECT_EQ(answer(1), "its number is that of another admission since");
+}
+
+TEST_F(MembersNumbers, AnotherRequestWithTheNumberOfAFormerOneIsRefusedWhereItDoesNotFit) {
+  start_and_leave_g1();
+  grant(1, wanted("c3", "own0", "g0"));
+  auto much = wanted("c4", "own0", "g0");
+  much.offered = {attribute_of("Period", 1'000)};
+  ask_g0(2, cc::Stage::prepared, much);
+  EXPECT_NE(answer(2), "yes");
+  EXPECT_NE(answer(2), "no answer");
+}
+
+TEST_F(MembersNumbers, TheFormerOneDoesNotTakeItsNumberBack) {
+  start_and_leave_g1();
+  grant(1, wanted("c3", "own0", "g0"));
+  grant(2, wanted("c4", "own0", "g0"));
+  grant(1, wanted("c3", "own0", "g0"));
+  EXPECT_TRUE(carries("c4"));
+  EXPECT_FALSE(carries("c3"));
+}
+
+TEST_F(MembersNumbers, WhatIsTheSameRequestIsCarriedUntilTheLastOneEnds) {
+  start_and_leave_g1();
+  grant(1, wanted("c3", "own0", "g0"));
+  auto again = wanted("c3", "own0", "g0");
+  again.key = "another";
+  again.lease_ns = kSecondNs;
+  grant(2, again);
+  EXPECT_EQ(answer(2), "yes");
+  store.write({}, {key("x/g1/1")});
+  run();
+  EXPECT_TRUE(carries("c3"));
+  EXPECT_EQ(answer(2), "yes");
+  store.write({}, {key("x/g1/2")});
+  run();
+  EXPECT_FALSE(carries("c3"));
+}
+
+TEST_F(MembersNumbers, WhatWasAdmittedForTheFormerOneIsGivenBack) {
+  start_both();
+  ASSERT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");
+  at(1).end();
+  beat_of_g1();
+  run();
+  ask_g0(5, cc::Stage::prepared, subscriber_on_own1("c3", "also"), true);
+  const std::string made = made_for_g1();
+  ASSERT_NE(made, "");
+  ask_g0(6, cc::Stage::prepared, wanted("c4", "own0", "g0"));
+  EXPECT_EQ(answer(6), "yes");
+  EXPECT_EQ(answer(5), "its number is that of another admission since");
+  for (int n = 0; n < 30; ++n) {
+    if (n % 10 == 0) beat_of_g1();
+    pass(kStepNs);
+  }
+  EXPECT_FALSE(store.entries.contains(made));
+}
+
+/// One entry is for g0 to admit, the other one says that g1 has admitted it.
+TEST_F(MembersNumbers, ARequestThatIsAdmittedForAnotherGatewayIsNotCarriedBeside) {
+  start_both();
+  ASSERT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");
+  at(1).end();
+  beat_of_g1();
+  run();
+  ask_g0(5, cc::Stage::prepared, subscriber_on_own1("c3", "also"), true);
+  const std::string made = made_for_g1();
+  ASSERT_NE(made, "");
+  ask_g0(6, cc::Stage::prepared, subscriber_on_own1("c3", "also"));
+  EXPECT_EQ(answer(6), "it was asked for before");
+  store.write({{.key = key("a/g1/g0/") + made.substr(made.rfind('/') + 1),
+                .value = codec.write(cc::VoteOf{.asked = store.entries.at(made).create,
+                                                .vote = {.ok = true, .hop = {}, .reason = {}}})}});
+  run();
+  beat_of_g1();
+  run();
+  EXPECT_EQ(answer(5), "yes");
+}
+
+}  // namespace
+}  // namespace mlcca::test
