@@ -82,7 +82,7 @@ void Membership::wish(std::size_t channel) {
 void Membership::follow_agreements(bool is_in_force) {
   const auto& through = parts_.recorder.contents().admissions.through_others();
   if (through.empty()) return;
-  const auto held = reserving_->held_admissions();
+  const auto held = reserving_->agreed_admissions();
   std::vector<Admissions::Waiting> lost;
   std::vector<core::AdmissionId> agreed;
   for (const auto& [id, gateway] : through) {
@@ -237,11 +237,13 @@ void Membership::end_withdrawn() {
   }
 }
 
+/// What another gateway has admitted for this one is not asked for here.
 cluster::Asked Membership::asked_of(std::size_t channel) const {
   cluster::Asked asked{.channel = state().system().channels[channel].name, .requests = {}};
+  const auto& recorded = parts_.recorder.contents().admissions;
   for (const auto& [id, of] : state().admissions()) {
-    const control::Request* const request = parts_.recorder.contents().admissions.find(id);
-    if (of == channel && request != nullptr) asked.requests.push_back(*request);
+    if (of != channel || !recorded.through(id).empty()) continue;
+    if (const auto* const request = recorded.find(id)) asked.requests.push_back(*request);
   }
   return asked;
 }

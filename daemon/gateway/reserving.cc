@@ -66,6 +66,13 @@ std::unordered_set<core::AdmissionId> Reserving::held_admissions() const {
   return all;
 }
 
+std::unordered_set<core::AdmissionId> Reserving::agreed_admissions() const {
+  std::unordered_set<core::AdmissionId> all;
+  for (const auto& [number, held] : held_)
+    if (held.on_behalf) all.insert(held.admissions.begin(), held.admissions.end());
+  return all;
+}
+
 std::string Reserving::bar_gateway(std::size_t gateway, const std::string& name) const {
   Quotas::Waiting now;
   for (const Open& open : jobs_) {

@@ -122,6 +122,8 @@ class Reserving {
   [[nodiscard]] const std::map<Number, Held>& held() const { return held_; }
   /// The admissions for which something is held.
   [[nodiscard]] std::unordered_set<core::AdmissionId> held_admissions() const;
+  /// Those of them that another gateway has made for this one.
+  [[nodiscard]] std::unordered_set<core::AdmissionId> agreed_admissions() const;
   /// Whether that number is held, or was asked for and is not answered yet.
   [[nodiscard]] bool has(Number number) const;
   /// Whether what other gateways have admitted for this one may have changed since the last call.
