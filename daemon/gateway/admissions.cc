@@ -92,9 +92,10 @@ Admissions::LeftOut Admissions::restore_into(core::State& state) const {
 }
 
 void Admissions::set_left_out(LeftOut left_out) {
+  std::erase_if(waiting_, [&](const auto& one) { return left_out.contains(one.first); });
   for (const auto& [id, said] : waiting_)
     if (const auto why = left_out_.find(id); why != left_out_.end())
-      left_out.insert_or_assign(id, why->second);
+      left_out.emplace(id, why->second);
   left_out_ = std::move(left_out);
 }
 

@@ -52,7 +52,7 @@ class Admissions {
   [[nodiscard]] LeftOut restore_into(core::State& state) const;
 
   [[nodiscard]] const LeftOut& left_out() const { return left_out_; }
-  /// Those for which the description in force has no place. Others still wait.
+  /// Those for which the description in force has no place, which do not wait any more. Others do.
   void set_left_out(LeftOut left_out);
   /// Logs a warning for each left-out admission whose reason was not reported before.
   void report_left_out();
@@ -89,7 +89,7 @@ class Admissions {
   /// Takes them into the state again, as far as the description has a place for them;
   /// Turn::settle() has to follow.
   void end_wait(const std::vector<core::AdmissionId>& all);
-  /// It does not wait any more: the state of another description has it, or has no place for it.
+  /// It does not wait any more: the state of another description has it.
   void forget_wait(core::AdmissionId id) {
     if (waiting_.erase(id) != 0) left_out_.erase(id);
   }

@@ -182,7 +182,7 @@ store::Membership Membership::record() const {
   return record;
 }
 
-void Membership::take_up() {
+core::FormerRules Membership::take_up_state(bool is_in_force) {
   core::State& state = this->state();
   if (!member_ || parts_.scene.digest != digest_ || parts_.scene.self != self_) begin();
   state.set_permits(nullptr);
@@ -191,12 +191,13 @@ void Membership::take_up() {
   for (const cc::Event& event : std::exchange(early_, {})) take_in(event);
   adopting_->restore();
   forget_orphans();
-  follow_agreements(false);
+  core::FormerRules left = follow_agreements(is_in_force);
   networks_->touch_all();
   networks_->put_foreign(state, member_->view());
   note_failed();
   set_permits();
   raise_until();
+  return left;
 }
 
 // --- what the store says -------------------------------------------------------------------------
@@ -316,7 +317,9 @@ void Membership::act() {
 /// end of the lease before gates open, and loses it only after they have closed.
 bool Membership::bring_in_line() {
   if (!decided_) return false;
-  if (reserving_->take_agreements_changed()) follow_agreements(true);
+  if (reserving_->take_agreements_changed())
+    if (const core::FormerRules left = follow_agreements(true); !left.empty())
+      static_cast<void>(parts_.turn.settle(left));
   note_failed();
   set_permits();
   networks_->put_foreign(state(), member_->view());

@@ -75,7 +75,7 @@ class Membership final : private core::Holdings {
   void begin();
   void await(std::uint64_t limit);
   /// Called before everything is decided in the present state of the scene.
-  void take_up();
+  void take_up() { static_cast<void>(take_up_state(false)); }
   /// Called when everything is decided and the gates follow it.
   void in_force() {
     decided_ = true;
@@ -190,7 +190,8 @@ class Membership final : private core::Holdings {
   void wish(std::size_t channel);
   bool ask_again_some();
   void ask_again(core::AdmissionId id, std::size_t gateway);
-  void follow_agreements(bool is_in_force);
+  [[nodiscard]] core::FormerRules follow_agreements(bool is_in_force);
+  [[nodiscard]] core::FormerRules take_up_state(bool is_in_force);
   void note_lost(const std::string& why);
   void forget_waits(const std::vector<core::AdmissionId>& gone);
   void note_refusal(core::AdmissionId id, const std::string& why);

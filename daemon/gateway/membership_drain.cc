@@ -69,7 +69,7 @@ Result<void> Membership::join() {
   adopting_->lost();
   state().set_permits(nullptr);
   begin();
-  take_up();
+  static_cast<void>(parts_.turn.settle(take_up_state(true)));
   return {};
 }
 

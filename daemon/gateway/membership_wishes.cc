@@ -78,10 +78,11 @@ void Membership::wish(std::size_t channel) {
 
 /// What another gateway has admitted for this one is in the state as long as it is held. Otherwise
 /// it could be granted by what that gateway carries for other subscribers here. `is_in_force`: the
-/// state is in force; otherwise it is being made from the journal.
-void Membership::follow_agreements(bool is_in_force) {
+/// state is in force; otherwise all of it is about to be decided. Returns the rules that the gates
+/// had for what has to wait; Turn::settle() or Turn::enforce() has to follow.
+core::FormerRules Membership::follow_agreements(bool is_in_force) {
   const auto& through = parts_.recorder.contents().admissions.through_others();
-  if (through.empty()) return;
+  if (through.empty()) return {};
   const auto held = reserving_->agreed_admissions();
   std::vector<Admissions::Waiting> lost;
   std::vector<core::AdmissionId> agreed;
@@ -93,16 +94,17 @@ void Membership::follow_agreements(bool is_in_force) {
       lost.push_back({.id = id, .why = why_waits(id, gateway), .log = !withdrawn_.contains(id)});
     else if (is_held && !is_there && is_in_force && parts_.admissions.waits(id))
       agreed.push_back(id);
-    else if (!is_in_force)
+    else if (is_held && is_there)
       parts_.admissions.forget_wait(id);
+    else if (!is_held && parts_.admissions.waits(id))
+      lost.push_back({.id = id, .why = why_waits(id, gateway), .log = false});
   }
   parts_.admissions.end_wait(agreed);
-  if (lost.empty()) return;
-  const core::FormerRules left = parts_.admissions.let_wait(lost);
-  if (is_in_force) static_cast<void>(parts_.turn.settle(left));
+  return lost.empty() ? core::FormerRules() : parts_.admissions.let_wait(lost);
 }
 
 std::string Membership::why_waits(core::AdmissionId id, const std::string& gateway) const {
+  if (drained_) return "this gateway is drained";
   const auto why = why_waits_.find(id);
   if (why == why_waits_.end()) return fmt::format("it waits for gateway {}", gateway);
   const std::string own = gateway + ": ";
