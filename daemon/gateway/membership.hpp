@@ -186,6 +186,7 @@ class Membership final : private core::Holdings {
   void set_until(std::uint64_t until);
   void note_failed();
   bool wish_some();
+  bool wish_one();
   void take_over();
   void wish(std::size_t channel);
   bool ask_again_some();
@@ -247,6 +248,7 @@ class Membership final : private core::Holdings {
   bool drained_ = false;        ///< an operator has drained this gateway
   bool until_restart_ = false;  ///< the drain ends with this daemon
   bool looks_for_wishes_ = true;
+  bool asked_again_ = false;  ///< the latest turn was one of ask_again_some() or the like
   bool asks_others_ = false;  ///< what they have agreed to may have ended with a membership
   Value leave_until_ = 0;
   std::optional<std::uint64_t> until_;  ///< as it was last set in the kernel

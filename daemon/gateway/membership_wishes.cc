@@ -26,19 +26,27 @@ constexpr Value kGrantedWishAgain = 60'000'000'000;  // after a grant with which
 
 /// Asks for a channel that would be given more with a reservation: one that has lost its
 /// reservation, or for which others leave more room than the description promises. It waits for its
-/// turn while another admission is decided. True if one was asked for.
+/// turn while another admission is decided. It takes turns with what other gateways are asked for
+/// again, since each of them may take until all patience is over. True if one was asked for.
 bool Membership::wish_some() {
   if (!joined_ || leaving_ || !looks_for_wishes_ || reserving_->has_own() || !standing().empty() ||
       !networks_->permits().is_open())
     return false;
-  if (ask_again_some() || (asks_others_ && ask_others_again_some())) return true;
+  const bool wishes_first = std::exchange(asked_again_, false);
+  if (wishes_first && wish_one()) return true;
+  asked_again_ = ask_again_some() || (asks_others_ && ask_others_again_some());
+  if (asked_again_ || (!wishes_first && wish_one())) return true;
+  looks_for_wishes_ = false;
+  return false;
+}
+
+bool Membership::wish_one() {
   for (const std::size_t channel : state().wishes()) {
     const auto again = wish_again_.find(state().system().channels[channel].name);
     if (again != wish_again_.end() && again->second > now()) continue;
     wish(channel);
     return true;
   }
-  looks_for_wishes_ = false;
   return false;
 }
 
@@ -140,9 +148,16 @@ void Membership::note_refusal(core::AdmissionId id, const std::string& why) {
 }
 
 /// Asks for an admission that another gateway has to make for this one again: this gateway was not
-/// there, or that one does not agree for a while. True if one was asked for.
+/// there, or that one does not agree for a while. The one that has waited for its turn longest is
+/// the next. True if one was asked for.
 bool Membership::ask_again_some() {
   const auto& gateways = state().system().gateways;
+  struct Due {
+    Value since = 0;
+    core::AdmissionId id = 0;
+    std::size_t gateway = 0;
+  };
+  std::optional<Due> next;
   for (const auto& [id, name] : parts_.recorder.contents().admissions.through_others()) {
     if (!parts_.admissions.waits(id) || withdrawn_.contains(id)) continue;
     const auto gateway = std::ranges::find(gateways, name, &core::Gateway::name);
@@ -152,13 +167,14 @@ bool Membership::ask_again_some() {
       continue;
     }
     const auto pause = pauses_.find(id);
-    if ((pause != pauses_.end() && pause->second.until > now()) ||
+    const Value since = pause == pauses_.end() ? 0 : pause->second.until;
+    if (since > now() || (next && next->since <= since) ||
         member_->view().alive(index, now()) != core::cluster::Alive::present)
       continue;
-    ask_again(id, index);
-    return true;
+    next = Due{.since = since, .id = id, .gateway = index};
   }
-  return false;
+  if (next) ask_again(next->id, next->gateway);
+  return next.has_value();
 }
 
 void Membership::ask_again(core::AdmissionId id, std::size_t gateway) {
