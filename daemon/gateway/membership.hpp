@@ -190,6 +190,7 @@ class Membership final : private core::Holdings {
   void take_over();
   void wish(std::size_t channel);
   bool ask_again_some();
+  [[nodiscard]] bool is_there(std::size_t gateway) const;
   void ask_again(core::AdmissionId id, std::size_t gateway);
   [[nodiscard]] core::FormerRules follow_agreements(bool is_in_force);
   [[nodiscard]] core::FormerRules take_up_state(bool is_in_force);

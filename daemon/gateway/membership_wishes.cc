@@ -168,13 +168,18 @@ bool Membership::ask_again_some() {
     }
     const auto pause = pauses_.find(id);
     const Value since = pause == pauses_.end() ? 0 : pause->second.until;
-    if (since > now() || (next && next->since <= since) ||
-        member_->view().alive(index, now()) != core::cluster::Alive::present)
-      continue;
+    if (since > now() || (next && next->since <= since) || !is_there(index)) continue;
     next = Due{.since = since, .id = id, .gateway = index};
   }
   if (next) ask_again(next->id, next->gateway);
   return next.has_value();
+}
+
+/// Also one that leaves to others what they can carry: it decides all the same.
+bool Membership::is_there(std::size_t gateway) const {
+  using core::cluster::Alive;
+  const Alive alive = member_->view().alive(gateway, now());
+  return alive == Alive::present || alive == Alive::standby;
 }
 
 void Membership::ask_again(core::AdmissionId id, std::size_t gateway) {

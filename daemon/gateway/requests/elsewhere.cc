@@ -76,7 +76,7 @@ std::optional<std::size_t> gateway_in_store(const Context& context, const cc::Me
     const cc::Alive alive = view.alive(key.gateway, context.membership->now());
     const auto there = view.records().asked.find({key.gateway, key.id});
     if (there == view.records().asked.end() || there->second.asked.stage != cc::Stage::granted ||
-        (alive != cc::Alive::present && alive != cc::Alive::silent))
+        (alive != cc::Alive::present && alive != cc::Alive::standby && alive != cc::Alive::silent))
       continue;
     if (++read > kMostRead) break;
     const auto in_store = cluster::asked_in(there->second.asked.admission);
