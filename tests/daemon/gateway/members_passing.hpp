@@ -15,7 +15,7 @@
 
 namespace mlcca::test {
 
-inline constexpr std::size_t kC3 = 3;
+inline constexpr std::size_t kThirdChannel = 3;
 inline constexpr const char* kBusy = "it is busy";
 
 /// g1 has another bus of its own, own2.
@@ -48,8 +48,8 @@ class MembersPassing : public MembershipBench {
     if (found == at(1).kernel.interfaces.end() || !at(1).kernel.passes()) return false;
     return std::ranges::any_of(
         at(1).kernel.gates.at(found->second.ifindex).rules, [](const auto& one) {
-          return one.first.subject == kC3 + 1 && one.first.direction == core::Direction::egress &&
-                 one.second.pass;
+          return one.first.subject == kThirdChannel + 1 &&
+                 one.first.direction == core::Direction::egress && one.second.pass;
         });
   }
   /// The entries by which g1 has asked g0 for the subscriber on that network.
