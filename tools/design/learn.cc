@@ -339,6 +339,7 @@ class Learn {
     std::ranges::copy_if(draft.left_out, std::back_inserter(notes_), [](const std::string& note) {
       return !note.starts_with("'mlccactl check' refuses");
     });
+    std::ranges::copy(merged->notes, std::back_inserter(notes_));
     std::ranges::move(refused_when_patched(*described_, merged->files), std::back_inserter(notes_));
     std::string text;
     for (const auto& [path, changed] : merged->files) {

@@ -105,11 +105,11 @@ class Merge {
     note_unseen(draft);
     propose_provisions();
     if (!channels_.empty() || !ends_.empty()) patch_.insert_in_system(channels_ + ends_);
-    for (const auto& [network, text] : bindings_)
-      patch_.insert_in_network(system_.networks[network].origin, text);
+    for (const auto& [network, text] : bindings_) patch_.insert_in_network(network, text);
     auto files = patch_.files();
     if (!files) return std::unexpected(files.error());
     merged_.files = std::move(*files);
+    merged_.notes = patch_.notes();
     return std::move(merged_);
   }
 
@@ -326,6 +326,10 @@ class Merge {
           p.name, core::format_value(Attribute::period, period), time_words(seen.period)));
   }
 
+  [[nodiscard]] std::size_t index_of(const core::Publisher& p) const {
+    return static_cast<std::size_t>(&p - system_.publishers.data());
+  }
+
   /// What its attributes must be, so that what was seen passes and nothing of it is missing.
   void propose(const learn::DraftPublisher& seen, const core::Publisher& p) {
     const AttributeSet& stated = p.attributes;
@@ -340,10 +344,10 @@ class Merge {
       const bool own = !alone || period != channel.attributes[Attribute::period];
       const Value fresh = seen.few.empty() ? seen.period : std::min(seen.period, period);
       if (fresh != period)
-        patch_.state({own ? p.origin : channel.origin, own ? Of::publisher : Of::channel, "period"},
+        patch_.state({own ? Of::publisher : Of::channel, own ? index_of(p) : p.channel, "period"},
                      fresh);
       if (seen.jitter > stated[Attribute::jitter])
-        patch_.state({p.origin, Of::publisher, "jitter"}, seen.jitter);
+        patch_.state({Of::publisher, index_of(p), "jitter"}, seen.jitter);
       shortest_ = std::min(shortest_, fresh);
     }
     propose_length(seen, p);
@@ -354,24 +358,23 @@ class Merge {
     const core::EventChannel& channel = system_.channels[p.channel];
     if (!stated.has(Attribute::max_payload) || seen.bytes <= stated[Attribute::max_payload]) return;
     if (seen.bytes > channel.attributes[Attribute::max_payload])
-      patch_.state({channel.origin, Of::channel, "maxPayload"}, seen.bytes);
+      patch_.state({Of::channel, p.channel, "maxPayload"}, seen.bytes);
     if (stated[Attribute::max_payload] != channel.attributes[Attribute::max_payload])
-      patch_.state({p.origin, Of::publisher, "maxPayload"}, seen.bytes);
+      patch_.state({Of::publisher, index_of(p), "maxPayload"}, seen.bytes);
   }
 
   /// What is provided must be as short as what is added and changed.
   void propose_provisions() {
-    const auto provide = [&](const AttributeSet& provision, const core::Origin& origin,
-                             LearnPatch::Element element) {
+    const auto provide = [&](const AttributeSet& provision, Of element, std::size_t index) {
       if (provision.has(Attribute::period) && provision[Attribute::period] > shortest_)
-        patch_.state({origin, element, "period"}, shortest_);
+        patch_.state({element, index, "period"}, shortest_);
     };
-    for (const core::Gateway& gateway : system_.gateways)
-      if (gateway.name == options_.gateway) provide(gateway.provision, gateway.origin, Of::gateway);
+    for (std::size_t g = 0; g < system_.gateways.size(); ++g)
+      if (system_.gateways[g].name == options_.gateway)
+        provide(system_.gateways[g].provision, Of::gateway, g);
     for (const auto& [interface, name] : options_.networks)
       if (const auto network = network_named(system_, name))
-        provide(system_.networks[*network].provision, system_.networks[*network].origin,
-                Of::network);
+        provide(system_.networks[*network].provision, Of::network, *network);
   }
 
   void note_unseen(const learn::Draft& draft) {

@@ -23,6 +23,7 @@ struct Merged {
   /// The path and new content of each file that would change.
   std::vector<std::pair<std::string, std::string>> files;
   std::vector<std::string> differs;  ///< lines about what was seen and is described differently
+  std::vector<std::string> notes;    ///< lines about changes that the files do not have
 };
 
 /// Compares a draft with `system`, whose files must not have changed since they were read. An error

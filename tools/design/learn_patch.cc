@@ -25,12 +25,55 @@ namespace {
 
 constexpr std::size_t kLargestPatched = 16U << 20U;  // as for `describe`
 
-/// The element of that name that begins on that line.
-const Node* element_at(const Node& node, std::string_view name, int line) {
-  if (node.name == name && node.line == line) return &node;
-  for (const Node& child : node.children)
-    if (const Node* found = element_at(child, name, line)) return found;
-  return nullptr;
+/// The elements of that name that begin on that line, in their order.
+void add_elements_at(const Node& node, std::string_view name, int line,
+                     std::vector<const Node*>& out) {
+  if (node.name == name && node.line == line) out.push_back(&node);
+  for (const Node& child : node.children) add_elements_at(child, name, line, out);
+}
+
+/// An element of the system, and which one it is of those of its kind that begin on its line.
+struct InSystem {
+  core::Origin origin;
+  std::string_view name;
+  std::size_t before = 0;  ///< so many come before it
+  std::size_t all = 0;
+};
+
+template <class Things>
+InSystem element_in(const Things& things, std::size_t index) {
+  InSystem out{.origin = things.at(index).origin, .name = things.at(index).name};
+  for (std::size_t i = 0; i < things.size(); ++i) {
+    if (things[i].origin != out.origin) continue;
+    if (i < index) ++out.before;
+    ++out.all;
+  }
+  return out;
+}
+
+InSystem element_of(const core::System& system, LearnPatch::Element element, std::size_t index) {
+  switch (element) {
+    case LearnPatch::Element::channel:
+      return element_in(system.channels, index);
+    case LearnPatch::Element::publisher:
+      return element_in(system.publishers, index);
+    case LearnPatch::Element::gateway:
+      return element_in(system.gateways, index);
+    case LearnPatch::Element::network:
+      break;
+  }
+  return element_in(system.networks, index);
+}
+
+/// Which of `nodes`, of one name and line, the element is; nullptr if that cannot be told.
+const Node* told_apart(const Markup& markup, const std::vector<const Node*>& nodes,
+                       const InSystem& one) {
+  if (nodes.size() == 1) return nodes.front();
+  // The parts of a system are in the order of their elements.
+  if (nodes.size() != one.all) return nullptr;
+  const Node* const node = nodes[one.before];
+  const auto* const name = node->attribute("name");
+  return name == nullptr || markup.text_of(*name) == one.name ? node : nullptr;
 }
 
 /// The beginning of the line with the end tag if only blanks precede the tag, else the position of
@@ -42,28 +85,22 @@ std::size_t before_end_tag(const Markup& markup, const Node& node) {
   return at > 0 && text[at - 1] == '\n' ? at : node.content.to;
 }
 
-/// The root, whatever its line, for the element System.
-Result<const Node*> node_in(const Markup& markup, const std::string& path, std::string_view element,
-                            int line) {
-  const Node* const node =
-      element == "System" ? &markup.root() : element_at(markup.root(), element, line);
-  if (node != nullptr && node->name == element) return node;
-  return fail(fmt::format("{}: no <{}> begins in line {} any more", path, element, line));
-}
-
 std::string_view name_of_element(LearnPatch::Element element) {
   constexpr std::array<std::string_view, 4> names = {"EventChannel", "Publisher", "Gateway",
                                                      "Network"};
   return names.at(static_cast<std::size_t>(element));
 }
 
+/// Of values of one attribute, the one that all of them need.
+std::uint64_t needed(std::string_view key, std::uint64_t one, std::uint64_t other) {
+  return key == "period" ? std::min(one, other) : std::max(one, other);
+}
+
 }  // namespace
 
 void LearnPatch::state(const Stated& attribute, std::uint64_t value) {
-  const auto [known, fresh] = values_.try_emplace(attribute, value);
-  if (fresh) return;
-  known->second =
-      attribute.key == "period" ? std::min(known->second, value) : std::max(known->second, value);
+  const auto [there, fresh] = values_.try_emplace(attribute, value);
+  if (!fresh) there->second = needed(attribute.key, there->second, value);
 }
 
 /// The file as it is, with its elements.
@@ -77,84 +114,125 @@ Result<const Markup*> LearnPatch::markup_of(std::uint32_t file) {
   return &markups_.try_emplace(path, (*content)->text).first->second;
 }
 
-/// Before the end tag of an element.
-Result<void> LearnPatch::insert(const core::Origin& of, std::string_view element,
-                                const std::string& text, Changes& to) {
-  const auto markup = markup_of(of.file);
+Result<const Node*> LearnPatch::node_of(Element element, std::size_t index) {
+  const InSystem one = element_of(system_, element, index);
+  const auto markup = markup_of(one.origin.file);
   if (!markup) return std::unexpected(markup.error());
-  const std::string& path = system_.files[of.file];
-  const auto node = node_in(**markup, path, element, of.line);
-  if (!node) return std::unexpected(node.error());
-  if (!(*node)->has_end_tag)
-    return fail(
-        fmt::format("{}:{}: <{}/> has no end tag to put elements before", path, of.line, element));
-  to.insertions[path].push_back({before_end_tag(**markup, **node), text});
+  const std::string& path = system_.files[one.origin.file];
+  const std::string_view name = name_of_element(element);
+  std::vector<const Node*> nodes;
+  add_elements_at((*markup)->root(), name, one.origin.line, nodes);
+  if (nodes.empty())
+    return fail(fmt::format("{}: no <{}> begins in line {} any more", path, name, one.origin.line));
+  const Node* const node = told_apart(**markup, nodes, one);
+  if (node == nullptr) {
+    std::string note = fmt::format(
+        "{}:{}: several <{}> begin in this line, and which one {} is cannot be told: it is left as "
+        "it is; put each on a line of its own",
+        path, one.origin.line, name, one.name);
+    if (std::ranges::find(notes_, note) == notes_.end()) notes_.push_back(std::move(note));
+  }
+  return node;
+}
+
+/// The values by element and attribute. Several parts of a system can have one element.
+Result<std::map<std::pair<LearnPatch::At, std::string_view>, LearnPatch::Found>>
+LearnPatch::found_values() {
+  std::map<std::pair<At, std::string_view>, Found> out;
+  for (const auto& [attribute, value] : values_) {
+    const auto node = node_of(attribute.element, attribute.index);
+    if (!node) return std::unexpected(node.error());
+    if (*node == nullptr) continue;
+    const std::string& path =
+        system_.files[element_of(system_, attribute.element, attribute.index).origin.file];
+    const auto [there, fresh] = out.try_emplace({{path, (*node)->whole.from}, attribute.key},
+                                                Found{*node, attribute.element, value});
+    if (!fresh) there->second.value = needed(attribute.key, there->second.value, value);
+  }
+  return out;
+}
+
+/// Before the end tag of an element.
+void LearnPatch::insert(const std::string& path, const Node& node, const std::string& text,
+                        Changes& to) {
+  to.insertions[path].push_back({before_end_tag(markups_.at(path), node), text});
+}
+
+Result<void> LearnPatch::insert_in_networks(Changes& to) {
+  for (const auto& [network, text] : in_networks_) {
+    const auto node = node_of(Element::network, network);
+    if (!node) return std::unexpected(node.error());
+    if (*node != nullptr)
+      insert(system_.files[system_.networks[network].origin.file], **node, text, to);
+  }
   return {};
 }
 
-Result<void> LearnPatch::change(const Stated& attribute, std::uint64_t value, Changes& to) {
-  const auto markup = markup_of(attribute.of.file);
+Result<void> LearnPatch::insert_at_end(Changes& to) {
+  if (in_system_.empty()) return {};
+  const auto markup = markup_of(0);
   if (!markup) return std::unexpected(markup.error());
-  const std::string& path = system_.files[attribute.of.file];
-  const auto node = node_in(**markup, path, name_of_element(attribute.element), attribute.of.line);
-  if (!node) return std::unexpected(node.error());
-  const bool provides =
-      attribute.element == Element::gateway || attribute.element == Element::network;
+  const std::string& path = system_.files.front();
+  const Node& root = (*markup)->root();
+  if (root.name != "System") return fail(path + ": the root is no <System> any more");
+  if (!root.has_end_tag)
+    return fail(
+        fmt::format("{}:{}: <System/> has no end tag to put elements before", path, root.line));
+  insert(path, root, in_system_, to);
+  return {};
+}
+
+void LearnPatch::change(const At& at, std::string_view key, const Found& found, Changes& to) {
+  const Node& node = *found.node;
+  const bool provides = found.element == Element::gateway || found.element == Element::network;
   const std::string_view name = provides ? "Provision" : "Attributes";
   const std::string words =
-      attribute.key == "maxPayload" ? std::to_string(value) : time_words(value);
-  const std::string fresh = fmt::format(" {}=\"{}\"", attribute.key, words);
-  const Node* const list = (*node)->child(name);
+      key == "maxPayload" ? std::to_string(found.value) : time_words(found.value);
+  const std::string fresh = fmt::format(" {}=\"{}\"", key, words);
+  const Node* const list = node.child(name);
   if (list == nullptr) {
-    if (attribute.element == Element::publisher)
-      to.lists[{attribute.of.file, attribute.of.line}] += fresh;
-    return {};
+    if (found.element != Element::publisher) return;
+    auto& [of, attributes] = to.lists[at];
+    of = &node;
+    attributes += fresh;
+    return;
   }
-  if (!list->children.empty() || std::ranges::count((*node)->children, name, &Node::name) > 1)
-    return {};
-  auto& all = to.insertions[path];
-  if (const auto* const there = list->attribute(attribute.key); there != nullptr)
+  if (!list->children.empty() || std::ranges::count(node.children, name, &Node::name) > 1) return;
+  auto& all = to.insertions[at.first];
+  if (const auto* const there = list->attribute(key); there != nullptr)
     all.push_back({there->value.from, words, there->value.to - there->value.from});
   else
     all.push_back({list->start_tag.from + 1 + list->name.size(), fresh});
-  return {};
 }
 
 /// Publishers that state nothing of their own get a list.
-Result<void> LearnPatch::add_lists(Changes& to) {
-  for (const auto& [where, attributes] : to.lists) {
-    const auto markup = markup_of(where.first);
-    if (!markup) return std::unexpected(markup.error());
-    const std::string& path = system_.files[where.first];
-    const auto node = node_in(**markup, path, "Publisher", where.second);
-    if (!node) return std::unexpected(node.error());
-    const std::string& text = (*markup)->text();
-    const std::string end =
-        std::string((*markup)->newline()) + indentation(text, (*node)->whole.from);
-    const std::string list = fmt::format("{}{}<Attributes{}/>", end, step(**markup), attributes);
-    if ((*node)->has_end_tag) {
-      to.insertions[path].push_back({(*node)->content.from, list});
+void LearnPatch::add_lists(Changes& to) {
+  for (const auto& [at, publisher] : to.lists) {
+    const auto& [node, attributes] = publisher;
+    const Markup& markup = markups_.at(at.first);
+    const std::string& text = markup.text();
+    const std::string end = std::string(markup.newline()) + indentation(text, node->whole.from);
+    const std::string list = fmt::format("{}{}<Attributes{}/>", end, step(markup), attributes);
+    auto& all = to.insertions[at.first];
+    if (node->has_end_tag) {
+      all.push_back({node->content.from, list});
       continue;
     }
-    const auto slash = text.rfind('/', (*node)->start_tag.to);
-    to.insertions[path].push_back(
-        {slash, fmt::format(">{}{}</Publisher>", list, end), (*node)->start_tag.to - slash});
+    const auto slash = text.rfind('/', node->start_tag.to - 1);
+    all.push_back({slash, fmt::format(">{}{}</Publisher>", list, end), node->start_tag.to - slash});
   }
-  return {};
 }
 
 Result<LearnPatch::Changes> LearnPatch::changes() {
   Changes out;
-  for (const auto& [attribute, value] : values_)
-    if (const auto made = change(attribute, value, out); !made)
-      return std::unexpected(made.error());
-  if (const auto made = add_lists(out); !made) return std::unexpected(made.error());
-  if (!in_system_.empty())
-    if (const auto made = insert({0, 1}, "System", in_system_, out); !made)
-      return std::unexpected(made.error());
-  for (const auto& [network, text] : in_networks_)
-    if (const auto made = insert(network, "Network", text, out); !made)
-      return std::unexpected(made.error());
+  notes_.clear();
+  const auto found = found_values();
+  if (!found) return std::unexpected(found.error());
+  for (const auto& [attribute, value] : *found)
+    change(attribute.first, attribute.second, value, out);
+  add_lists(out);
+  if (const auto made = insert_at_end(out); !made) return std::unexpected(made.error());
+  if (const auto made = insert_in_networks(out); !made) return std::unexpected(made.error());
   return out;
 }
 

@@ -2,11 +2,12 @@
 // Changes of the files of a description: elements that are inserted, and attributes of another
 // value. All else stays byte by byte as it is, comments, too.
 #pragma once
+#include <compare>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -21,19 +22,18 @@ class LearnPatch {
   /// Whose attribute it is.
   enum class Element : std::uint8_t { channel, publisher, gateway, network };
   struct Stated {
-    core::Origin of;
     Element element = Element::channel;
-    std::string_view key;  ///< of the short form; "period" and "jitter" in ns
-    [[nodiscard]] auto rank() const { return std::tuple(of.file, of.line, element, key); }
-    bool operator<(const Stated& other) const { return rank() < other.rank(); }
+    std::size_t index = 0;  ///< in the elements of that kind of the system
+    std::string_view key;   ///< of the short form; "period" and "jitter" in ns
+    auto operator<=>(const Stated&) const = default;
   };
 
   /// The files must not have changed since the system was read from them.
   explicit LearnPatch(const core::System& system) : system_(system) {}
 
-  /// Elements at the end of the first file, and of a network.
+  /// Elements at the end of the first file, and of the network with that index.
   void insert_in_system(const std::string& text) { in_system_ += text; }
-  void insert_in_network(const core::Origin& network, const std::string& text) {
+  void insert_in_network(std::size_t network, const std::string& text) {
     in_networks_.emplace_back(network, text);
   }
   /// A value in the place of the one that is there. Of values of one attribute the shortest time
@@ -44,8 +44,13 @@ class LearnPatch {
   /// The path and new content of each file that changes. All changes are checked before the first
   /// is made: an error says which one is not possible.
   [[nodiscard]] Result<std::vector<std::pair<std::string, std::string>>> files();
+  /// After files(): the elements that it left as they are, because several begin on one line and
+  /// it cannot be told which one is meant.
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
 
  private:
+  /// The position of an element: the path of its file, and the offset there.
+  using At = std::pair<std::string, std::size_t>;
   /// Text in the place of so many bytes at an offset of a file.
   struct Insertion {
     std::size_t at = 0;
@@ -54,22 +59,33 @@ class LearnPatch {
   };
   struct Changes {
     std::map<std::string, std::vector<Insertion>> insertions;  ///< by path
-    /// Of publishers without a list: what it must have, by file and line.
-    std::map<std::pair<std::uint32_t, int>, std::string> lists;
+    /// Of publishers without a list: what it must have.
+    std::map<At, std::pair<const Node*, std::string>> lists;
+  };
+  /// A value of an attribute of an element that was found.
+  struct Found {
+    const Node* node = nullptr;
+    Element element = Element::channel;
+    std::uint64_t value = 0;
   };
   Result<const Markup*> markup_of(std::uint32_t file);
-  Result<void> insert(const core::Origin& of, std::string_view element, const std::string& text,
-                      Changes& to);
-  Result<void> change(const Stated& attribute, std::uint64_t value, Changes& to);
-  Result<void> add_lists(Changes& to);
+  /// nullptr, and a note, if it cannot be told which element it is.
+  Result<const Node*> node_of(Element element, std::size_t index);
+  Result<std::map<std::pair<At, std::string_view>, Found>> found_values();
+  void insert(const std::string& path, const Node& node, const std::string& text, Changes& to);
+  Result<void> insert_in_networks(Changes& to);
+  Result<void> insert_at_end(Changes& to);
+  static void change(const At& at, std::string_view key, const Found& found, Changes& to);
+  void add_lists(Changes& to);
   /// All changes, or why one of them is not possible.
   Result<Changes> changes();
 
   const core::System& system_;
   std::string in_system_;
-  std::vector<std::pair<core::Origin, std::string>> in_networks_;
+  std::vector<std::pair<std::size_t, std::string>> in_networks_;  ///< by index of the network
   std::map<Stated, std::uint64_t> values_;
   std::map<std::string, Markup> markups_;  ///< by path
+  std::vector<std::string> notes_;
 };
 
 /// A unified diff (diff -u) from the file `path` to the new content `text`.

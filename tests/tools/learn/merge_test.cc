@@ -96,6 +96,22 @@ TEST_F(LearnMerge, FewEventsOfWhichAGateDropsOneAreProposedAndSaid) {
   }
 }
 
+TEST_F(LearnMerge, ElementsThatShareALineAreToldApart) {
+  const std::string steady = lines(100, 60, "100#11");
+  const auto path = drafted(steady + lines(200, 60, "2F0#22"));
+  std::string text = content_of(path);
+  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos;) text[at] = ' ';
+  const auto one_line = folder.write("one.xml", text);
+  const Ran ran = merged(steady + lines(50, 120, "2F0#22"), one_line);
+  EXPECT_EQ(ran.status, 1) << ran.error;
+  EXPECT_TRUE(ran.error.contains("0x2f0 on can0): publisher can0-2F0 states Period")) << ran.error;
+  apply(ran, one_line);
+  const std::string patched = content_of(one_line);
+  EXPECT_TRUE(patched.contains("<Attributes period=\"100ms\"")) << ran.out;
+  EXPECT_FALSE(patched.contains("<Attributes period=\"200ms\"")) << ran.out;
+  EXPECT_EQ(merged(steady + lines(50, 120, "2F0#22"), one_line).out, "") << ran.out;
+}
+
 // --- the described profile -----------------------------------------------------------------------
 
 TEST_F(LearnMerge, TheDescribedProfileRulesWhateverTheTrafficLooksLike) {
