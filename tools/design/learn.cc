@@ -347,15 +347,18 @@ class Learn {
       if (!diff) return say({Exit::world, diff.error().text, {}}, context_.json);
       text += *diff;
     }
+    if (!context_.json) {
+      for (const std::string& line : merged->differs)
+        fmt::print(stderr, "differs: {}\n", printable(line));
+      for (const std::string& note : notes_) fmt::print(stderr, "note: {}\n", printable(note));
+    }
+    const bool same = text.empty() && merged->differs.empty();
     if (context_.json) {
       const Json out = {{"diff", text}, {"differs", merged->differs}, {"notes", notes_}};
-      return say(out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+      text = out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
     }
-    for (const std::string& line : merged->differs)
-      fmt::print(stderr, "differs: {}\n", printable(line));
-    for (const std::string& note : notes_) fmt::print(stderr, "note: {}\n", printable(note));
     const Exit said = say(text);
-    return said == Exit::fine && !(text.empty() && merged->differs.empty()) ? Exit::refused : said;
+    return said == Exit::fine && !same ? Exit::refused : said;
   }
 
   [[nodiscard]] Exit report(const learn::Draft& draft) {

@@ -112,6 +112,19 @@ TEST_F(LearnMerge, ElementsThatShareALineAreToldApart) {
   EXPECT_EQ(merged(steady + lines(50, 120, "2F0#22"), one_line).out, "") << ran.out;
 }
 
+TEST_F(LearnMerge, TheStatusSaysWhetherThereAreDifferencesInJsonToo) {
+  const std::string known = lines(100, 60, "100#11");
+  const auto path = drafted(known);
+  const auto more = folder.write("more.log", known + lines(100, 60, "2F0#22"));
+  const Ran differs = run({"learn", more, "--merge", path, "--json"});
+  EXPECT_EQ(differs.status, 1);
+  EXPECT_TRUE(differs.out.starts_with("{\"diff\":\"--- ")) << differs.out;
+  EXPECT_EQ(differs.error, "");
+  const Ran same = run({"learn", folder.path("first.log"), "--merge", path, "--json"});
+  EXPECT_EQ(same.status, 0);
+  EXPECT_TRUE(same.out.starts_with("{\"diff\":\"\",\"differs\":[]")) << same.out;
+}
+
 // --- the described profile -----------------------------------------------------------------------
 
 TEST_F(LearnMerge, TheDescribedProfileRulesWhateverTheTrafficLooksLike) {
