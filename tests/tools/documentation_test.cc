@@ -325,6 +325,22 @@ TEST(DocumentationTest, CompletionOffersWhatImportTakes) {
             (Words{"raw", "j1939"}));
 }
 
+TEST(DocumentationTest, CompletionOffersWhatLearnTakes) {
+  const auto folder =
+      (mlcca::testing::source_tree() / "examples/volksbot/").lexically_normal().string();
+  const auto recordings = completions("mlccactl learn " + folder, "/nonexistent");
+  EXPECT_TRUE(recordings.contains(folder + "system.xml")) << "a recording can have any name";
+  EXPECT_TRUE(recordings.contains(folder + "demo"));
+  const auto described = completions("mlccactl learn a.log --merge " + folder, "/nonexistent");
+  EXPECT_TRUE(described.contains(folder + "system.xml"));
+  EXPECT_FALSE(described.contains(folder + "demo")) << "it is no description";
+  EXPECT_FALSE(completions("mlccactl learn --profile \"\"", "/nonexistent").contains("raw"));
+  // As bash cuts the words can0= and can0=j.
+  EXPECT_EQ(completions("mlccactl learn --profile can0 =", "/nonexistent"),
+            (Words{"raw", "famouso", "j1939", "cyphal", "canopen"}));
+  EXPECT_EQ(completions("mlccactl learn --profile can0 = j", "/nonexistent"), (Words{"j1939"}));
+}
+
 TEST(DocumentationTest, CompletionOffersWhatExportTakes) {
   EXPECT_EQ(completions("mlccactl export a.xml --format \"\"", "/nonexistent"),
             (Words{"dbc", "can-gw", "em_canid", "wireshark"}));

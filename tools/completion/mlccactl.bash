@@ -104,7 +104,17 @@ _mlccactl() {
 		return
 		;;
 	--profile)
+		if [[ $verb == learn ]]; then
+			mapfile -t COMPREPLY < <(compgen -S = -W "$(_mlccactl_learnable)" -- "$cur")
+			compopt -o nospace 2>/dev/null
+			return
+		fi
 		mapfile -t COMPREPLY < <(compgen -W "raw j1939" -- "$cur")
+		return
+		;;
+	--merge)
+		mapfile -t COMPREPLY < <(compgen -f -X '!*.xml' -- "$cur"; compgen -d -- "$cur")
+		compopt -o filenames 2>/dev/null
 		return
 		;;
 	--interface)
@@ -138,6 +148,19 @@ _mlccactl() {
 	--subject | --name | --description | --set-user | --remove-set | --component) return ;;
 	esac
 
+	# bash makes words of their own of INTERFACE, "=" and PROFILE.
+	if [[ $verb == learn ]]; then
+		i=$((COMP_CWORD - 1))
+		if [[ $cur == "=" ]]; then
+			cur=""
+			i=$COMP_CWORD
+		fi
+		if [[ ${COMP_WORDS[i]} == "=" && ${COMP_WORDS[i - 2]} == --profile ]]; then
+			mapfile -t COMPREPLY < <(compgen -W "raw famouso j1939 cyphal canopen" -- "$cur")
+			return
+		fi
+	fi
+
 	local words=$common
 	case $verb in
 	"") words="$verbs $others $common --version" ;;
@@ -156,7 +179,11 @@ _mlccactl() {
 	generate) words="--component --out --force $offline" ;;
 	learn)
 		words="--for --output --merge --profile --bitrate --data-bitrate --name --gateway --user --no-local $offline"
-		[[ $cur == -* ]] || words="$(_mlccactl_learnable)"
+		if [[ $cur != -* ]]; then
+			mapfile -t COMPREPLY < <(compgen -W "$(_mlccactl_learnable)" -- "$cur"; compgen -f -- "$cur")
+			compopt -o filenames 2>/dev/null
+			return
+		fi
 		;;
 	export) words="--format --network --gateway --output --force $offline" ;;
 	import)
