@@ -35,9 +35,9 @@ class Asc {
 
   Result<void> read() {
     while (lines_.next()) {
-      if (lines_.line().size() > Lines::kLongest)
-        return fail("line " + std::to_string(lines_.number()) + " has more than " +
-                    std::to_string(Lines::kLongest) + " characters: no line is so long");
+      const auto is_long = is_long_line(recording_, lines_);
+      if (!is_long) return std::unexpected(is_long.error());
+      if (*is_long) continue;
       std::string_view line = lines_.line();
       const auto first = next_word(line);
       if (first == "base") take_base(line);

@@ -113,10 +113,15 @@ bool take_candump_time(std::string_view word, std::uint64_t& ns) {
   return true;
 }
 
-Result<void> check_candump_length(const Lines& lines) {
-  if (lines.line().size() <= Lines::kLongest) return {};
-  return fail("line " + std::to_string(lines.number()) + " has more than " +
-              std::to_string(Lines::kLongest) + " characters: no line of candump is so long");
+Result<bool> is_long_line(Recording& recording, const Lines& lines) {
+  const auto words = [&](std::size_t most) {
+    return "line " + std::to_string(lines.number()) + " has more than " + std::to_string(most) +
+           " characters: no line is so long";
+  };
+  if (lines.is_endless()) return fail(words(Lines::kLongestPassedOver));
+  if (!lines.is_long()) return false;
+  if (!is_cut_line(recording, lines)) recording.pass_over(words(Lines::kLongest));
+  return true;
 }
 
 bool is_cut_line(Recording& recording, const Lines& lines) {
@@ -136,7 +141,9 @@ Result<void> read_candump(Recording& recording) {
   std::array<std::uint8_t, kMostData> data{};
   while (lines.next()) {
     std::string_view line = lines.line();
-    if (const auto checked = check_candump_length(lines); !checked) return checked;
+    const auto is_long = is_long_line(recording, lines);
+    if (!is_long) return std::unexpected(is_long.error());
+    if (*is_long) continue;
     Frame frame;
     const auto time = next_word(line);
     if (time.empty()) continue;

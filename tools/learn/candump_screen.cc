@@ -149,7 +149,9 @@ Result<void> read_candump_screen(Recording& recording) {
   Shown data{};
   while (lines.next()) {
     std::string_view line = lines.line();
-    if (const auto checked = check_candump_length(lines); !checked) return checked;
+    const auto is_long = is_long_line(recording, lines);
+    if (!is_long) return std::unexpected(is_long.error());
+    if (*is_long) continue;
     Frame frame;
     const auto time = next_word(line);
     if (time.empty()) continue;

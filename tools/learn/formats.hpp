@@ -56,10 +56,11 @@ Result<void> read_pcap(Recording& recording);
 Result<void> read_pcapng(Recording& recording);
 
 /// The lines of a text, one after the other, without line ends. Lines of more than 4096 bytes are
-/// longer than any format allows, and may be cut.
+/// longer than any format allows: only their beginning is kept.
 class Lines {
  public:
   static constexpr std::size_t kLongest = 4096;
+  static constexpr std::size_t kLongestPassedOver = std::size_t{1} << 20U;  ///< bytes
   explicit Lines(Input& input) : input_(&input) {}
   /// For the beginning of a text, whose last line may be cut.
   explicit Lines(Bytes head) : rest_(text_of(head)) {}
@@ -74,6 +75,8 @@ class Lines {
     const std::size_t size = end == std::string_view::npos ? rest_.size() : end + 1;
     rest_.remove_prefix(size);
     offset_ += size;
+    size_ = line_.size();
+    if (is_long()) shorten();
     if (line_.ends_with('\r')) line_.remove_suffix(1);
     return true;
   }
@@ -81,6 +84,10 @@ class Lines {
   [[nodiscard]] std::uint64_t number() const { return number_; }
   /// The file ends within it, or has no end of line behind its last line.
   [[nodiscard]] bool is_open() const { return is_open_; }
+  /// It is no line of any format.
+  [[nodiscard]] bool is_long() const { return size_ > kLongest; }
+  /// It does not end for so long that the input cannot be a text.
+  [[nodiscard]] bool is_endless() const { return size_ > kLongestPassedOver; }
 
  private:
   static std::string_view text_of(Bytes bytes) {
@@ -99,10 +106,28 @@ class Lines {
     return std::string_view::npos;
   }
 
+  /// Keeps the beginning of a line that is too long, and goes to its end.
+  void shorten() {
+    beginning_ = line_.substr(0, kLongest);
+    line_ = beginning_;
+    while (is_open_ && input_ != nullptr && !is_endless()) {
+      rest_ = text_of(input_->from(offset_, 1));
+      if (rest_.empty()) return;
+      const auto end = rest_.find('\n');
+      is_open_ = end == std::string_view::npos;
+      size_ += is_open_ ? rest_.size() : end;
+      const std::size_t passed = is_open_ ? rest_.size() : end + 1;
+      rest_.remove_prefix(passed);
+      offset_ += passed;
+    }
+  }
+
   Input* input_ = nullptr;
   std::uint64_t offset_ = 0;  ///< offset of rest_ in the input
   std::string_view rest_;
   std::string_view line_;
+  std::string beginning_;  ///< of a line that is too long
+  std::size_t size_ = 0;   ///< of the line, bytes
   std::uint64_t number_ = 0;
   bool is_open_ = false;
 };
@@ -115,8 +140,9 @@ Screen screen_of(Bytes head);
 bool is_candump_frame(std::string_view word);
 /// Reads a time such as "(1436509052.249713)" as ns. False if it is not one.
 bool take_candump_time(std::string_view word, std::uint64_t& ns);
-/// An error if the line is longer than candump writes.
-Result<void> check_candump_length(const Lines& lines);
+/// Passes over a line that is longer than any format allows: true if it was one. An error if it
+/// does not end for Lines::kLongestPassedOver bytes.
+Result<bool> is_long_line(Recording& recording, const Lines& lines);
 /// Skips a line that is not a frame: "line 3: 'hello' is no frame …".
 void pass_over_line(Recording& recording, const Lines& lines, std::string_view why);
 /// The last line is no frame and has no end: the file is cut off there, behind frames.

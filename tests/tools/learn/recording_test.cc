@@ -4,11 +4,15 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <fstream>
+#include <span>
+#include <string_view>
 
 #include "tests/tools/design/describe/program.hpp"
 #include "tests/tools/learn/read_back.hpp"
 #include "tests/tools/learn/traffic.hpp"
+#include "tools/learn/input.hpp"
 
 namespace mlcca::learn {
 namespace {
@@ -69,6 +73,46 @@ TEST(Recording, SaysWhichLinesAreNoFrames) {
   EXPECT_EQ(is.sent.size(), 1U);
   EXPECT_EQ(is.left.lines, 5U);
   EXPECT_TRUE(is.left.first.starts_with("line 2: '(1.1) can0 12#11' is no frame")) << is.left.first;
+}
+
+TEST(Recording, PassesOverLinesThatAreTooLong) {
+  const std::string asc = "date Wed Apr 20 10:10:10 am 2016\nbase hex  timestamps absolute\n";
+  struct Case {
+    std::string head, first, second;
+  };
+  const Case cases[] = {
+      {"", "(1.0) can0 123#11\n", "(2.0) can0 123#22\n"},
+      {"", "(1.0)  can0  123   [1]  11\n", "(2.0)  can0  123   [1]  22\n"},
+      {asc, "   1.0 1  123             Rx   d 1 11\n", "   2.0 1  123             Rx   d 1 22\n"}};
+  for (const auto& [head, first, second] : cases)
+    for (const std::size_t size : {4097U, 5'000U, 100'000U, 1'000'000U}) {
+      const std::string text = head + first + std::string(size, 'x') + "\r\n" + second;
+      const auto whole = read(text);
+      const auto pieces = test::read_back([&](Interfaces& interfaces, const auto& take) {
+        std::string_view left = text;
+        Input input([&](std::span<std::uint8_t> to) -> Result<std::size_t> {
+          const std::size_t count = std::min({std::size_t{61}, to.size(), left.size()});
+          std::copy_n(left.begin(), count, to.begin());
+          left.remove_prefix(count);
+          return count;
+        });
+        return read_recording(input, "can0", interfaces, take);
+      });
+      for (const auto& is : {whole, pieces}) {
+        ASSERT_EQ(is.error, "") << size;
+        ASSERT_EQ(is.sent.size(), 2U) << size << head;
+        EXPECT_EQ(is.sent[1].data, (std::vector<std::uint8_t>{0x22}));
+        EXPECT_EQ(is.left.lines, 1U);
+        EXPECT_TRUE(is.left.first.contains("has more than 4096 characters")) << is.left.first;
+        EXPECT_EQ(is.left.cut, "");
+      }
+    }
+}
+
+TEST(Recording, ALongLineAtTheEndIsCutOff) {
+  const auto is = read("(1.0) can0 123#11\n(1.0) can0 " + std::string(5000, 'A'));
+  EXPECT_EQ(is.sent.size(), 1U);
+  EXPECT_EQ(is.left.cut, "the file ends within line 2");
 }
 
 TEST(Recording, ReadsPcapOfBothOrdersAndResolutions) {
@@ -214,8 +258,8 @@ TEST(Recording, SaysWhatIsWrongWithAFile) {
                   .error.contains("link type 6 has neither frames of CAN nor of Ethernet"));
   EXPECT_TRUE(read("LOGG" + little(144, 4) + std::string(136, '\0') + std::string(20, 'x'))
                   .error.contains("offset 144: no object begins here"));
-  EXPECT_TRUE(read("(1.0) can0 " + std::string(5000, 'A'))
-                  .error.contains("line 1 has more than 4096 characters"));
+  EXPECT_TRUE(read("(1.0) can0 123#11\n" + std::string(2'000'000, 'A') + "\n(2.0) can0 123#11\n")
+                  .error.contains("line 2 has more than 1048576 characters"));
   Interfaces none;
   EXPECT_TRUE(read_recording("/nowhere/x.log", none, [](const Frame&) {})
                   .error()
