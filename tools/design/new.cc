@@ -18,6 +18,7 @@
 #include "tools/design/describe/ask.hpp"
 #include "tools/design/mistakes.hpp"
 #include "tools/design/new/plan.hpp"
+#include "tools/design/output.hpp"
 #include "tools/design/safe_file.hpp"
 #include "tools/design/say.hpp"
 #include "tools/design/verbs.hpp"
@@ -260,7 +261,9 @@ void add_new(CLI::App& app, Context& context) {
   auto* verb = app.add_subcommand("new", "the first description of a system");
   auto a = std::make_shared<NewArguments>();
   a->name = "system";
-  verb->add_option("file", a->file, "is created")->required()->type_name("FILE");
+  verb->add_option("file", a->file, "is created; - is standard output")
+      ->required()
+      ->type_name("FILE|-");
   verb->add_option("--name", a->name, "of the system")->type_name("NAME")->capture_default_str();
   verb->add_option("--gateway", a->gateway, "with a port on each network; default: gateway")
       ->type_name("NAME");
@@ -274,7 +277,10 @@ void add_new(CLI::App& app, Context& context) {
       ->allow_extra_args(false)
       ->type_name("CHANNEL");
   verb->add_flag("--dry-run", a->dry_run, "print the description instead of writing it");
-  verb->callback([a, &context] { context.exit = New(*a, context).run(); });
+  verb->callback([a, &context] {
+    if (!a->file.empty() && path_of_output(a->file).empty()) a->dry_run = true;
+    context.exit = New(*a, context).run();
+  });
 }
 
 }  // namespace mlcca::tools::design

@@ -2,6 +2,7 @@
 // Tests of `mlccactl new`, with options and with questions on a terminal.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <ostream>
 #include <string>
 #include <utility>
@@ -89,6 +90,15 @@ TEST_F(NewTest, ADryRunWritesNothing) {
   const auto done = make({"--network", "bus:can:can0", "--dry-run"});
   EXPECT_NE(done.out.find("<System name=\"system\">"), std::string::npos);
   EXPECT_EQ(made(), "");
+}
+
+TEST_F(NewTest, TheFileCanBeStandardOutput) {
+  for (const char* const file : {"-", "/dev/stdout"}) {
+    const auto done = test::run({"new", file, "--network", "bus:can:can0"});
+    EXPECT_EQ(done.status, 0) << done.error;
+    EXPECT_TRUE(done.out.starts_with("<?xml")) << done.out;
+  }
+  EXPECT_FALSE(std::filesystem::exists("-"));
 }
 
 struct NewRow {
