@@ -6,6 +6,7 @@
 #include <iterator>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "core/cluster/footprint.hpp"
 #include "daemon/gateway/membership.hpp"
@@ -41,13 +42,14 @@ bool Membership::wish_some() {
 }
 
 bool Membership::wish_one() {
-  for (const std::size_t channel : state().wishes()) {
+  const std::vector<std::size_t> wishes = state().wishes();
+  const auto due = std::ranges::find_if(wishes, [this](std::size_t channel) {
     const auto again = wish_again_.find(state().system().channels[channel].name);
-    if (again != wish_again_.end() && again->second > now()) continue;
-    wish(channel);
-    return true;
-  }
-  return false;
+    return again == wish_again_.end() || again->second <= now();
+  });
+  if (due == wishes.end()) return false;
+  wish(*due);
+  return true;
 }
 
 /// A gateway has failed: what it carried is to be reserved now, even if that was tried a short time
