@@ -47,8 +47,7 @@ constexpr auto kFlowOfPlaced = [](const auto& placed) { return placed.what.flow;
 Ledger::Placed* Ledger::placeholder(const Flow& flow) {
   if (others_.empty() || flow.resource >= networks_) return nullptr;
   auto& all = others_[flow.resource].standing;
-  const auto it =
-      std::ranges::lower_bound(all, flow, {}, [](const Placed& p) { return p.what.flow; });
+  const auto it = std::ranges::lower_bound(all, flow, {}, kFlowOfPlaced);
   return it != all.end() && it->what.flow == flow ? &*it : nullptr;
 }
 
@@ -243,7 +242,9 @@ bool Ledger::change_standing(std::size_t network, std::vector<Placeholder> stand
     return carries(old.what.flow) && placeholder(old.what.flow) == nullptr;
   });
   change.held = !fresh.empty();
-  return fits && !left && count_held(network, fresh);
+  if (!fits || left) return false;
+  for (Placed* const p : fresh) p->in_full = true;
+  return fresh.empty() || counts_all(network);
 }
 
 /// Whether the flow holds as much as the placeholder has.
@@ -274,14 +275,6 @@ bool Ledger::counts_all(std::size_t network) const {
            return placed.counts ||
                   (carries(placed.what.flow) && placed.in_full && holds_in_full(placed));
          });
-}
-
-/// Placeholders of flows that are held without one: each counts in full from now on, if the flow
-/// holds as much. False if it may be otherwise when all of the network is decided again.
-bool Ledger::count_held(std::size_t network, std::span<Placed* const> fresh) const {
-  if (fresh.empty()) return true;
-  for (Placed* const placed : fresh) placed->in_full = true;
-  return counts_all(network);
 }
 
 /// Whether a domain has more than its limit beside what is measured as busy, and more than before.
