@@ -129,7 +129,7 @@ class Additions {
     channel.is_described = !f.described.empty();
     if (channel.name.empty())
       channel.name =
-          channel.is_described ? f.described : free_name(elements.channel, channel_names_);
+          channel.is_described ? f.described : free_name(channel_names_, elements.channel);
     channel.bytes = std::max(channel.bytes, elements.bytes);
     if (f.busy_gap_ns == 0) return;
     const std::uint64_t period = nominal(f.busy_gap_ns);
@@ -193,15 +193,7 @@ class Additions {
   }
 
   /// A name like `wanted` that no other element of the additions has.
-  std::string name(const std::string& wanted) { return free_name(wanted, names_); }
-
-  /// The name, with a number appended if it is taken. It is taken then.
-  static std::string free_name(const std::string& wanted, std::set<std::string>& taken) {
-    std::string out = wanted;
-    for (int number = 2; !taken.insert(out).second; ++number)
-      out = fmt::format("{}-{}", wanted, number);
-    return out;
-  }
+  std::string name(const std::string& wanted) { return free_name(names_, wanted); }
 
   const control::Audit& audit_;
   std::map<std::string, Channel> channels_;

@@ -25,6 +25,15 @@ std::string name_like(std::string_view text) {
   return !out.empty() && is_letter(out.front()) ? out : "if" + out;
 }
 
+std::string free_name(std::set<std::string>& taken, std::string_view stem, std::string_view end) {
+  for (unsigned n = 1;; ++n) {
+    const std::string behind = n == 1 ? std::string(end) : fmt::format("{}-{}", end, n);
+    std::string out(stem.substr(0, kLongestName - std::min(kLongestName, behind.size())));
+    out += behind;
+    if (taken.insert(out).second) return out;
+  }
+}
+
 std::string interface_like(std::string_view text) {
   std::string like = name_like(text).substr(0, kLongestInterface);
   if (text.empty() || text.size() > kLongestInterface ||

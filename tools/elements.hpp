@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -15,6 +16,12 @@ namespace mlcca::tools {
 /// A valid name of a description that resembles `text`: a letter, then letters, digits, dots,
 /// underscores and hyphens, of bounded length.
 [[nodiscard]] std::string name_like(std::string_view text);
+/// The most characters of a name of a description.
+inline constexpr std::size_t kLongestName = 63;
+/// A name that is not in `taken`: `stem` and `end`, with a number appended if that is taken. The
+/// stem is shortened so far that the name has its length. It is taken then.
+[[nodiscard]] std::string free_name(std::set<std::string>& taken, std::string_view stem,
+                                    std::string_view end = {});
 /// The most characters of an interface name: IFNAMSIZ without its null character.
 inline constexpr std::size_t kLongestInterface = 15;
 /// A valid interface name that resembles `text`, which comes from a recording and may be longer or

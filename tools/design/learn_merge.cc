@@ -63,17 +63,6 @@ learn::DraftChannel called(learn::DraftChannel row, const std::string& name,
   return row;
 }
 
-/// `name`, with a number appended if it is taken, within the length of names. It is taken then.
-std::string free_name(const std::string& name, std::set<std::string>& taken) {
-  constexpr std::size_t longest = 63;
-  std::string out = name;
-  for (unsigned n = 2; !taken.insert(out).second; ++n) {
-    const std::string end = fmt::format("-{}", n);
-    out = name.substr(0, longest - end.size()) + end;
-  }
-  return out;
-}
-
 /// Whether a gate that holds the stated Period and Jitter drops events of what was seen. The Period
 /// drafted of few events does not show that, and is not compared.
 bool is_dropped(const learn::DraftPublisher& seen, const AttributeSet& stated) {
@@ -173,7 +162,7 @@ class Merge {
 
   /// A new channel with a name and subject that no other channel has.
   [[nodiscard]] learn::DraftChannel distinct(const learn::DraftChannel& row) {
-    const std::string name = free_name(row.name, names_);
+    const std::string name = free_name(names_, row.name);
     std::uint64_t subject = row.drafted_subject;
     for (std::string text = name; !row.subject && !subjects_.insert(subject).second; text += '+')
       subject = tools::subject_of(text);
@@ -183,7 +172,7 @@ class Merge {
   [[nodiscard]] std::string distinct(const learn::DraftPublisher& publisher) {
     std::string text = publisher.xml;
     replace_all(text, "<Publisher name=\"" + publisher.name + "\"",
-                "<Publisher name=\"" + free_name(publisher.name, publishers_) + "\"");
+                "<Publisher name=\"" + free_name(publishers_, publisher.name) + "\"");
     return text;
   }
 

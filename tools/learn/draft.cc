@@ -35,7 +35,6 @@ constexpr std::uint32_t kFastBitrate = 1'000'000;
 constexpr std::uint32_t kFastDataBitrate = 5'000'000;
 constexpr std::uint64_t kAssumedLatency = 1'000'000;  // ns for forwarding, if it was not observed
 constexpr std::uint64_t kAssumedEthernet = 100'000;   // ns for an Ethernet
-constexpr std::size_t kLongestName = 63;
 constexpr std::uint32_t kClassicBytes = 8;
 
 std::string mac_text(const std::array<std::uint8_t, 6>& mac) {
@@ -53,7 +52,7 @@ class Drafter {
     for (const std::string& name : names_) {
       const auto described = options_.networks.find(name);
       networks_.push_back(described == options_.networks.end()
-                              ? name_in(used_, tools::name_like(name), "")
+                              ? tools::free_name(used_, tools::name_like(name))
                               : described->second);
       used_.insert(networks_.back());
     }
@@ -66,17 +65,6 @@ class Drafter {
   }
 
  private:
-  /// A name of `stem` and `end` that is not in `used` and not too long.
-  static std::string name_in(std::set<std::string>& used, const std::string& stem,
-                             const std::string& end) {
-    for (unsigned n = 1;; ++n) {
-      const std::string behind = n == 1 ? end : fmt::format("{}-{}", end, n);
-      std::string out = stem.substr(0, kLongestName - std::min(kLongestName, behind.size()));
-      out += behind;
-      if (used.insert(out).second) return out;
-    }
-  }
-
   void write() {
     for (Channel& channel : channels_) describe(channel);
     std::ranges::move(remarks_on_crossings(observer_, names_, channels_, out_.channels),
@@ -159,7 +147,7 @@ class Drafter {
     DraftChannel row;
     const std::string& network = networks_[channel.interface];
     if (observer_.is_ethernet(channel.interface)) {
-      row.name = name_in(channel_names_, tools::channel_name(network, channel.number), "");
+      row.name = tools::free_name(channel_names_, tools::channel_name(network, channel.number));
       row.identifier = core::format_subject(channel.number);
     } else {
       const Profile profile = observer_.profile_of(channel.interface);
@@ -287,7 +275,7 @@ class Drafter {
       }
       where += node_beyond(channel);
     }
-    const std::string name = name_in(publishers_, row.name, end);
+    const std::string name = tools::free_name(publishers_, row.name, end);
     std::string text =
         comment + fmt::format(R"(  <Publisher name="{}" channel="{}" {})", name, row.name, where);
     std::string own;
