@@ -336,9 +336,7 @@ class Learn {
     const auto merged = merge(*described_, draft, a_.draft);
     if (!merged) return say({Exit::usage, merged.error().text, {}}, context_.json);
     // A check of the patched description counts, not one of the draft.
-    std::ranges::copy_if(draft.left_out, std::back_inserter(notes_), [](const std::string& note) {
-      return !note.starts_with("'mlccactl check' refuses");
-    });
+    std::ranges::remove_copy_if(draft.left_out, std::back_inserter(notes_), is_of_check);
     std::ranges::copy(merged->notes, std::back_inserter(notes_));
     std::ranges::move(refused_when_patched(*described_, merged->files), std::back_inserter(notes_));
     std::string text;

@@ -20,6 +20,8 @@
 namespace mlcca::tools::design {
 namespace {
 
+constexpr std::string_view kCheckRefuses = "'mlccactl check' refuses";
+
 /// The longest response time of each channel on each bus, ns; nullopt if it has no bound there.
 using OnBuses = std::map<std::size_t, std::map<std::size_t, std::optional<std::uint64_t>>>;
 
@@ -162,6 +164,8 @@ class Holding {
 
 }  // namespace
 
+bool is_of_check(std::string_view note) { return note.starts_with(kCheckRefuses); }
+
 std::vector<std::string> notes_on(const std::vector<core::Finding>& refused,
                                   std::string_view what) {
   std::map<core::FindingId, std::size_t> count;
@@ -171,7 +175,7 @@ std::vector<std::string> notes_on(const std::vector<core::Finding>& refused,
     const std::size_t others = std::exchange(count[finding.id], 0);
     if (others == 0) continue;
     out.push_back(fmt::format(
-        "'mlccactl check' refuses a part of {}: {}{}{}{}", what, finding.text,
+        "{} a part of {}: {}{}{}{}", kCheckRefuses, what, finding.text,
         finding.hint.empty() ? "" : "; ", finding.hint,
         others == 1 ? ""
                     : fmt::format(" ({}, and {} more)", core::code_of(finding.id), others - 1)));

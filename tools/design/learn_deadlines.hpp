@@ -32,6 +32,8 @@ namespace mlcca::tools::design {
 /// findings.
 [[nodiscard]] std::vector<std::string> notes_on(const std::vector<core::Finding>& refused,
                                                 std::string_view what);
+/// Whether it is a note of notes_on().
+[[nodiscard]] bool is_of_check(std::string_view note);
 
 /// As draft_of(), with longer Periods where few events were seen, Deadlines that the buses can
 /// keep, and queues that lose nothing.
