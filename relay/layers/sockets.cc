@@ -36,14 +36,14 @@ Beside beside(msghdr& message) {
 Received receive_into(const Fd& socket, void* data, std::size_t room, void* from,
                       socklen_t from_size, int flags) {
   iovec part{.iov_base = data, .iov_len = room};
-  alignas(cmsghdr) std::array<char, 128> control{};
+  BesideRoom control{};
   msghdr message{};
   message.msg_name = from;
   message.msg_namelen = from_size;
   message.msg_iov = &part;
   message.msg_iovlen = 1;
-  message.msg_control = control.data();
-  message.msg_controllen = control.size();
+  message.msg_control = control.bytes.data();
+  message.msg_controllen = control.bytes.size();
   const ssize_t size = ::recvmsg(socket.get(), &message, MSG_DONTWAIT | flags);
   if (size < 0) return {};
   return {size, message.msg_flags, beside(message)};
@@ -69,7 +69,7 @@ Batch::Message Batch::next(const Fd& socket) {
     }
     for (mmsghdr& one : messages_) {
       one.msg_hdr.msg_namelen = sizeof(sockaddr_storage);
-      one.msg_hdr.msg_controllen = sizeof(Control::bytes);
+      one.msg_hdr.msg_controllen = sizeof(BesideRoom::bytes);
     }
     const int n = ::recvmmsg(socket.get(), messages_.data(), kMost, MSG_DONTWAIT, nullptr);
     if (n <= 0) return {};

@@ -35,6 +35,11 @@ struct Received {
 [[nodiscard]] Received receive_into(const Fd& socket, void* data, std::size_t room,
                                     void* from = nullptr, socklen_t from_size = 0, int flags = 0);
 
+/// Room for the ancillary data of a message.
+struct BesideRoom {
+  alignas(cmsghdr) std::array<char, 128> bytes;
+};
+
 /// Receives several messages with one system call.
 class Batch {
  public:
@@ -55,13 +60,10 @@ class Batch {
 
  private:
   static constexpr std::size_t kMost = 8;
-  struct Control {
-    alignas(cmsghdr) std::array<char, 128> bytes;
-  };
 
   std::vector<std::uint8_t> data_;
   std::array<sockaddr_storage, kMost> from_{};
-  std::array<Control, kMost> control_{};
+  std::array<BesideRoom, kMost> control_{};
   std::array<iovec, kMost> parts_{};
   std::array<mmsghdr, kMost> messages_{};
   std::size_t at_ = 0;

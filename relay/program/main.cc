@@ -13,14 +13,15 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
-#include <ctime>
 #include <map>
 #include <optional>
 #include <span>
 #include <string>
+#include <thread>
 
 #include "base/clock.hpp"
 #include "base/many.hpp"
@@ -60,12 +61,6 @@ std::string make_prompt() {
     out = "SCHED_FIFO " + std::to_string(kPriority);
   if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) return out + ", memory not locked";
   return out + ", memory locked";
-}
-
-void sleep_for(std::uint64_t ns) {
-  if (ns == 0) return;
-  const timespec time{.tv_sec = 0, .tv_nsec = static_cast<long>(ns)};
-  ::clock_nanosleep(CLOCK_MONOTONIC, 0, &time, nullptr);
 }
 
 class Program {
@@ -221,7 +216,8 @@ int Program::run() {
       carrier_.retry();
       carrier_.expire();
     }
-    sleep_for(pace_.after_round(*ready, now, carrier_.shortest_latency()));
+    const auto pause = pace_.after_round(*ready, now, carrier_.shortest_latency());
+    if (pause != 0) std::this_thread::sleep_for(std::chrono::nanoseconds(pause));
   }
 }
 

@@ -18,11 +18,12 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstddef>
 #include <cstring>
-#include <ctime>
 #include <optional>
 #include <span>
+#include <thread>
 #include <utility>
 
 #include "base/clock.hpp"
@@ -39,7 +40,7 @@ constexpr std::size_t kBatch = 256;        // frames that are read from a socket
 constexpr int kAsk = 100;                  // ms between calls of `stop`
 /// Frames gather in the kernel, which notes their times, and few system calls read them. A bus of
 /// 1 Mbit/s brings 40 meanwhile, and a socket without CAP_NET_ADMIN holds some 500.
-constexpr timespec kGather{.tv_sec = 0, .tv_nsec = 5'000'000};
+constexpr std::chrono::milliseconds kGather{5};
 
 template <class T>
 bool set(const Fd& socket, int level, int option, const T& value) {
@@ -157,7 +158,7 @@ class Sockets final : public Listener {
         one.frame.data = std::span(one.bytes).subspan(one.begin, one.frame.data.size());
         on_frame(one.frame);
       }
-      if (!more_) ::clock_nanosleep(CLOCK_MONOTONIC, 0, &kGather, nullptr);
+      if (!more_) std::this_thread::sleep_for(kGather);
     }
     return {};
   }
