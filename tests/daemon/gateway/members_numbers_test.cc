@@ -52,6 +52,16 @@ class MembersNumbers : public MembersForged {
       if (asked.for_gateway == "g1") return name;
     return {};
   }
+  /// g0 has a publisher, and is asked to admit a subscriber of it for g1. The entry of that.
+  std::string admit_for_g1() {
+    start_both();
+    EXPECT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");
+    at(1).end();
+    beat_of_g1();
+    run();
+    ask_g0(5, cc::Stage::prepared, subscriber_on_own1("c3", "also"), true);
+    return made_for_g1();
+  }
   bool carries(const std::string& channel) {
     const auto there = at(0).state().find_channel(channel);
     return there && granted(0, *there);
@@ -107,13 +117,7 @@ TEST_F(MembersNumbers, WhatIsTheSameRequestIsCarriedUntilTheLastOneEnds) {
 }
 
 TEST_F(MembersNumbers, WhatWasAdmittedForTheFormerOneIsGivenBack) {
-  start_both();
-  ASSERT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");
-  at(1).end();
-  beat_of_g1();
-  run();
-  ask_g0(5, cc::Stage::prepared, subscriber_on_own1("c3", "also"), true);
-  const std::string made = made_for_g1();
+  const std::string made = admit_for_g1();
   ASSERT_NE(made, "");
   ask_g0(6, cc::Stage::prepared, wanted("c4", "own0", "g0"));
   EXPECT_EQ(answer(6), "yes");
@@ -127,13 +131,7 @@ TEST_F(MembersNumbers, WhatWasAdmittedForTheFormerOneIsGivenBack) {
 
 /// One entry is for g0 to admit, the other one says that g1 has admitted it.
 TEST_F(MembersNumbers, ARequestThatIsAdmittedForAnotherGatewayIsNotCarriedBeside) {
-  start_both();
-  ASSERT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");
-  at(1).end();
-  beat_of_g1();
-  run();
-  ask_g0(5, cc::Stage::prepared, subscriber_on_own1("c3", "also"), true);
-  const std::string made = made_for_g1();
+  const std::string made = admit_for_g1();
   ASSERT_NE(made, "");
   ask_g0(6, cc::Stage::prepared, subscriber_on_own1("c3", "also"));
   EXPECT_EQ(answer(6), "it was asked for before");
