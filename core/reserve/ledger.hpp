@@ -259,6 +259,7 @@ class Ledger {
   [[nodiscard]] bool change_standing(std::size_t network, std::vector<Placeholder> standing,
                                      Change& change);
   [[nodiscard]] bool holds_in_full(const Placed& placed) const;
+  [[nodiscard]] bool count_held(std::size_t network, std::span<Placed* const> fresh) const;
   [[nodiscard]] bool raise(Placed& placed, Raised& step);
 
   std::size_t networks_ = 0;

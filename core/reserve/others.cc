@@ -242,9 +242,7 @@ bool Ledger::change_standing(std::size_t network, std::vector<Placeholder> stand
     return carries(old.what.flow) && placeholder(old.what.flow) == nullptr;
   });
   change.held = !fresh.empty();
-  if (!fits || left) return false;
-  for (Placed* const p : fresh) p->in_full = true;
-  return fresh.empty() || counts_all(network);
+  return fits && !left && count_held(network, fresh);
 }
 
 /// Whether the flow holds as much as the placeholder has.
@@ -275,6 +273,14 @@ bool Ledger::counts_all(std::size_t network) const {
            return placed.counts ||
                   (carries(placed.what.flow) && placed.in_full && holds_in_full(placed));
          });
+}
+
+/// Placeholders of flows that are held without one: each counts in full from now on, if the flow
+/// holds as much. False if it may be otherwise when all of the network is decided again.
+bool Ledger::count_held(std::size_t network, std::span<Placed* const> fresh) const {
+  if (fresh.empty()) return true;
+  for (Placed* const placed : fresh) placed->in_full = true;
+  return counts_all(network);
 }
 
 /// Whether a domain has more than its limit beside what is measured as busy, and more than before.
