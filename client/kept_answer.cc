@@ -2,6 +2,7 @@
 #include "client/kept_answer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <string_view>
 #include <utility>
@@ -15,26 +16,55 @@
 namespace mlcca::client {
 namespace {
 
-// Texts that occur often in an answer are encoded in one byte: names of attributes (with the unit)
-// by their index, places on the route by theirs, and "end to end". The daemon sends no text that
-// begins with one of these control characters.
+// Texts that occur often in an answer are encoded in one octet, a control character which occurs in
+// no text of the daemon. Names of attributes (with the unit) are encoded by their index, and so are
+// places on the route. Tab, line feed and carriage return encode nothing.
 constexpr char kFirstAttribute = 1;
-constexpr char kEndToEnd = 15;
+constexpr char kPublisher = 11;
 constexpr char kFirstOfRoute = 16;
-constexpr std::size_t kMostOfRoute = 16;
-constexpr std::string_view kEndToEndText = "end to end";
+constexpr std::size_t kMostOfRoute = 15;
+
+struct Word {
+  char octet = 0;
+  std::string_view text;
+};
+constexpr std::array<Word, 4> kPhrases = {
+    {{12, "exactly met"}, {14, " to spare"}, {15, "end to end"}, {31, "capacity of "}}};
+static_assert(kFirstAttribute + kAttributes <= 9);
 
 char octet(char first, std::size_t number) {
   return static_cast<char>(static_cast<std::size_t>(first) + number);
 }
 
-void shorten(const std::vector<std::string>& route, control::Row& row) {
-  if (row.where == kEndToEndText) {
-    row.where.assign(1, kEndToEnd);
-  } else if (const auto at = std::ranges::find(route, row.where); at != route.end()) {
-    const auto number = static_cast<std::size_t>(at - route.begin());
-    if (number < kMostOfRoute) row.where.assign(1, octet(kFirstOfRoute, number));
+/// The words of one delivery. They refer to `publisher` and `route`, which must not change.
+class Words {
+ public:
+  Words(const std::string& publisher, const std::vector<std::string>& route)
+      : all_(kPhrases.begin(), kPhrases.end()) {
+    all_.push_back({kPublisher, publisher});
+    for (std::size_t i = 0; i < std::min(route.size(), kMostOfRoute); ++i)
+      all_.push_back({octet(kFirstOfRoute, i), route[i]});
   }
+
+  void shorten(std::string& text) const {
+    for (const Word& word : all_) {
+      const auto at = word.text.size() > 1 ? text.find(word.text) : std::string::npos;
+      if (at != std::string::npos) text.replace(at, word.text.size(), 1, word.octet);
+    }
+  }
+  void lengthen(std::string& text) const {
+    for (const Word& word : all_)
+      if (const auto at = text.find(word.octet); at != std::string::npos)
+        text.replace(at, 1, word.text);
+  }
+
+ private:
+  std::vector<Word> all_;
+};
+
+void shorten(const Words& words, control::Row& row) {
+  words.shorten(row.where);
+  words.shorten(row.margin);
   for (std::size_t i = 0; i < kAttributes; ++i) {
     const AttributeInfo& known = info(attribute_at(i));
     if (row.attribute != known.name || row.unit != known.unit) continue;
@@ -44,12 +74,9 @@ void shorten(const std::vector<std::string>& route, control::Row& row) {
   }
 }
 
-void lengthen(const std::vector<std::string>& route, Check& check) {
-  if (check.where.size() == 1 && check.where.front() == kEndToEnd) check.where = kEndToEndText;
-  if (check.where.size() == 1) {
-    const auto number = static_cast<std::size_t>(check.where.front() - kFirstOfRoute);
-    if (number < std::min(route.size(), kMostOfRoute)) check.where = route[number];
-  }
+void lengthen(const Words& words, Check& check) {
+  words.lengthen(check.where);
+  words.lengthen(check.margin);
   if (check.attribute.size() != 1) return;
   const auto number = static_cast<std::size_t>(check.attribute.front() - kFirstAttribute);
   if (number >= kAttributes) return;
@@ -79,10 +106,12 @@ control::Channel channel_of(const Delivery& delivery) {
   out.set = delivery.set;
   if (!delivery.trouble.empty()) out.troubles.push_back(delivery.trouble);
   out.route = delivery.route;
+  const Words words(out.publisher, out.route);
+  for (std::string* place : {&out.from, &out.to}) words.shorten(*place);
   out.rows.reserve(delivery.checks.size());
   for (const Check& check : delivery.checks) {
     out.rows.push_back(row_of(check));
-    shorten(out.route, out.rows.back());
+    shorten(words, out.rows.back());
   }
   return out;
 }
@@ -109,8 +138,11 @@ std::shared_ptr<const Answer> KeptAnswer::get() const {
     if (const auto reply = control::decode_reply(buffer); reply && *reply)
       if (auto answer = answer_of(**reply)) *out = std::move(*answer);
   }
-  for (Delivery& delivery : out->deliveries)
-    for (Check& check : delivery.checks) lengthen(delivery.route, check);
+  for (Delivery& delivery : out->deliveries) {
+    const Words words(delivery.publisher, delivery.route);
+    for (std::string* place : {&delivery.from, &delivery.to}) words.lengthen(*place);
+    for (Check& check : delivery.checks) lengthen(words, check);
+  }
   out->state = state_;
   if (out->deliveries.empty() || !reason_.empty()) out->reason = reason_;
   return out;

@@ -23,7 +23,7 @@ control::Reply answer_of_a_gateway() {
   granted.route = {"panel", "field"};
   const control::Row row = granted.rows.front();
   for (const char* attribute : {"Latency", "Deadline", "Period", "MaxPayload"})
-    for (const char* where : {"field", "end to end"}) {
+    for (const char* where : {"capacity of field", "end to end"}) {
       control::Row other = row;
       other.attribute = attribute;
       other.unit = std::string(attribute) == "MaxPayload" ? "bytes" : "ns";
@@ -65,10 +65,14 @@ TEST(IdleMemory, AnIdleChannelTakesAKibibyteAtMost) {
   const Delivery& kept = answer->deliveries[0];
   EXPECT_EQ(answer->reason, kept.reason);
   EXPECT_EQ(kept.route, (std::vector<std::string>{"panel", "field"}));
+  EXPECT_EQ(kept.from, "panel");
+  EXPECT_EQ(kept.to, "field");
   ASSERT_EQ(kept.checks.size(), 9U);
   EXPECT_EQ(kept.checks[8].where, "end to end");
   EXPECT_EQ(kept.checks[8].attribute, "MaxPayload");
+  EXPECT_EQ(kept.checks[7].where, "capacity of field");
   EXPECT_EQ(kept.checks[8].margin, "12.5 ms to spare");
+  EXPECT_EQ(kept.checks[0].margin, "1 to spare");
   EXPECT_TRUE(kept.checks[8].fits);
   EXPECT_EQ(kept.checks[0].provided, 1U);
   EXPECT_EQ(kept.checks[8].unit, "bytes");
