@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 
 namespace mlcca::control {
 namespace {
@@ -35,6 +37,18 @@ bool within(char c, Byte from, Byte to) {
 
 bool is_ascii(char c) { return within(c, 0, 0x7f); }
 
+/// The number of characters at the front of `text` that are known to be ASCII: eight are compared
+/// at a time, since most texts have no other character. Others may follow.
+std::size_t ascii_length(std::string_view text) {
+  constexpr std::uint64_t high_bits = 0x8080808080808080;
+  std::size_t length = 0;
+  for (std::uint64_t eight = 0; text.size() - length >= sizeof eight; length += sizeof eight) {
+    std::memcpy(&eight, text.data() + length, sizeof eight);
+    if ((eight & high_bits) != 0) break;
+  }
+  return length;
+}
+
 /// The length of the well-formed sequence at the front of `text`, which must not be empty; 0 if
 /// there is none.
 std::size_t sequence_length(std::string_view text) {
@@ -53,6 +67,7 @@ std::size_t sequence_length(std::string_view text) {
 }  // namespace
 
 bool is_utf8(std::string_view text) {
+  text.remove_prefix(ascii_length(text));
   while (!text.empty()) {
     const std::size_t n = sequence_length(text);
     if (n == 0) return false;

@@ -69,6 +69,18 @@ struct Utf8Test : ::testing::TestWithParam<Utf8Row> {};
 
 TEST_P(Utf8Test, KeepsWellFormedTextAndReplacesEachOtherByte) {
   EXPECT_EQ(to_utf8(GetParam().in), GetParam().out);
+  EXPECT_EQ(is_utf8(GetParam().in), GetParam().in == GetParam().out);
+}
+
+TEST(Utf8, OneWrongByteIsFoundAnywhereInALongText) {
+  const std::string ascii(25, 'a');
+  EXPECT_TRUE(is_utf8(ascii));
+  for (std::size_t at = 0; at < ascii.size(); ++at)
+    for (const char byte : {'\x80', '\xff'}) {
+      std::string text = ascii;
+      text[at] = byte;
+      EXPECT_FALSE(is_utf8(text)) << at;
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(
