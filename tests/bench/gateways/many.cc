@@ -29,7 +29,10 @@ constexpr std::size_t kAdmitted = 50;  // admissions of the real gateway
 /// The lease of simulated gateways in ns: long, so that gateways beat only when the bench asks for
 /// it.
 constexpr Value kSimulatedLease = 3'600'000'000'000;
+/// The time that a part of the bench may take: ten minutes, and one second for this many
+/// reservations.
 constexpr std::chrono::minutes kLongest{10};
+constexpr std::size_t kLeastPerSecond = 300;
 
 std::size_t number_of(const char* variable, std::size_t otherwise) {
   const char* const text = std::getenv(variable);  // NOLINT(concurrency-mt-unsafe)
@@ -252,8 +255,11 @@ class Many {
       }
       return holds() || !trouble_.empty();
     };
-    const bool held = loop_.until(over, kLongest);
-    require(held && trouble_.empty(), "many gateways: " + trouble_);
+    const auto longest = kLongest + std::chrono::seconds(gateways_ * each_ / kLeastPerSecond);
+    const bool held = loop_.until(over, longest);
+    require(trouble_.empty(), "many gateways: " + trouble_);
+    require(held, fmt::format("many gateways: not done after {} s",
+                              std::chrono::seconds(longest).count()));
   }
   void until_done() {
     until([this] {
