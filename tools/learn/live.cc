@@ -37,7 +37,9 @@ namespace {
 
 constexpr int kBuffer = 16 * 1024 * 1024;  // bytes; a second of a bus many times over
 constexpr std::size_t kBatch = 256;        // frames that are read from a socket at once
-constexpr int kAsk = 100;                  // ms between calls of `stop`
+/// Rounds of reading at the end: most of what a socket can hold, though more may arrive meanwhile.
+constexpr std::size_t kLastRounds = 64;
+constexpr int kAsk = 100;  // ms between calls of `stop`
 /// Frames gather in the kernel, which notes their times, and few system calls read them. A bus of
 /// 1 Mbit/s brings 40 meanwhile, and a socket without CAP_NET_ADMIN holds some 500.
 constexpr std::chrono::milliseconds kGather{5};
@@ -97,18 +99,22 @@ unsigned device_type(const std::string& name) {
   return ::ioctl(socket.get(), SIOCGIFHWADDR, &request) == 0 ? request.ifr_hwaddr.sa_family : 0U;
 }
 
-Result<Fd> open_can_socket(const std::string& name, int index) {
+Result<Fd> open_can_socket(const std::string& name) {
   Fd socket(::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW));
   if (!socket) return system_error(name + ": socket");
   const int on = 1;
   static_cast<void>(set(socket, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, on));
+  return socket;
+}
+
+Result<void> bind_can_socket(const Fd& socket, const std::string& name, int index) {
   sockaddr_can address{};
   address.can_family = AF_CAN;
   address.can_ifindex = index;
   // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
   if (::bind(socket.get(), reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)
     return system_error(name + ": bind");
-  return socket;
+  return {};
 }
 
 /// Makes the kernel state the time of each frame and the number of lost ones.
@@ -129,9 +135,13 @@ class Sockets final : public Listener {
     if (type != ARPHRD_CAN && type != ARPHRD_ETHER)
       return fail(name + ": is neither a CAN nor an Ethernet interface");
     const bool ethernet = type == ARPHRD_ETHER;
-    auto socket = ethernet ? open_packet_socket(name, index) : open_can_socket(name, index);
+    auto socket = ethernet ? open_packet_socket(name) : open_can_socket(name);
     if (!socket) return std::unexpected(socket.error());
+    // Frames arrive from bind() on. All of them shall have their time, and room in the buffer.
     if (const auto asked = ask(*socket); !asked) return fail(name + ": " + asked.error().text);
+    const auto bound =
+        ethernet ? bind_packet_socket(*socket, name, index) : bind_can_socket(*socket, name, index);
+    if (!bound) return bound;
     const auto number = numbers.number_of(name, ethernet ? Medium::ethernet : Medium::can);
     if (number == Interfaces::kMost)
       return fail(fmt::format("{}: {} interfaces are the most", name, Interfaces::kMost));
@@ -148,18 +158,13 @@ class Sockets final : public Listener {
     while (monotonic_ns() < end && !stop()) {
       if (::poll(polled.data(), polled.size(), kAsk) < 0 && errno != EINTR)
         return system_error("poll");
-      batch_.clear();
-      more_ = false;
-      for (std::size_t i = 0; i < all_.size(); ++i)
-        if (polled[i].revents != 0 && !read(all_[i])) return system_error("recvmsg");
-      std::ranges::stable_sort(batch_, {}, [](const Read& one) { return one.frame.ns; });
-      for (Read& one : batch_) {
-        // The span referred to the element from which the frame was copied.
-        one.frame.data = std::span(one.bytes).subspan(one.begin, one.frame.data.size());
-        on_frame(one.frame);
-      }
+      if (!read_all(on_frame)) return system_error("recvmsg");
       if (!more_) std::this_thread::sleep_for(kGather);
     }
+    // What has gathered until now belongs to the time that is over.
+    more_ = true;
+    for (std::size_t i = 0; more_ && i < kLastRounds; ++i)
+      if (!read_all(on_frame)) return system_error("recvmsg");
     return {};
   }
 
@@ -170,6 +175,22 @@ class Sockets final : public Listener {
   }
 
  private:
+  /// Reads from each socket once, and passes the frames on in order of time. False if a socket
+  /// fails; then errno says why.
+  bool read_all(const OnFrame& on_frame) {
+    batch_.clear();
+    more_ = false;
+    for (Listened& one : all_)
+      if (!read(one)) return false;
+    std::ranges::stable_sort(batch_, {}, [](const Read& one) { return one.frame.ns; });
+    for (Read& one : batch_) {
+      // The span referred to the element from which the frame was copied.
+      one.frame.data = std::span(one.bytes).subspan(one.begin, one.frame.data.size());
+      on_frame(one.frame);
+    }
+    return true;
+  }
+
   bool read(Listened& from) {
     for (std::size_t i = 0; i < kBatch; ++i) {
       Read& one = batch_.emplace_back();

@@ -63,7 +63,7 @@ auto datagrams_only() {
 
 }  // namespace
 
-Result<Fd> open_packet_socket(const std::string& interface, int index) {
+Result<Fd> open_packet_socket(const std::string& interface) {
   // Protocol 0: the socket receives nothing before the filter is attached.
   Fd socket(::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!socket && errno == EPERM)
@@ -76,6 +76,10 @@ Result<Fd> open_packet_socket(const std::string& interface, int index) {
                           .filter = program.data()};
   if (::setsockopt(socket.get(), SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) != 0)
     return system_error(interface + ": filter");
+  return socket;
+}
+
+Result<void> bind_packet_socket(const Fd& socket, const std::string& interface, int index) {
   sockaddr_ll address{};
   address.sll_family = AF_PACKET;
   address.sll_protocol = htons(ETH_P_ALL);
@@ -83,7 +87,7 @@ Result<Fd> open_packet_socket(const std::string& interface, int index) {
   // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
   if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
     return system_error(interface + ": bind");
-  return socket;
+  return {};
 }
 
 bool read_packet(std::span<const std::uint8_t> bytes, unsigned type, Frame& out) {

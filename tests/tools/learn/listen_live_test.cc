@@ -44,16 +44,18 @@ struct ListenLive : ::testing::Test {
     shell_command("ip addr add 192.0.2.1/24 dev eth0");
   }
 
-  /// Sends a frame out of a device, past everything.
-  static void inject(const std::string& device, const std::vector<std::uint8_t>& frame) {
+  /// Sends a frame out of a device, past everything, once or several times.
+  static void inject(const std::string& device, const std::vector<std::uint8_t>& frame,
+                     std::size_t times = 1) {
     const Fd socket(::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, 0));
     sockaddr_ll to{};
     to.sll_family = AF_PACKET;
     to.sll_halen = 6;
     to.sll_ifindex = static_cast<int>(::if_nametoindex(device.c_str()));
-    require(::sendto(socket.get(), frame.data(), frame.size(), 0,
-                     reinterpret_cast<const sockaddr*>(&to), sizeof to) == std::ssize(frame),
-            "send a frame");
+    for (std::size_t i = 0; i < times; ++i)
+      require(::sendto(socket.get(), frame.data(), frame.size(), 0,
+                       reinterpret_cast<const sockaddr*>(&to), sizeof to) == std::ssize(frame),
+              "send a frame");
   }
 
   /// A program of this host: a datagram to the group of "Distance".
@@ -119,6 +121,20 @@ TEST_F(ListenLive, HearsDatagramsOfOthersWithTagsAndWithoutAndNothingElse) {
     EXPECT_EQ(one.data.size(), 12U);
   }
   EXPECT_EQ(is.back().data.back(), 9);
+}
+
+TEST_F(ListenLive, WhatHasArrivedWhenItIsStoppedIsRead) {
+  // Frames gather in the kernel for some time before they are read.
+  const Sent sent = event(0, 0, kDistance, station(7), {1, 2, 3});
+  constexpr std::size_t many = 300;  // more than is read at once
+  Interfaces interfaces;
+  const auto listener = Listener::open({"eth0"}, interfaces);
+  require(listener.has_value(), "listen");
+  inject("far0", frame_of(sent), many);
+  std::size_t heard = 0;
+  ASSERT_TRUE(
+      (*listener)->listen(1'000'000'000, [] { return true; }, [&](const Frame&) { ++heard; }));
+  EXPECT_EQ(heard, many);
 }
 
 TEST_F(ListenLive, WhatAProgramOfThisHostSendsIsLocal) {
