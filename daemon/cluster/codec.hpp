@@ -58,6 +58,9 @@ class Codec final : public core::cluster::Codec {
 
 /// The request for a reservation, as the store has it under x/<gateway>/<number>.
 struct Asked {
+  /// The most requests of one, `requests` and `also` together: each of them is decided by itself at
+  /// each gateway on the way.
+  static constexpr std::size_t kMostRequests = 256;
   std::string channel;
   std::vector<control::Request> requests;
   std::vector<control::Request> also = {};  ///< others of it, whose publishers count
@@ -66,6 +69,7 @@ struct Asked {
   /// For an admission that is made so: the gateway that has asked for it, and its number there.
   std::string for_gateway = {};
   std::uint64_t for_number = 0;
+  [[nodiscard]] std::size_t size() const { return requests.size() + also.size(); }
 };
 [[nodiscard]] std::string text_of(const Asked& asked);
 /// nullopt if it is not such a text, or has requests of another kind.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/gateway/adopting.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <map>
@@ -17,7 +19,7 @@ namespace {
 
 constexpr const char* kUnwanted = "what was asked for has ended";
 constexpr const char* kReplaced = "its number is that of another admission since";
-constexpr const char* kAskedBefore = "it was asked for before";
+constexpr const char* kNotUnderstood = "what is asked for is not understood here";
 
 std::vector<core::AdmissionId> ids_in(const std::vector<control::Request>& requests) {
   std::vector<core::AdmissionId> ids;
@@ -26,15 +28,19 @@ std::vector<core::AdmissionId> ids_in(const std::vector<control::Request>& reque
   return ids;
 }
 
-/// `other` with the publisher of `one`, if it has none itself; nullopt if `one` brings no
-/// publisher, or `other` brings its own.
+/// Whether it brings a publisher, or names one.
+bool has_publisher(const control::Request& request) {
+  return !std::get<control::Admit>(request.body).from.empty();
+}
+
+/// `other` with the publisher of `one`, which has one; nullopt if `other` brings its own, or names
+/// another one.
 std::optional<control::Request> with_publisher_of(const control::Request& one,
                                                   const control::Request& other) {
   const auto& first = std::get<control::Admit>(one.body);
   control::Request both = other;
   auto& second = std::get<control::Admit>(both.body);
-  if (describes_publisher(second) || first.from.empty() ||
-      (!second.from.empty() && second.from != first.from))
+  if (describes_publisher(second) || (!second.from.empty() && second.from != first.from))
     return std::nullopt;
   second.from = first.from;
   second.from_node = first.from_node;
@@ -55,13 +61,13 @@ WhichRequest which_of(std::size_t gateway, const control::Request& request) {
   return {.gateway = gateway, .number = request.id, .content = hash.digest()};
 }
 
+}  // namespace
+
 /// A vote: against it for that reason, or for it if there is none.
-core::cluster::Vote vote_of(std::string why) {
+core::cluster::Vote Adopting::vote_of(std::string why) {
   const bool ok = why.empty();
   return {.ok = ok, .hop = {}, .reason = std::move(why)};
 }
-
-}  // namespace
 
 void Adopting::on(const core::cluster::Adopt& event) {
   Adopted& adopted = adopted_[{event.origin.gateway, event.origin.id}];
@@ -72,6 +78,9 @@ void Adopting::on(const core::cluster::Adopt& event) {
              .asks = {},
              .ours = {},
              .theirs = {}};
+  set_due(adopted, Due::vote);
+  adopted.too_many = adopted.asked && adopted.asked->size() > cluster::Asked::kMostRequests;
+  if (adopted.too_many) adopted.asked.reset();
   list(adopted);
   networks_.count(adopted.number, adopted.footprint, event.origin.gateway);
   if (adopted.is_on_behalf()) resume(adopted);
@@ -81,7 +90,7 @@ void Adopting::on(const core::cluster::Opened& event) {
   const auto it = adopted_.find({event.origin.gateway, event.origin.id});
   // What this gateway has to answer is not lost: of one on behalf there is nothing to open.
   if (it != adopted_.end() && !it->second.is_on_behalf() && !it->second.replaced)
-    it->second.due = Due::open;
+    set_due(it->second, Due::open);
 }
 
 void Adopting::on(const core::cluster::Ended& event) {
@@ -95,18 +104,32 @@ void Adopting::on(const core::cluster::Ended& event) {
   networks_.drop(it->second.number);
   unlist(it->second);
   hold_nothing(it->second);
+  due_.erase(it->first);
   adopted_.erase(it);
 }
 
 void Adopting::lost() {
-  found_.clear();
   for (auto& [key, adopted] : adopted_) {
     close(adopted);
     if (adopted.is_on_behalf()) hands_.forget(adopted.number);
     networks_.drop(adopted.number);
   }
+  forget();
+}
+
+void Adopting::forget() {
   adopted_.clear();
   requests_.clear();
+  found_.clear();
+  holders_.clear();
+  made_for_this_.clear();
+  on_behalf_.clear();
+  due_.clear();
+}
+
+void Adopting::set_due(Adopted& adopted, Due due) {
+  adopted.due = due;
+  due_.insert(key_of(adopted));
 }
 
 void Adopting::list(Adopted& adopted) {
@@ -114,12 +137,22 @@ void Adopting::list(Adopted& adopted) {
   for (const auto* all : {&adopted.asked->also, &adopted.asked->requests})
     for (const control::Request& request : *all)
       adopted.asks.push_back(which_of(adopted.origin.gateway, request));
-  if (adopted.is_on_behalf()) return;
+  if (is_made_for_this(adopted)) made_for_this_[adopted.asked->for_number].insert(key_of(adopted));
+  if (adopted.is_on_behalf()) {
+    on_behalf_.insert(key_of(adopted));
+    return;
+  }
   for (const WhichRequest& which : adopted.asks) requests_.ask(which, key_of(adopted));
 }
 
 void Adopting::unlist(const Adopted& adopted) {
   for (const WhichRequest& which : adopted.asks) requests_.ask_no_more(which, key_of(adopted));
+  on_behalf_.erase(key_of(adopted));
+  if (!is_made_for_this(adopted)) return;
+  const auto made = made_for_this_.find(adopted.asked->for_number);
+  if (made == made_for_this_.end()) return;
+  made->second.erase(key_of(adopted));
+  if (made->second.empty()) made_for_this_.erase(made);
 }
 
 void Adopting::set_open(Adopted& adopted, bool open) {
@@ -129,12 +162,14 @@ void Adopting::set_open(Adopted& adopted, bool open) {
 
 void Adopting::hold(Adopted& adopted, const WhichRequest& which, control::Request ours) {
   adopted.theirs.push_back(which);
+  holders_.insert_or_assign(ours.id, key_of(adopted));
   adopted.ours.push_back(std::move(ours));
   requests_.hold(which, key_of(adopted));
 }
 
 void Adopting::hold_nothing(Adopted& adopted) {
   for (const WhichRequest& which : adopted.theirs) requests_.hold_no_more(which);
+  for (const control::Request& request : adopted.ours) holders_.erase(request.id);
   adopted.theirs.clear();
   adopted.ours.clear();
 }
@@ -177,7 +212,7 @@ void Adopting::replace(Adopted& former) {
   hold_nothing(former);
   networks_.count(former.number, former.footprint, former.origin.gateway);
   former.answer = vote_of(kReplaced);
-  former.due = Due::answer;
+  set_due(former, Due::answer);
 }
 
 /// Ends what was asked for earlier with the number of this request and was something else. An error
@@ -197,6 +232,7 @@ void Adopting::move_request(Adopted& from, const WhichRequest& which, Adopted& t
   const auto at = std::ranges::find(from.theirs, which);
   const auto ours = from.ours.begin() + (at - from.theirs.begin());
   requests_.hold(which, key_of(to));
+  holders_.insert_or_assign(ours->id, key_of(to));
   to.theirs.insert(to.theirs.begin(), *at);
   to.ours.insert(to.ours.begin(), std::move(*ours));
   from.theirs.erase(at);
@@ -263,21 +299,25 @@ std::optional<core::cluster::Footprint> Adopting::mapped(const Adopted& adopted)
   return all ? std::optional(std::move(out)) : std::nullopt;
 }
 
+/// Each request is tried alone, and one that only adds a subscriber also with publishers that come
+/// with it. On average each request has one further try.
 std::string Adopting::misfit(const Adopted& adopted) const {
   if (!mapped(adopted)) return "it takes traffic of an admission that is not known here";
-  for (std::size_t i = 0; i < adopted.ours.size(); ++i)
-    if (std::string why = misfit(adopted, i); !why.empty()) return why;
+  std::size_t further = adopted.ours.size();
+  std::vector<const control::Request*> publishers;
+  for (const control::Request& request : adopted.ours) {
+    std::string why = hands_.misfit(request);
+    for (auto it = publishers.begin(); it != publishers.end() && !why.empty(); ++it) {
+      const auto both = with_publisher_of(**it, request);
+      if (!both) continue;
+      if (further == 0) return why;
+      --further;
+      why = hands_.misfit(*both);
+    }
+    if (!why.empty()) return why;
+    if (has_publisher(request)) publishers.push_back(&request);
+  }
   return {};
-}
-
-/// Why a request does not fit. Each request is tried alone; one that only adds a subscriber is also
-/// tried with a publisher that comes with it.
-std::string Adopting::misfit(const Adopted& adopted, std::size_t request) const {
-  const control::Request& asked = adopted.ours[request];
-  std::string why = hands_.misfit(asked);
-  for (std::size_t i = 0; i < request && !why.empty(); ++i)
-    if (const auto both = with_publisher_of(adopted.ours[i], asked)) why = hands_.misfit(*both);
-  return why;
 }
 
 void Adopting::vote(Adopted& adopted, core::cluster::Member& member, Value now) {
@@ -285,7 +325,9 @@ void Adopting::vote(Adopted& adopted, core::cluster::Member& member, Value now) 
     begin_on_behalf(adopted);
     return;
   }
-  std::string why = is_unwanted(adopted) ? kUnwanted : "what is asked for is not understood here";
+  std::string why = is_unwanted(adopted) ? kUnwanted : kNotUnderstood;
+  if (adopted.too_many)
+    why = fmt::format("it has more than {} requests", cluster::Asked::kMostRequests);
   if (adopted.asked && !is_unwanted(adopted)) {
     why = name_all(adopted);
     networks_.leave_out(adopted.number);
@@ -321,7 +363,10 @@ std::string Adopting::open(Adopted& adopted) {
 
 bool Adopting::step(core::cluster::Member& member, Value now) {
   bool any = false;
-  for (auto& [key, adopted] : adopted_) {
+  for (const Key& key : std::exchange(due_, {})) {
+    const auto it = adopted_.find(key);
+    if (it == adopted_.end()) continue;
+    Adopted& adopted = it->second;
     const Due due = std::exchange(adopted.due, Due::nothing);
     any = any || due != Due::nothing;
     act_on(adopted, due, member, now);
@@ -347,102 +392,6 @@ void Adopting::act_on(Adopted& adopted, Due due, core::cluster::Member& member, 
   }
 }
 
-// --- admissions that this gateway makes for another one ------------------------------------------
-
-Adopting::Adopted* Adopting::find(const Ref& ref) {
-  const auto it = adopted_.find({ref.origin.gateway, ref.origin.id});
-  return it == adopted_.end() || it->second.number != ref.number ? nullptr : &it->second;
-}
-
-/// The other gateway asks again after a refusal, unless the publisher is gone.
-void Adopting::answer(Adopted& adopted, const std::string& why) const {
-  adopted.answer = vote_of(why);
-  adopted.answer.final =
-      !why.empty() && !adopted.ours.empty() && hands_.is_publisher_gone(adopted.ours.front());
-  adopted.due = Due::answer;
-}
-
-/// Asks the store for what the subscriber of another gateway needs. The vote is the result.
-void Adopting::begin_on_behalf(Adopted& adopted) {
-  const auto& requests = adopted.asked->requests;
-  if (requests.size() != 1 || describes_publisher(std::get<control::Admit>(requests.front().body)))
-    return answer(adopted, "what is asked for is not understood here");
-  const WhichRequest& which = adopted.asks.back();
-  if (const std::string why = end_former(adopted, which); !why.empty()) return answer(adopted, why);
-  if (requests_.held(which) != nullptr) return answer(adopted, kAskedBefore);
-  hold(adopted, which, with_own_number(requests.front()));
-  const Ref ref{.origin = adopted.origin, .number = adopted.number};
-  const auto asked = hands_.ask({.decide = [this, ref] { return wish_on_behalf(ref); },
-                                 .granted = [this, ref] { return open_on_behalf(ref); },
-                                 .refused =
-                                     [this, ref](const std::string& why) {
-                                       if (auto* const there = find(ref)) answer(*there, why);
-                                     },
-                                 .gateway = ref.origin.gateway,
-                                 .adopted = ref.number});
-  if (!asked) answer(adopted, asked.error().text);
-}
-
-/// An earlier process of this gateway may have admitted it, and it is reserved.
-void Adopting::resume(Adopted& adopted) {
-  const auto& requests = adopted.asked->requests;
-  const auto found = found_.find({hands_.name_of(adopted.origin.gateway), adopted.origin.id});
-  if (found == found_.end() || requests.size() != 1 ||
-      found->second.body != requests.front().body || requests_.held(adopted.asks.back()) != nullptr)
-    return;
-  hold(adopted, adopted.asks.back(), found->second);
-  adopted.open = true;
-  adopted.due = Due::resume;
-  found_.erase(found);
-}
-
-std::optional<Reserving::Wish> Adopting::wish_on_behalf(const Ref& ref) {
-  auto* const adopted = find(ref);
-  if (adopted == nullptr) return std::nullopt;
-  auto wish = hands_.wish(adopted->ours.front(), ref.origin.gateway);
-  if (!wish) {
-    answer(*adopted, wish.error().text);
-    return std::nullopt;
-  }
-  wish->asked.for_gateway = hands_.name_of(ref.origin.gateway);
-  wish->asked.for_number = ref.origin.id;
-  return std::move(*wish);
-}
-
-bool Adopting::open_on_behalf(const Ref& ref) {
-  auto* const adopted = find(ref);
-  if (adopted == nullptr) return false;
-  const auto done = hands_.admit(adopted->ours.front());
-  adopted->open = done.has_value();
-  answer(*adopted, done ? std::string() : done.error().text);
-  return adopted->open;
-}
-
-bool Adopting::keep_found(const cluster::Asked& asked) {
-  if (asked.for_gateway.empty() || asked.requests.size() != 1) return false;
-  found_.insert_or_assign(For(asked.for_gateway, asked.for_number), asked.requests.front());
-  return true;
-}
-
-void Adopting::publishers_gone() {
-  for (auto& [key, adopted] : adopted_) adopted.check = adopted.is_on_behalf();
-}
-
-bool Adopting::ends_with_publisher(Adopted& adopted) {
-  if (!adopted.open || !hands_.is_without_publisher(adopted.ours.front())) return false;
-  close(adopted);
-  answer(adopted, "the publisher that it is for is not admitted any more");
-  return true;
-}
-
-void Adopting::withdrawn(core::AdmissionId id, const std::string& why) {
-  for (auto& [key, adopted] : adopted_) {
-    if (!adopted.is_on_behalf() || !adopted.open || adopted.ours.front().id != id) continue;
-    close(adopted);
-    answer(adopted, why);
-  }
-}
-
 bool Adopting::is_made_for_this(const Adopted& adopted) const {
   return adopted.asked && !adopted.asked->for_gateway.empty() &&
          adopted.asked->for_gateway == hands_.name_of(networks_.permits().self());
@@ -453,8 +402,9 @@ bool Adopting::is_unwanted(const Adopted& adopted) const {
 }
 
 void Adopting::close_made_for(Number number) {
-  for (auto& [key, adopted] : adopted_)
-    if (is_made_for_this(adopted) && adopted.asked->for_number == number) close(adopted);
+  const auto made = made_for_this_.find(number);
+  if (made == made_for_this_.end()) return;
+  for (const Key& key : made->second) close(adopted_.at(key));
 }
 
 void Adopting::restore() const {
@@ -463,19 +413,19 @@ void Adopting::restore() const {
       for (const control::Request& request : adopted.ours) hands_.restore(request);
 }
 
+const Adopting::Adopted* Adopting::holder_of(core::AdmissionId id) const {
+  const auto holder = holders_.find(id);
+  return holder == holders_.end() ? nullptr : &adopted_.at(holder->second);
+}
+
 bool Adopting::has(core::AdmissionId id) const {
-  return std::ranges::any_of(adopted_, [&](const auto& entry) {
-    return entry.second.open && std::ranges::find(entry.second.ours, id, &control::Request::id) !=
-                                    entry.second.ours.end();
-  });
+  const Adopted* const holder = holder_of(id);
+  return holder != nullptr && holder->open;
 }
 
 bool Adopting::is_twin(core::AdmissionId id) const {
-  return std::ranges::any_of(adopted_, [&](const auto& entry) {
-    const Adopted& adopted = entry.second;
-    return is_made_for_this(adopted) &&
-           std::ranges::find(adopted.ours, id, &control::Request::id) != adopted.ours.end();
-  });
+  const Adopted* const holder = holder_of(id);
+  return holder != nullptr && is_made_for_this(*holder);
 }
 
 }  // namespace mlcca

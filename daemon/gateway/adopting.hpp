@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -64,11 +65,7 @@ class Adopting {
   /// counted.
   void lost();
   /// Forgets everything without closing it, where the state that held it is gone already.
-  void forget() {
-    adopted_.clear();
-    requests_.clear();
-    found_.clear();
-  }
+  void forget();
   /// After a start the store has this reservation of this gateway, which was made for another one.
   /// True if it is to be kept: the request of the other one follows, or it is given back in step().
   [[nodiscard]] bool keep_found(const cluster::Asked& asked);
@@ -101,16 +98,20 @@ class Adopting {
     std::vector<WhichRequest> asks;      ///< of `asked`: first `also`, then `requests`
     std::vector<control::Request> ours;  ///< requests that it holds, with numbers of this gateway
     std::vector<WhichRequest> theirs;    ///< the same requests
-    Due due = Due::vote;
+    Due due = Due::nothing;
     bool open = false;
     bool check = false;            ///< its publisher may have gone
+    bool too_many = false;         ///< it has more requests than are decided
     bool replaced = false;         ///< the other gateway has given its number to something else
     core::cluster::Vote answer{};  ///< of Due::answer
     /// This gateway makes the admission itself; `ours` has the one request.
     [[nodiscard]] bool is_on_behalf() const { return asked && asked->on_behalf; }
   };
 
+  static constexpr const char* kAskedBefore = "it was asked for before";
+  static core::cluster::Vote vote_of(std::string why);
   static Key key_of(const Adopted& adopted) { return {adopted.origin.gateway, adopted.origin.id}; }
+  void set_due(Adopted& adopted, Due due);
   void list(Adopted& adopted);
   void unlist(const Adopted& adopted);
   void set_open(Adopted& adopted, bool open);
@@ -125,7 +126,6 @@ class Adopting {
                                          const WhichRequest& which);
   [[nodiscard]] std::string name_all(Adopted& adopted);
   [[nodiscard]] std::string misfit(const Adopted& adopted) const;
-  [[nodiscard]] std::string misfit(const Adopted& adopted, std::size_t request) const;
   [[nodiscard]] std::optional<core::cluster::Footprint> mapped(const Adopted& adopted) const;
   [[nodiscard]] std::string open(Adopted& adopted);
   void close(Adopted& adopted);
@@ -141,7 +141,8 @@ class Adopting {
   [[nodiscard]] Adopted* find(const Ref& ref);
   [[nodiscard]] bool is_made_for_this(const Adopted& adopted) const;
   [[nodiscard]] bool is_unwanted(const Adopted& adopted) const;
-  void answer(Adopted& adopted, const std::string& why) const;
+  void answer(Adopted& adopted, const std::string& why);
+  [[nodiscard]] const Adopted* holder_of(core::AdmissionId id) const;
   void begin_on_behalf(Adopted& adopted);
   void resume(Adopted& adopted);
   [[nodiscard]] bool ends_with_publisher(Adopted& adopted);
@@ -151,7 +152,11 @@ class Adopting {
   SharedNetworks& networks_;
   Hands hands_;
   std::map<Key, Adopted> adopted_;
-  RequestIndex<> requests_;                ///< of all of them
+  RequestIndex<> requests_;                   ///< of all of them
+  std::map<core::AdmissionId, Key> holders_;  ///< by the numbers of this gateway that they hold
+  std::map<Number, std::set<Key>> made_for_this_;  ///< by the numbers with which it has asked
+  std::set<Key> on_behalf_;
+  std::set<Key> due_;                      ///< those with something to do in step()
   std::map<For, control::Request> found_;  ///< reserved by an earlier process, see keep_found()
 };
 

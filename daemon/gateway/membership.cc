@@ -492,8 +492,4 @@ void Membership::session_closed(std::uint64_t session) {
   if (reserving_) reserving_->session_closed(session);
 }
 
-bool Membership::is_twin(core::AdmissionId id) const {
-  return adopting_ && id != 0 && adopting_->is_twin(id);
-}
-
 }  // namespace mlcca

@@ -131,7 +131,9 @@ class Membership final : private core::Holdings {
     return adopting_ && adopting_->has(id);
   }
   /// See Adopting::is_twin().
-  [[nodiscard]] bool is_twin(core::AdmissionId id) const;
+  [[nodiscard]] bool is_twin(core::AdmissionId id) const {
+    return adopting_ && id != 0 && adopting_->is_twin(id);
+  }
   [[nodiscard]] const core::cluster::Baseline& baseline() const { return networks_->baseline(); }
   /// Adds to `to` the admissions here that have brought the publishers that `footprint` counts.
   /// Other gateways need them to decide on it.

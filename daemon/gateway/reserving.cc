@@ -308,7 +308,8 @@ bool Reserving::step(core::cluster::Member& member, Value now) {
     jobs_.erase(next);
     return true;
   }
-  if (cluster::text_of(wish->asked).size() > kMostText) {
+  if (wish->asked.size() > cluster::Asked::kMostRequests ||
+      cluster::text_of(wish->asked).size() > kMostText) {
     next->job.refused("what is asked for is too long for the store");
     jobs_.erase(next);
     return true;

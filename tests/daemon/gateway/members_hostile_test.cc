@@ -133,6 +133,33 @@ TEST_F(MembersHostile, WhoAsksForTooMuchIsToldSo) {
   EXPECT_FALSE(vote(16).contains("may not be more")) << vote(16);
 }
 
+/// Each request of an entry is decided by itself.
+TEST_F(MembersHostile, AnEntryHasABoundedNumberOfRequests) {
+  start_both();
+  at(1).end();
+  beat_of_g1();
+  run();
+  const auto answer_to = [this](std::uint64_t n, std::size_t requests) {
+    cluster::Asked asked{.channel = "c2", .requests = {}};
+    for (std::size_t i = 0; i < requests; ++i) {
+      auto admit = subscriber_on_own1("c2", "s" + std::to_string(i));
+      admit.to = "g0";
+      auto& to = i % 2 == 0 ? asked.requests : asked.also;
+      to.push_back({.id = (1000 * n) + i, .body = admit});
+    }
+    store.write({{.key = key("x/g1/") + std::to_string(n),
+                  .value = codec.write(cc::Asked{.stage = cc::Stage::prepared,
+                                                 .admission = cluster::text_of(asked),
+                                                 .gateways = {0}})}});
+    run();
+    const auto vote = answer_to_g1(n);
+    if (!vote) return std::string("no vote");
+    return vote->ok ? "yes" : vote->reason;
+  };
+  EXPECT_EQ(answer_to(5, cluster::Asked::kMostRequests), "yes");
+  EXPECT_EQ(answer_to(6, cluster::Asked::kMostRequests + 1), "it has more than 256 requests");
+}
+
 /// Nobody agrees to what this gateway makes for g1, so each of these takes its 3 s.
 TEST_F(MembersHostile, WhatWasLostIsReservedAgainWhateverAnotherGatewayAsksFor) {
   start_both();
