@@ -101,6 +101,24 @@ std::string amount_of(const Network& network, const HeldBy& held) {
   return format_value(Attribute::bandwidth, held.bytes_per_second);
 }
 
+/// The name of a gateway may come from a record in the store.
+std::string name_of_gateway(const System& system, std::size_t gateway) {
+  return gateway < system.gateways.size() ? system.gateways[gateway].name : "another gateway";
+}
+
+/// The end of the words about a gateway that holds it for others as well.
+std::string for_whom(const System& system, const MadeFor& made_for) {
+  if (made_for.gateways.empty()) return {};
+  std::string words = made_for.all ? ", for " : ", in part for ";
+  std::size_t named = 0;
+  for (const std::size_t gateway : made_for.gateways) {
+    if (named == kMostNamed) break;
+    words += (named++ == 0 ? "" : " and ") + name_of_gateway(system, gateway);
+  }
+  const std::size_t more = made_for.gateways.size() - named;
+  return more == 0 ? words : words + " and " + std::to_string(more) + " more";
+}
+
 std::vector<const HeldBy*> largest_first(const Network& network, std::span<const HeldBy> held) {
   std::vector<const HeldBy*> order;
   for (const HeldBy& one : held) order.push_back(&one);
@@ -108,11 +126,6 @@ std::vector<const HeldBy*> largest_first(const Network& network, std::span<const
     return weight_of(network, *a) > weight_of(network, *b);
   });
   return order;
-}
-
-/// The name of a gateway may come from a record in the store.
-std::string name_of_gateway(const System& system, std::size_t gateway) {
-  return gateway < system.gateways.size() ? system.gateways[gateway].name : "another gateway";
 }
 
 template <class Text>
@@ -148,8 +161,9 @@ std::vector<HeldBy> held_by(const System& system, const World& world, std::size_
 
 std::string holders_words(const System& system, std::size_t network, std::span<const HeldBy> held) {
   const Network& medium = system.networks[network];
-  return listed(system, largest_first(medium, held),
-                [&](const HeldBy& one) { return " (" + amount_of(medium, one) + ")"; });
+  return listed(system, largest_first(medium, held), [&](const HeldBy& one) {
+    return " (" + amount_of(medium, one) + for_whom(system, one.made_for) + ")";
+  });
 }
 
 std::string excess_words(const System& system, const World& world, std::size_t network,

@@ -3,6 +3,8 @@
 // which gateways claim more than there is.
 #pragma once
 #include <cstddef>
+#include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,6 +16,14 @@
 
 namespace mlcca::core {
 
+/// For which other gateways one has reserved something: it has admitted the publishers, and they
+/// the subscribers.
+struct MadeFor {
+  std::set<std::size_t> gateways;
+  bool all = true;  ///< it has reserved nothing else there
+  bool operator==(const MadeFor&) const = default;
+};
+
 /// What one gateway has reserved of a network. Traffic that several of its reservations contain
 /// counts once.
 struct HeldBy {
@@ -24,6 +34,7 @@ struct HeldBy {
   std::vector<mesh::Share> shares;  ///< of the domains of a mesh, as its links are now
   std::size_t uncountable = 0;      ///< messages and paths that cannot be counted as the network
                                     ///< is now
+  MadeFor made_for;
   bool operator==(const HeldBy&) const = default;
 };
 
@@ -39,6 +50,8 @@ class Holdings {
   /// What other gateways have reserved of the network, whether or not this one carries it as well.
   /// What is being decided is not a part of it.
   [[nodiscard]] virtual cluster::Foreign of_others(std::size_t network) const = 0;
+  /// By the gateway that has reserved it.
+  [[nodiscard]] virtual std::map<std::size_t, MadeFor> made_for(std::size_t network) const = 0;
   /// Which entries cannot be read, so that it is not known what others hold of the network, and
   /// what to do; empty if all can be read.
   [[nodiscard]] virtual std::string unreadable(std::size_t network) const = 0;
@@ -49,7 +62,7 @@ class Holdings {
                                           std::size_t network, const cluster::Foreign& parts);
 
 /// Names the gateways with the largest amounts, and how many more there are: "gw2 (400 kB/s), gw3
-/// (100 kB/s) and 2 more gateways". Empty if there are none.
+/// (100 kB/s, in part for gw1) and 2 more gateways". Empty if there are none.
 [[nodiscard]] std::string holders_words(const System& system, std::size_t network,
                                         std::span<const HeldBy> held);
 

@@ -319,6 +319,10 @@ const std::vector<HeldBy>& State::held_by_others(std::size_t network) const {
   const auto known = held_.find(network);
   if (known != held_.end() && known->second.view == view) return known->second.by;
   Held held{view, held_by(system_, world_, network, holdings_->of_others(network))};
+  const auto made_for = holdings_->made_for(network);
+  for (HeldBy& one : held.by)
+    if (const auto others = made_for.find(one.gateway); others != made_for.end())
+      one.made_for = others->second;
   return held_.insert_or_assign(network, std::move(held)).first->second.by;
 }
 

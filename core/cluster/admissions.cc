@@ -30,7 +30,8 @@ bool is_there(const View& view, std::size_t gateway, Value now) {
   return !view.is_fenced(gateway) && alive != Alive::absent && alive != Alive::draining;
 }
 
-/// "gateway id" of the entry of a network that says who took something last.
+/// "gateway id", or "gateway id (for another gateway)", of the entry of a network that says who
+/// took something last.
 std::string taker_of(const Entry& entry) { return printable(entry.value, 256); }
 
 /// SplitMix64: all bits depend on all bits of `n`.
@@ -335,7 +336,8 @@ Work Admissions::reservation(const Own& own, const View& view, const Codec& code
   const Keys& keys = view.keys();
   const Wanted& wanted = own.wanted;
   Work work{.kind = Work::Kind::reserve, .id = wanted.id};
-  const std::string name = keys.gateway_name(self_) + ' ' + std::to_string(wanted.id);
+  std::string name = keys.gateway_name(self_) + ' ' + std::to_string(wanted.id);
+  if (wanted.made_for) name += " (for " + keys.gateway_name(*wanted.made_for) + ')';
   for (const Part& part : wanted.footprint.parts) {
     const std::string version = keys.version(part.network);
     work.compares.push_back({.key = version, .revision = own.versions.at(part.network)});

@@ -20,6 +20,8 @@ struct Wanted {
   Footprint footprint = {};
   std::string channel = {}, publisher = {};
   std::string admission = {};  ///< the caller's, for gateways on the way and for a restart
+  /// The other gateway for which it is made; nothing: it is for nobody else.
+  std::optional<std::size_t> made_for = std::nullopt;
 };
 
 class Admissions {

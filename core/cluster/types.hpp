@@ -72,6 +72,8 @@ struct Asked {
   Stage stage = Stage::prepared;
   std::string admission;              ///< in the encoding of the caller
   std::vector<std::size_t> gateways;  ///< whose agreement is needed
+  /// The other gateway for which it is made, as `admission` says; nothing: it is for nobody else.
+  std::optional<std::size_t> made_for = std::nullopt;
 };
 
 /// Identifies an admission in the store. `asked` is the revision at which x/<gateway>/<id> was
@@ -195,7 +197,7 @@ struct Reserved {
 struct Conflict {
   std::uint64_t id = 0;
   std::size_t network = 0;
-  std::string by;  ///< "gateway id" as in the store
+  std::string by;  ///< "gateway id" or "gateway id (for another gateway)", as in the store
   unsigned tries = 0;
 };
 /// The answer to an admission that is not granted. There is exactly one answer.

@@ -336,6 +336,27 @@ Foreign View::of_others(std::size_t network) const {
   return all;
 }
 
+/// Of admissions that are not granted yet, others do not hold anything for long.
+std::map<std::size_t, MadeFor> View::made_for(std::size_t network) const {
+  std::map<std::size_t, MadeFor> all;
+  for (const std::size_t gateway : others_on(network)) {
+    MadeFor& of_one = all[gateway];
+    for (auto it =
+             records_.reservations.lower_bound({.network = network, .gateway = gateway, .id = 0});
+         it != records_.reservations.end() && it->first.network == network &&
+         it->first.gateway == gateway;
+         ++it) {
+      const auto asked = records_.asked.find({gateway, it->first.id});
+      if (asked != records_.asked.end() && asked->second.asked.stage == Stage::prepared) continue;
+      const auto other =
+          asked == records_.asked.end() ? std::nullopt : asked->second.asked.made_for;
+      of_one.all = of_one.all && other;
+      if (other) of_one.gateways.insert(*other);
+    }
+  }
+  return all;
+}
+
 void View::adopt(std::size_t gateway, std::uint64_t id, bool adopted) {
   if (adopted ? !adopted_.insert({gateway, id}).second : adopted_.erase({gateway, id}) == 0) return;
   for (std::size_t n = 0; n < keys_->networks(); ++n)

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/admission/holders.hpp"
 #include "core/cluster/records.hpp"
 
 namespace mlcca::core::cluster {
@@ -43,6 +44,8 @@ class View {
   [[nodiscard]] Foreign foreign(std::size_t network) const;
   /// The same with what is decided here as well.
   [[nodiscard]] Foreign of_others(std::size_t network) const;
+  /// Which of the other gateways have reserved something there for others.
+  [[nodiscard]] std::map<std::size_t, MadeFor> made_for(std::size_t network) const;
   /// An admission of another gateway is decided here as well, so it is not foreign.
   void adopt(std::size_t gateway, std::uint64_t id, bool adopted);
 

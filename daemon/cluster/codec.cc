@@ -254,9 +254,16 @@ std::optional<cc::Asked> Codec::asked(Text value) const {
   if (!entry || entry->stage > static_cast<std::uint32_t>(cc::Stage::ending)) return std::nullopt;
   auto gateways = gateways_of(entry->gateways);
   if (!gateways) return std::nullopt;
+  // The other gateway must agree as well. Most admissions need nobody's agreement, and are not read
+  // here.
+  const auto asking = gateways->empty() ? std::nullopt : asked_in(entry->asking);
+  std::optional<std::size_t> for_whom;
+  for (const std::size_t g : *gateways)
+    if (asking && asking->for_gateway == gateways_[g]) for_whom = g;
   return cc::Asked{.stage = static_cast<cc::Stage>(entry->stage),
                    .admission = std::move(entry->asking),
-                   .gateways = std::move(*gateways)};
+                   .gateways = std::move(*gateways),
+                   .made_for = for_whom};
 }
 
 std::string Codec::write(const cc::VoteOf& vote) const {

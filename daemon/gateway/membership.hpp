@@ -224,6 +224,7 @@ class Membership final : private core::Holdings {
   [[nodiscard]] Result<void> write_drained(bool drained);
   // Whom refusals name.
   [[nodiscard]] core::cluster::Foreign of_others(std::size_t network) const override;
+  [[nodiscard]] std::map<std::size_t, core::MadeFor> made_for(std::size_t network) const override;
   [[nodiscard]] std::string unreadable(std::size_t network) const override;
   [[nodiscard]] core::State& state() const { return *parts_.scene.state; }
 

@@ -118,6 +118,10 @@ core::cluster::Foreign Membership::of_others(std::size_t network) const {
   return member_ && networks_ ? networks_->of_others(network, member_->view()) : cc::Foreign{};
 }
 
+std::map<std::size_t, core::MadeFor> Membership::made_for(std::size_t network) const {
+  return member_ ? member_->view().made_for(network) : std::map<std::size_t, core::MadeFor>{};
+}
+
 std::string Membership::unreadable(std::size_t network) const {
   return member_ ? cc::unreadable_words(member_->view().records(), *keys_, network) : std::string();
 }

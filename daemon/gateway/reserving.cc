@@ -177,7 +177,8 @@ void Reserving::begin(Open& open, core::cluster::Member& member, Value now) {
                   .footprint = open.wish.footprint,
                   .channel = open.wish.asked.channel,
                   .publisher = open.wish.publisher,
-                  .admission = cluster::text_of(open.wish.asked)},
+                  .admission = cluster::text_of(open.wish.asked),
+                  .made_for = open.job.gateway},
                  now);
 }
 

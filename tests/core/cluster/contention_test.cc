@@ -225,6 +225,18 @@ TEST_F(ClusterQuicker, AfterSoManyTriesTheRefusalNamesTheLatest) {
   EXPECT_EQ(answers_[0].why.reason, "taken by B 64 meanwhile: others were quicker 64 times");
 }
 
+/// What B makes for A says so.
+TEST_F(ClusterQuicker, WhatAnotherGatewayHasTakenForOneSaysForWhom) {
+  in_force(1);
+  start(0);
+  start(1);
+  Wanted wanted = unit(7, {0});
+  wanted.made_for = 0;
+  at(1).reserve(wanted, now);
+  run();
+  EXPECT_EQ(store.entries.at(keys->version(0)).value, "B 7 (for A)");
+}
+
 TEST_F(ClusterQuicker, AfterSoMuchTimeTheRefusalNamesTheLatest) {
   in_force(1);
   start(0);

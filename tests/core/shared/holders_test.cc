@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <string>
 #include <utility>
 
@@ -18,6 +19,9 @@ class Stated final : public Holdings {
   cluster::Foreign of_others(std::size_t network) const override {
     return network == there ? held : cluster::Foreign{};
   }
+  std::map<std::size_t, MadeFor> made_for(std::size_t network) const override {
+    return network == there ? for_others : std::map<std::size_t, MadeFor>{};
+  }
   std::string unreadable(std::size_t network) const override {
     return network == there ? strange : std::string();
   }
@@ -28,6 +32,7 @@ class Stated final : public Holdings {
 
   std::size_t there = kWire;
   cluster::Foreign held;
+  std::map<std::size_t, MadeFor> for_others;
   std::string strange;
 };
 
@@ -66,6 +71,26 @@ struct One {
   Stated stated;
   Peer peer;
 };
+
+TEST(HoldersTest, WhoHoldsItForOthersIsNamedWithThem) {
+  System system = six_gateways();
+  const std::size_t c = add_channel(system, every(50 * kMs));
+  One one(system);
+  for (const auto& [gateway, bytes] :
+       {std::pair<std::size_t, Value>{1, 1'900}, {2, 1'100}, {3, 950}})
+    one.stated.add_rate(gateway, bytes);
+  one.stated.for_others = {{1, {.gateways = {0}, .all = true}},
+                           {2, {.gateways = {0, 1, 3, 4, 5}, .all = false}}};
+  one.read(kWire);
+  Admission a = both_ends(c, 7, every(50 * kMs));
+  a.publisher->place = at(0);
+  a.subscriber->place = on(kWire);
+  const std::string text = refusal(one.peer.state, a);
+  EXPECT_NE(text.find("; reserved there by g1 (1.9 kB/s, for g0), g2 (1.1 kB/s, in part for g0 and "
+                      "g1 and g3 and 2 more) and g3 (950 B/s)"),
+            std::string::npos)
+      << text;
+}
 
 TEST(HoldersTest, ARefusalForWantOfCapacityNamesTheThreeWithTheMost) {
   System system = six_gateways();

@@ -63,6 +63,30 @@ TEST_F(MembersNamed, WhatThisGatewayHasAgreedToIsOfTheOtherOne) {
   EXPECT_TRUE(text.contains("; reserved there by g1 (3 messages, ")) << text;
 }
 
+/// g0 has admitted the publisher, and reserves on the shared bus for a subscriber of g1.
+TEST_F(MembersNamed, WhatAGatewayHoldsForAnotherOneIsNamedSo) {
+  start_both();
+  ASSERT_EQ(asked(0, wanted("c2", "own0", "own0")), "granted");
+  control::Admit subscriber;
+  subscriber.channel = "c2";
+  subscriber.from = "own0";
+  subscriber.to = "g1";
+  subscriber.subscriber = subscriber.key = "also";
+  ASSERT_EQ(asked(1, subscriber), "granted");
+  for (const char* channel : {"c4", "c5"}) ASSERT_EQ(asked(1, fast(channel, 1)), "granted");
+  auto faster = wanted("c3", "shared", "g1");
+  faster.offered = {attribute_of("Period", 2'200'000)};
+  const auto refusal = [&] { return asked(1, faster); };
+  EXPECT_TRUE(refusal().contains("; reserved there by g0 (1 message, ")) << refusal();
+  EXPECT_TRUE(refusal().contains(" of the time, for g1)")) << refusal();
+  subscriber.channel = "c1";
+  subscriber.to = "shared";
+  subscriber.subscriber = subscriber.key = "own";
+  ASSERT_EQ(asked(0, subscriber), "granted");
+  EXPECT_TRUE(refusal().contains("; reserved there by g0 (2 messages, ")) << refusal();
+  EXPECT_TRUE(refusal().contains(" of the time, in part for g1)")) << refusal();
+}
+
 TEST_F(MembersNamed, AnEntryThatCannotBeReadIsNamedUntilItsGatewayDeletesIt) {
   start_both();
   store.write({{.key = key("r/shared/g1/7"), .value = "not understood"}});
