@@ -28,6 +28,24 @@ std::optional<Place> unpermitted(const Situation& s, const Ledger& ledger, const
   return std::nullopt;
 }
 
+std::optional<Place> disagreeing(const Situation& s, const Verdict& v) {
+  if (s.permits == nullptr || !s.permits->needs_agreements()) return std::nullopt;
+  const auto other = std::ranges::find_if(v.route, [&s](Place place) {
+    return place.kind == Place::Kind::gateway && place.index != s.permits->self();
+  });
+  if (other == v.route.end()) return std::nullopt;
+  const auto is_agreed = [&s](AdmissionId id) { return id != 0 && s.permits->is_agreed(id); };
+  const AdmissionId publisher = s.members.admission_of_publisher(v.publisher);
+  bool is_described = false;
+  for (const std::size_t subscriber : v.subscribers) {
+    const AdmissionId id = s.members.admission_of_subscriber(subscriber);
+    is_described = is_described || (publisher == 0 && id == 0);
+    if (is_agreed(id)) return std::nullopt;
+  }
+  if (is_described || is_agreed(publisher)) return std::nullopt;
+  return *other;
+}
+
 std::optional<std::pair<Obstacle, Place>> bar_on(const Wish& wish, std::span<const Place> hops) {
   for (const Place hop : hops) {
     if (hop.kind != Place::Kind::network) continue;

@@ -21,6 +21,10 @@ namespace mlcca::core {
 [[nodiscard]] std::optional<Place> unpermitted(const Situation& situation, const Ledger& ledger,
                                                const Verdict& verdict);
 
+/// The first other gateway on the verdict's route that has agreed to none of its admissions, where
+/// that is needed; nullopt if there is none.
+[[nodiscard]] std::optional<Place> disagreeing(const Situation& situation, const Verdict& verdict);
+
 /// The first of the networks on which nothing can be reserved at present, with the reason.
 [[nodiscard]] std::optional<std::pair<Obstacle, Place>> bar_on(const Wish& wish,
                                                                std::span<const Place> hops);

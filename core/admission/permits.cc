@@ -98,7 +98,28 @@ bool Permits::is_reserved_by_another(const Use& use) const {
 
 void Permits::changed() {
   for (std::uint64_t& count : grown_) ++count;
-  for (Ends& ended : ended_) ended.add_any();
+  for (auto& ended : ended_) ended.add_any();
+  ++more_agreed_;
+  disagreed_.add_any();
+}
+
+void Permits::agree(std::uint64_t reservation, const std::vector<AdmissionId>& admissions) {
+  if (admissions.empty()) return;
+  for (const AdmissionId id : admissions) agreed_[id].insert(reservation);
+  agreements_.insert_or_assign(reservation, admissions);
+  ++more_agreed_;
+}
+
+void Permits::disagree(std::uint64_t reservation) {
+  const auto gone = agreements_.extract(reservation);
+  if (!gone) return;
+  for (const AdmissionId id : gone.mapped()) {
+    const auto it = agreed_.find(id);
+    disagreed_.add(id);
+    if (it == agreed_.end()) continue;
+    it->second.erase(reservation);
+    if (it->second.empty()) agreed_.erase(it);
+  }
 }
 
 void Permits::set_standing(std::vector<std::vector<cluster::Standing>> standing) {
@@ -106,8 +127,10 @@ void Permits::set_standing(std::vector<std::vector<cluster::Standing>> standing)
   changed();
 }
 
-void Permits::put(std::uint64_t reservation, cluster::Footprint footprint, bool by_another) {
+void Permits::put(std::uint64_t reservation, cluster::Footprint footprint, bool by_another,
+                  const std::vector<AdmissionId>& agreed) {
   erase(reservation);
+  agree(reservation, agreed);
   if (by_another) by_another_.insert(reservation);
   for (cluster::Part& part : footprint.parts) {
     const std::size_t network = part.network;
@@ -120,6 +143,7 @@ void Permits::put(std::uint64_t reservation, cluster::Footprint footprint, bool 
 
 void Permits::erase(std::uint64_t reservation) {
   by_another_.erase(reservation);
+  disagree(reservation);
   for (std::size_t n = 0; n < reserved_.size(); ++n) {
     const auto gone = reserved_[n].extract(reservation);
     if (!gone) continue;

@@ -32,7 +32,9 @@ class Permits {
   void set_standing(std::vector<std::vector<cluster::Standing>> standing);
   /// What was reserved under that number is this from now on: the store has committed it.
   /// `by_another`: another gateway has reserved it, and this one carries it while that lasts.
-  void put(std::uint64_t reservation, cluster::Footprint footprint, bool by_another = false);
+  /// `agreed`: admissions to which all gateways on their way have agreed, as long as that lasts.
+  void put(std::uint64_t reservation, cluster::Footprint footprint, bool by_another = false,
+           const std::vector<AdmissionId>& agreed = {});
   void erase(std::uint64_t reservation);
   /// What was reserved may not be used any more, though it may still count; nor may what another
   /// gateway could be elected for. `standing_too`: nor may anything else of shared networks.
@@ -55,6 +57,21 @@ class Permits {
   /// `without`: as if that reservation were not there.
   [[nodiscard]] bool allow(const Use& use,
                            std::optional<std::uint64_t> without = std::nullopt) const;
+
+  /// From now on a delivery over other gateways needs their agreement to one of its admissions. The
+  /// description is their agreement to one of which both ends are described.
+  void need_agreements() { needs_agreements_ = true; }
+  [[nodiscard]] bool needs_agreements() const { return needs_agreements_; }
+  [[nodiscard]] bool is_agreed(AdmissionId admission) const {
+    return open_ && agreed_.contains(admission);
+  }
+  /// As grown() and ended_since(), of the agreements.
+  [[nodiscard]] std::uint64_t more_agreed() const { return more_agreed_; }
+  [[nodiscard]] std::uint64_t less_agreed() const { return disagreed_.end(); }
+  [[nodiscard]] std::optional<std::span<const AdmissionId>> disagreed_since(
+      std::uint64_t less_agreed) const {
+    return disagreed_.since(less_agreed);
+  }
 
   /// What others have reserved is enough, whether or not it may be used now.
   [[nodiscard]] bool is_reserved_by_another(const Use& use) const;
@@ -84,12 +101,13 @@ class Permits {
  private:
   struct Allowed;
   /// The latest of what has ended, as many as fit.
+  template <class What>
   class Ends {
    public:
-    void add(const cluster::Source& source) {
+    void add(const What& what) {
       constexpr std::size_t most = 1024;
       if (latest_.size() == most) forget();
-      latest_.push_back(source);
+      latest_.push_back(what);
     }
     /// Anything may have ended.
     void add_any() {
@@ -97,8 +115,7 @@ class Permits {
       ++first_;
     }
     [[nodiscard]] std::uint64_t end() const { return first_ + latest_.size(); }
-    [[nodiscard]] std::optional<std::span<const cluster::Source>> since(
-        std::uint64_t number) const {
+    [[nodiscard]] std::optional<std::span<const What>> since(std::uint64_t number) const {
       if (number < first_) return std::nullopt;
       return std::span(latest_).subspan(number - first_);
     }
@@ -108,12 +125,14 @@ class Permits {
       first_ += latest_.size();
       latest_.clear();
     }
-    std::vector<cluster::Source> latest_;
+    std::vector<What> latest_;
     std::uint64_t first_ = 0;  ///< number of the oldest of them
   };
   [[nodiscard]] Allowed allowed_by(const cluster::Standing& standing, const Use& use) const;
   [[nodiscard]] static Allowed allowed_by(const cluster::Part& part, const Use& use);
   void changed();
+  void agree(std::uint64_t reservation, const std::vector<AdmissionId>& admissions);
+  void disagree(std::uint64_t reservation);
 
   std::size_t self_;
   std::vector<std::vector<cluster::Standing>> standing_;          // by network, flows rising
@@ -123,7 +142,12 @@ class Permits {
   bool open_ = true;
   bool standing_open_ = true;
   std::vector<std::uint64_t> grown_;
-  std::vector<Ends> ended_;  // by network
+  std::vector<Ends<cluster::Source>> ended_;  // by network
+  bool needs_agreements_ = false;
+  std::map<AdmissionId, std::set<std::uint64_t>> agreed_;         // by which reservations
+  std::map<std::uint64_t, std::vector<AdmissionId>> agreements_;  // of a reservation
+  std::uint64_t more_agreed_ = 0;
+  Ends<AdmissionId> disagreed_;
 };
 
 /// What covers that path of a mesh: as much payload, in events that take no less of its time.

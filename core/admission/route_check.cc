@@ -401,11 +401,12 @@ class RouteCheck {
   }
 
   /// The last check of a granted delivery: what it needs of shared networks must be promised or
-  /// reserved.
+  /// reserved, and other gateways must carry it.
   void check_permits() {
     const auto hop = unpermitted(s_, ledger_, v_);
-    if (!hop) return;
-    obstruct(Obstacle::cluster, *hop);
+    const auto gateway = hop ? std::nullopt : disagreeing(s_, v_);
+    if (!hop && !gateway) return;
+    obstruct(hop ? Obstacle::cluster : Obstacle::disagreed, hop ? *hop : *gateway);
     sum_up();
     if (s_.wished != nullptr) s_.wished->insert(v_.channel);
   }

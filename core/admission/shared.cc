@@ -197,6 +197,7 @@ void State::set_permits(const Permits* permits) {
   permits_ = permits;
   seen_grown_.assign(system_.networks.size(), 0);
   seen_shrunk_.assign(system_.networks.size(), 0);
+  seen_more_agreed_ = seen_less_agreed_ = 0;
   world_.elects = permits != nullptr;
   wished_.clear();
   for (std::size_t n = 0; n < system_.networks.size(); ++n) {
@@ -215,7 +216,8 @@ bool State::are_permits_seen() const {
   for (std::size_t n = 0; n < system_.networks.size(); ++n)
     if (permits_->grown(n) != seen_grown_[n] || permits_->shrunk(n) != seen_shrunk_[n])
       return false;
-  return true;
+  return permits_->more_agreed() == seen_more_agreed_ &&
+         permits_->less_agreed() == seen_less_agreed_;
 }
 
 /// What may not be held any more is decided again, and so is what could be given more.
@@ -230,7 +232,11 @@ void State::note_permits() {
     grown = grown || more;
     if (less) touch_ended(n, before);
   }
-  if (!grown) return;
+  if (const std::uint64_t before = std::exchange(seen_less_agreed_, permits_->less_agreed());
+      before != seen_less_agreed_)
+    touch_disagreed(before);
+  const std::uint64_t agreed = std::exchange(seen_more_agreed_, permits_->more_agreed());
+  if (!grown && agreed == seen_more_agreed_) return;
   std::ranges::copy_if(wished_, std::inserter(touched_, touched_.end()), [this](std::size_t c) {
     return !is_best(c) || usage_.detours().contains(c);
   });
@@ -258,6 +264,16 @@ void State::touch_ended(std::size_t network, std::uint64_t shrunk) {
     if (carried.contains(channel)) touched_.insert(channel);
   }
   touch_detours(network);
+}
+
+/// Channels of which another gateway may carry less. All of its way leads over shared networks.
+void State::touch_disagreed(std::uint64_t less_agreed) {
+  const auto admissions = permits_->disagreed_since(less_agreed);
+  for (const AdmissionId id : admissions.value_or(std::span<const AdmissionId>()))
+    if (const auto known = admissions_.find(id); known != admissions_.end())
+      touched_.insert(known->second);
+  for (std::size_t n = 0; !admissions && n < system_.networks.size(); ++n)
+    if (world_.shared[n]) touched_.insert(usage_.carried_by(n).begin(), usage_.carried_by(n).end());
 }
 
 /// Which way a delivery takes does not depend on the past where gateways are elected. So one that

@@ -210,7 +210,7 @@ class State {
     return {*this, Admission{0, channel, {}, {}}, Proposal::Kind::wish};
   }
   /// Channels that this gateway has to do with, and that are given less than what would fit,
-  /// because it is not reserved.
+  /// because it is not reserved, or other gateways have not agreed to it.
   [[nodiscard]] std::vector<std::size_t> wishes() const;
   /// The channel of a subject that the description does not have, so that an admission can name it:
   /// the one that is there, or one that is not used any more. Without an admission it is nothing.
@@ -270,6 +270,7 @@ class State {
   void note_permits();
   [[nodiscard]] bool is_best(std::size_t channel) const;
   void touch_ended(std::size_t network, std::uint64_t shrunk);
+  void touch_disagreed(std::uint64_t less_agreed);
   void touch_detours(std::size_t network);
   [[nodiscard]] bool are_permits_seen() const;
   /// What each hop of a granted delivery gives now. Leaves the ledger as it was.
@@ -321,6 +322,7 @@ class State {
   const Permits* permits_ = nullptr;
   std::vector<std::uint64_t> seen_grown_;  // of the permits, by network
   std::vector<std::uint64_t> seen_shrunk_;
+  std::uint64_t seen_more_agreed_ = 0, seen_less_agreed_ = 0;
   std::vector<bool> own_there_;         // by network: among what others hold is this gateway's own
   std::set<std::size_t> others_stale_;  // networks of which others hold something else now
   std::vector<bool> others_complete_;   // by network: all is known that others hold

@@ -224,6 +224,8 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
     case Obstacle::cluster:
       return "waits for the store: other gateways use " + at() +
              " too, and this is not reserved there";
+    case Obstacle::disagreed:
+      return "waits for gateway " + at() + ", which does not carry it now";
     case Obstacle::crowded:
       return "other gateways use " + at() +
              " too, and not all that is promised there fits as it is now";

@@ -87,6 +87,7 @@ enum class Obstacle : std::uint8_t {
   sender_twice,    ///< another device already sends the channel's identifier on a bus
   echo,            ///< its events would reach a network twice, or circulate over several gateways
   cluster,         ///< several gateways share a network, and this is not reserved in the store yet
+  disagreed,       ///< another gateway on the way has not agreed to carry it
   crowded,         ///< not everything that is promised on a shared network fits there at present
   others_unknown,  ///< it is unknown what other gateways hold of a network
 };

@@ -247,6 +247,14 @@ std::optional<core::AdmissionId> Adopting::ours_of(const WhichRequest& which) co
   return holder.ours[static_cast<std::size_t>(at)].id;
 }
 
+/// The numbers here of all that it asks for, also of what another one holds.
+std::vector<core::AdmissionId> Adopting::all_ours(const Adopted& adopted) const {
+  std::vector<core::AdmissionId> all;
+  for (const WhichRequest& which : adopted.asks)
+    if (const auto ours = ours_of(which)) all.push_back(*ours);
+  return all;
+}
+
 control::Request Adopting::with_own_number(control::Request request) const {
   request.id = hands_.new_id();
   return request;
@@ -346,7 +354,8 @@ std::string Adopting::open(Adopted& adopted) {
     return unnamed;
   const auto footprint = mapped(adopted);
   if (!footprint) return "it takes traffic of an admission that is not known here";
-  networks_.carry(adopted.number, *footprint, adopted.origin.gateway, adopted.footprint);
+  networks_.carry(adopted.number, *footprint, adopted.origin.gateway, adopted.footprint,
+                  all_ours(adopted));
   networks_.leave_out(adopted.number);
   hands_.bring_in_line();
   set_open(adopted, true);

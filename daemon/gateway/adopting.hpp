@@ -121,6 +121,7 @@ class Adopting {
   [[nodiscard]] std::string end_former(const Adopted& adopted, const WhichRequest& which);
   void move_request(Adopted& from, const WhichRequest& which, Adopted& to);
   [[nodiscard]] std::optional<core::AdmissionId> ours_of(const WhichRequest& which) const;
+  [[nodiscard]] std::vector<core::AdmissionId> all_ours(const Adopted& adopted) const;
   [[nodiscard]] control::Request with_own_number(control::Request request) const;
   [[nodiscard]] std::string name_request(Adopted& adopted, const control::Request& request,
                                          const WhichRequest& which);

@@ -125,7 +125,6 @@ void Membership::begin() {
   lapsed_at_.reset();
   early_.clear();
   wish_again_.clear();
-  ask_again_.clear();
   ++generation_;
   // A gateway that takes no part removes what the store may still have of it.
   draining_ = left_ = false;
@@ -241,7 +240,7 @@ void Membership::take_in(const cc::Event& event) {
       return !leaving_ && (is_known(asked) || adopting_->keep_found(asked));
     });
   } else if (std::holds_alternative<cc::Joined>(event)) {
-    joined_ = asks_others_ = true;
+    joined_ = true;
     pauses_.clear();
     lapsed_at_.reset();
   } else if (const auto* withdrawn = std::get_if<cc::Withdrawn>(&event)) {
@@ -404,9 +403,7 @@ void Membership::poll() {
   if (!member_) return;
   parts_.rollout.poll();
   looks_for_wishes_ = looks_for_troubles_ = true;
-  const auto is_over = [this](const auto& entry) { return entry.second <= now(); };
-  std::erase_if(wish_again_, is_over);
-  std::erase_if(ask_again_, is_over);
+  std::erase_if(wish_again_, [this](const auto& entry) { return entry.second <= now(); });
   enforce_again();
   reserving_->tidy();
 }

@@ -8,7 +8,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -200,9 +199,6 @@ class Membership final : private core::Holdings {
   void forget_waits(const std::vector<core::AdmissionId>& gone);
   void note_refusal(core::AdmissionId id, const std::string& why);
   [[nodiscard]] std::string why_waits(core::AdmissionId id, const std::string& gateway) const;
-  bool ask_others_again_some();
-  void ask_others_again(std::size_t channel);
-  [[nodiscard]] bool crosses_others(std::size_t channel) const;
   void end_withdrawn();
   [[nodiscard]] cluster::Asked asked_of(std::size_t channel) const;
   [[nodiscard]] bool is_known(const cluster::Asked& asked) const;
@@ -253,14 +249,11 @@ class Membership final : private core::Holdings {
   bool until_restart_ = false;  ///< the drain ends with this daemon
   bool looks_for_wishes_ = true;
   bool asked_again_ = false;  ///< the latest turn was one of ask_again_some() or the like
-  bool asks_others_ = false;  ///< what they have agreed to may have ended with a membership
   Value leave_until_ = 0;
   std::optional<std::uint64_t> until_;  ///< as it was last set in the kernel
   Value until_retry_ = 0;  ///< the kernel has refused: no further attempt before this time
   Problem until_trouble_;
   std::map<std::string, Value> wish_again_;  ///< when a channel's wish is tried again, by channel
-  /// When other gateways are asked again for an admission that needs no reservation.
-  std::map<core::AdmissionId, Value> ask_again_;
   struct Pause {
     Value until = 0, length = 0;
   };

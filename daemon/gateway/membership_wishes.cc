@@ -23,6 +23,11 @@ constexpr Value kFirstPause = 5'000'000'000;         // when another gateway doe
 constexpr Value kLongestPause = 30'000'000'000;      // ns
 constexpr Value kGrantedWishAgain = 60'000'000'000;  // after a grant with which it should fit
 
+/// Other gateways agree to described deliveries by the description.
+bool is_asked_for(const core::cluster::Footprint& footprint, const cluster::Asked& asked) {
+  return !footprint.parts.empty() || (!footprint.gateways.empty() && !asked.requests.empty());
+}
+
 }  // namespace
 
 /// Asks for a channel that would be given more with a reservation: one that has lost its
@@ -35,7 +40,7 @@ bool Membership::wish_some() {
     return false;
   const bool wishes_first = std::exchange(asked_again_, false);
   if (wishes_first && wish_one()) return true;
-  asked_again_ = ask_again_some() || (asks_others_ && ask_others_again_some());
+  asked_again_ = ask_again_some();
   if (asked_again_ || (!wishes_first && wish_one())) return true;
   looks_for_wishes_ = false;
   return false;
@@ -68,8 +73,8 @@ void Membership::wish(std::size_t channel) {
     const core::Proposal proposal = state().wish(*there);
     if (!proposal.fit()) return std::nullopt;
     auto footprint = core::cluster::footprint_of(proposal, baseline(), self_);
-    if (footprint.parts.empty()) return std::nullopt;
     cluster::Asked asked = asked_of(*there);
+    if (!is_asked_for(footprint, asked)) return std::nullopt;
     add_publishers(footprint, asked);
     return Reserving::Wish{
         .footprint = std::move(footprint), .publisher = {}, .asked = std::move(asked)};
@@ -77,7 +82,8 @@ void Membership::wish(std::size_t channel) {
   const auto granted = [this, name] {
     wish_again_[name] = add_saturating(now(), kGrantedWishAgain);
     const auto there = state().find_channel(name);
-    return there && !core::cluster::footprint_of(state(), *there, baseline(), self_).parts.empty();
+    return there && is_asked_for(core::cluster::footprint_of(state(), *there, baseline(), self_),
+                                 asked_of(*there));
   };
   const auto refused = [this, name](const std::string& why) {
     wish_again_[name] = add_saturating(now(), kRefusedWishAgain);
@@ -202,51 +208,6 @@ void Membership::ask_again(core::AdmissionId id, std::size_t gateway) {
        .granted = granted,
        .refused = refused,
        .refused_for_good = refused_for_good});
-}
-
-bool Membership::crosses_others(std::size_t channel) const {
-  return std::ranges::any_of(state().decisions()[channel].verdicts, [this](const auto& v) {
-    return v.granted && std::ranges::any_of(v.route, [this](const core::Place& place) {
-             return place.kind == core::Place::Kind::gateway && place.index != self_;
-           });
-  });
-}
-
-/// Asks the other gateways again for admissions that need no reservation, and of which the store
-/// has nothing any more because this gateway was not there. True if one was asked for.
-bool Membership::ask_others_again_some() {
-  const auto& recorded = parts_.recorder.contents().admissions;
-  const auto held = reserving_->held_admissions();
-  std::set<std::size_t> seen;
-  asks_others_ = false;
-  for (const auto& [id, channel] : state().admissions()) {
-    if (held.contains(id) || recorded.find(id) == nullptr || !recorded.through(id).empty() ||
-        !seen.insert(channel).second || !crosses_others(channel))
-      continue;
-    asks_others_ = true;
-    if (!ask_again_.try_emplace(id, add_saturating(now(), kRefusedWishAgain)).second) continue;
-    ask_others_again(channel);
-    return true;
-  }
-  return false;
-}
-
-void Membership::ask_others_again(std::size_t channel) {
-  const std::string name = state().system().channels[channel].name;
-  const auto decide = [this, name]() -> std::optional<Reserving::Wish> {
-    const auto there = state().find_channel(name);
-    if (!there || !crosses_others(*there)) return std::nullopt;
-    auto footprint = core::cluster::footprint_of(state(), *there, baseline(), self_);
-    cluster::Asked asked = asked_of(*there);
-    add_publishers(footprint, asked);
-    return Reserving::Wish{
-        .footprint = std::move(footprint), .publisher = {}, .asked = std::move(asked)};
-  };
-  const auto granted = [this, name] { return state().find_channel(name).has_value(); };
-  const auto refused = [this, name](const std::string& why) {
-    parts_.log.info(Kind::gateway, name + " waits: " + why);
-  };
-  ask({.decide = decide, .granted = granted, .refused = refused});
 }
 
 /// Ends what other gateways do not make for this one any more. What cannot be written down is tried

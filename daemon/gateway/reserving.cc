@@ -59,13 +59,6 @@ std::string Reserving::bar(uid_t user) const {
   return Quotas::refuse_waiting(user, now).value_or("");
 }
 
-std::unordered_set<core::AdmissionId> Reserving::held_admissions() const {
-  std::unordered_set<core::AdmissionId> all;
-  for (const auto& [number, held] : held_)
-    all.insert(held.admissions.begin(), held.admissions.end());
-  return all;
-}
-
 std::unordered_set<core::AdmissionId> Reserving::agreed_admissions() const {
   std::unordered_set<core::AdmissionId> all;
   for (const auto& [number, held] : held_)
@@ -187,7 +180,7 @@ void Reserving::put_in_force(const Open& open) {
                                            .admissions = ids_of(open.wish.asked),
                                            .on_behalf = open.wish.asked.on_behalf});
   agreements_changed_ = true;
-  parts_.networks.hold(open.number, open.wish.footprint);
+  parts_.networks.hold(open.number, open.wish.footprint, ids_of(open.wish.asked));
   // The publisher of the channel may have been admitted together with it.
   parts_.networks.leave_out(open.number);
   static_cast<void>(parts_.bring_in_line());
@@ -272,7 +265,7 @@ void Reserving::on(const core::cluster::Found& event, const core::cluster::Membe
       event.id,
       Held{.channel = asked->channel, .admissions = ids_of(*asked), .on_behalf = asked->on_behalf});
   agreements_changed_ = true;
-  parts_.networks.hold(event.id, *footprint);
+  parts_.networks.hold(event.id, *footprint, ids_of(*asked));
 }
 
 void Reserving::lost() {

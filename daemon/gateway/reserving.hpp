@@ -120,9 +120,7 @@ class Reserving {
     bool on_behalf = false;  ///< another gateway has made the admission for this one
   };
   [[nodiscard]] const std::map<Number, Held>& held() const { return held_; }
-  /// The admissions for which something is held.
-  [[nodiscard]] std::unordered_set<core::AdmissionId> held_admissions() const;
-  /// Those of them that another gateway has made for this one.
+  /// The admissions that another gateway has made for this one, and for which something is held.
   [[nodiscard]] std::unordered_set<core::AdmissionId> agreed_admissions() const;
   /// Whether that number is held, or was asked for and is not answered yet.
   [[nodiscard]] bool has(Number number) const;

@@ -24,6 +24,7 @@ SharedNetworks::SharedNetworks(const core::System& system, std::size_t self)
         return std::ranges::any_of(standing, &core::cluster::Standing::elected);
       })) {
   permits_.set_standing(baseline_.all());
+  permits_.need_agreements();
   permits_.close(true);
 }
 
@@ -35,20 +36,22 @@ void SharedNetworks::touch_all() {
   for (std::size_t n = 0; n < networks_; ++n) touch(n);
 }
 
-void SharedNetworks::hold(Number number, const cc::Footprint& footprint) {
+void SharedNetworks::hold(Number number, const cc::Footprint& footprint,
+                          const std::vector<core::AdmissionId>& agreed) {
   drop(number);
   touch(footprint);
-  permits_.put(number, footprint);
+  permits_.put(number, footprint, false, agreed);
   held_.emplace(number, Held{.footprint = footprint, .gateway = self_, .theirs = footprint});
 }
 
 void SharedNetworks::carry(Number number, const cc::Footprint& footprint, std::size_t gateway,
-                           const cc::Footprint& theirs) {
+                           const cc::Footprint& theirs,
+                           const std::vector<core::AdmissionId>& agreed) {
   // It may be what drop() forgets.
   Held held{.footprint = footprint, .gateway = gateway, .theirs = theirs};
   drop(number);
   touch(held.footprint);
-  permits_.put(number, held.footprint, true);
+  permits_.put(number, held.footprint, true, agreed);
   held_.emplace(number, std::move(held));
 }
 

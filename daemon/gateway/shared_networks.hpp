@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "core/admission/permits.hpp"
 #include "core/admission/state.hpp"
@@ -27,11 +28,12 @@ class SharedNetworks {
   [[nodiscard]] core::Permits& permits() { return permits_; }
   [[nodiscard]] const core::Permits& permits() const { return permits_; }
 
-  /// It may be used from now on.
-  void hold(Number number, const core::cluster::Footprint& footprint);
+  /// It may be used from now on. `agreed`: the admissions of this gateway for which it is.
+  void hold(Number number, const core::cluster::Footprint& footprint,
+            const std::vector<core::AdmissionId>& agreed);
   /// The same of what another gateway has reserved, and in its own numbers. The order is the same.
   void carry(Number number, const core::cluster::Footprint& footprint, std::size_t gateway,
-             const core::cluster::Footprint& theirs);
+             const core::cluster::Footprint& theirs, const std::vector<core::AdmissionId>& agreed);
   /// It counts as of that gateway, and nobody here uses it.
   void count(Number number, const core::cluster::Footprint& footprint, std::size_t gateway);
   /// Neither any more, as far as this gateway is concerned.

@@ -10,7 +10,7 @@
 #include <variant>
 
 #include "daemon/gateway/report.hpp"
-#include "tests/daemon/gateway/membership_bench.hpp"
+#include "tests/daemon/gateway/members_across.hpp"
 
 namespace mlcca::test {
 namespace {
@@ -326,35 +326,6 @@ TEST_F(MembersElsewhere, WhatWouldBeGrantedIsAskedAtItsGateway) {
             "the publisher of c3 is admitted by gateway g0, which decides with this one: ask at g0 "
             "what would be granted, with the options as here: 'mlccactl query c3 --to own1'");
 }
-
-/// Programs on g0 send c0 to a network of datagrams, where somebody receives it.
-core::System with_datagrams() {
-  core::System system = two_gateways();
-  core::Network& lan = system.networks[kSharedBus];
-  lan.kind = core::NetworkKind::udp_multicast;
-  lan.profile = core::Profile::famouso;
-  lan.bus = {};
-  lan.bindings.clear();
-  lan.provision = AttributeSet{}
-                      .set(Attribute::latency, kMs)
-                      .set(Attribute::period, kMs)
-                      .set(Attribute::max_payload, 64);
-  system.publishers.front().place = {core::Place::Kind::gateway, 0};
-  system.publishers.front().uid = 1000;
-  return system;
-}
-
-class MembersAcross : public MembershipBench {
- protected:
-  MembersAcross() : MembershipBench(with_datagrams()) {}
-  static control::Admit program_on(const std::string& gateway) {
-    control::Admit request;
-    request.channel = "c0";
-    request.to = gateway;
-    request.subscriber = request.key = "program";
-    return request;
-  }
-};
 
 /// Nothing more is to be reserved for it, and the other gateway must open its gates all the same.
 TEST_F(MembersAcross, EveryGatewayOnTheWayAgreesEvenIfNothingIsToBeReserved) {
