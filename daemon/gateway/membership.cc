@@ -111,6 +111,7 @@ void Membership::begin() {
                 }
               },
           .ended = [this](Number number) { adopting_->close_made_for(number); },
+          .is_free = [this] { return !has_former(); },
           .log = [this](const std::string& line) { parts_.log.warning(Kind::gateway, line); }},
       session >> 1U);
   member_ = std::make_unique<cc::Member>(keys_, *codec_,
@@ -125,6 +126,7 @@ void Membership::begin() {
   lapsed_at_.reset();
   early_.clear();
   wish_again_.clear();
+  former_.clear();
   ++generation_;
   // A gateway that takes no part removes what the store may still have of it.
   draining_ = left_ = false;
@@ -241,6 +243,7 @@ void Membership::take_in(const cc::Event& event) {
     });
   } else if (std::holds_alternative<cc::Joined>(event)) {
     joined_ = true;
+    take_former_numbers();
     pauses_.clear();
     lapsed_at_.reset();
   } else if (const auto* withdrawn = std::get_if<cc::Withdrawn>(&event)) {

@@ -202,6 +202,8 @@ class Membership final : private core::Holdings {
   void end_withdrawn();
   [[nodiscard]] cluster::Asked asked_of(std::size_t channel) const;
   [[nodiscard]] bool is_known(const cluster::Asked& asked) const;
+  void take_former_numbers();
+  [[nodiscard]] bool has_former();
   [[nodiscard]] bool needs(const std::string& channel, Number number) const;
   void forget_orphans();
   void propose_first();
@@ -266,6 +268,8 @@ class Membership final : private core::Holdings {
     Value at = 0;  ///< no attempt to end it before this time
   };
   std::map<core::AdmissionId, Withdrawn> withdrawn_;  ///< other gateways do not make them any more
+  /// Of a process before, in the store, with numbers of other admissions of now.
+  std::vector<Number> former_;
   std::vector<std::function<void(const Result<void>&)>> waits_;
   std::function<void(std::uint64_t)> ready_;
   std::string said_;                        ///< the latest reported line about its standing

@@ -22,6 +22,7 @@ constexpr Value kEndAgain = 10'000'000'000;          // when the disk has refuse
 constexpr Value kFirstPause = 5'000'000'000;         // when another gateway does not agree
 constexpr Value kLongestPause = 30'000'000'000;      // ns
 constexpr Value kGrantedWishAgain = 60'000'000'000;  // after a grant with which it should fit
+constexpr core::AdmissionId kMostNumber = std::uint64_t{1} << 53U;  // no gateway makes as many
 
 /// Other gateways agree to described deliveries by the description.
 bool is_asked_for(const core::cluster::Footprint& footprint, const cluster::Asked& asked) {
@@ -257,6 +258,35 @@ bool Membership::is_known(const cluster::Asked& asked) const {
   };
   return state().find_channel(asked.channel) && std::ranges::all_of(asked.requests, known) &&
          std::ranges::all_of(asked.also, known);
+}
+
+/// Without its former journal, this gateway would give numbers again that the store still has for
+/// other admissions of it. The store would count both as the same traffic. Where it has given one
+/// again before it knew the store, nothing more is reserved until the former one has left.
+void Membership::take_former_numbers() {
+  former_.clear();
+  const auto& recorded = parts_.recorder.contents().admissions;
+  const auto& asked = member_->view().records().asked;
+  for (auto it = asked.lower_bound({self_, 0}); it != asked.end() && it->first.first == self_;
+       ++it) {
+    const auto former = cluster::asked_in(it->second.asked.admission);
+    if (!former) continue;
+    bool is_given_again = false;
+    for (const auto* all : {&former->requests, &former->also})
+      for (const control::Request& request : *all) {
+        const control::Request* const now = recorded.find(request.id);
+        is_given_again = is_given_again || (now != nullptr && *now != request);
+        if (request.id <= kMostNumber) parts_.recorder.pass_over(request.id);
+      }
+    if (is_given_again && !former->on_behalf) former_.push_back(it->first.second);
+  }
+}
+
+bool Membership::has_former() {
+  std::erase_if(former_, [this](Number number) {
+    return !member_->view().records().asked.contains({self_, number});
+  });
+  return !former_.empty();
 }
 
 /// Whether the channel uses something that only this reservation allows.

@@ -46,6 +46,12 @@ core::AdmissionId Recorder::new_id() {
   return id;
 }
 
+void Recorder::pass_over(core::AdmissionId id) {
+  if (id < next_id()) return;
+  beyond_aside_ = id + 1;
+  append(store::NextId{beyond_aside_});
+}
+
 void Recorder::take_back(core::AdmissionId id) {
   std::erase(uncommitted_, id);
   if (contents().admissions.find(id) != nullptr)

@@ -54,6 +54,8 @@ class Recorder {
   [[nodiscard]] std::shared_ptr<const core::AdmissionId> set_id_aside();
   /// An id for an admission that is in the journal of another gateway.
   [[nodiscard]] core::AdmissionId new_id();
+  /// No admission gets this id or an earlier one any more.
+  void pass_over(core::AdmissionId id);
   /// Notes an admission for the next commit(). Until then it is uncommitted.
   /// `through`: the gateway that has made it for this one; empty: none.
   Result<void> admit(const control::Request& request, std::uint32_t user,

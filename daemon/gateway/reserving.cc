@@ -293,7 +293,7 @@ bool Reserving::step(core::cluster::Member& member, Value now) {
     open.job.refused("others are decided before it, or the store does not answer");
   }
   const auto next = next_turn();
-  if (next == jobs_.end() || !member.why_not(now).empty()) return false;
+  if (next == jobs_.end() || !member.why_not(now).empty() || !parts_.is_free()) return false;
   note_turn(next->job);
   parts_.networks.leave_out(std::nullopt);
   static_cast<void>(parts_.bring_in_line());

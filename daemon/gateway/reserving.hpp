@@ -63,6 +63,8 @@ class Reserving {
         withdrawn;
     /// Called when nothing with that number is asked for or held here any more.
     std::function<void(Number number)> ended;
+    /// Whether nothing of an earlier process is in the way of a further job.
+    std::function<bool()> is_free;
     std::function<void(const std::string&)> log;
   };
   /// Reservations are numbered from `first` on.

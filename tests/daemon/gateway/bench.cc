@@ -252,6 +252,12 @@ void Bench::end() {
   controller_.reset();
 }
 
+void Bench::lose_disk() {
+  end();
+  memory_ = std::make_unique<store::test::MemoryDisk>();
+  disk_ = std::make_unique<store::test::TroubledDisk>(*memory_, memory_.get());
+}
+
 void Bench::lose_power(std::mt19937& random) {
   end();
   memory_ = memory_->after_power_loss(random);

@@ -56,6 +56,8 @@ class Bench {
   void end();
   /// Leaves on the disk what a loss of power at this moment leaves.
   void lose_power(std::mt19937& random);
+  /// The daemon ends, and the next one finds an empty disk.
+  void lose_disk();
 
   [[nodiscard]] bool runs() const { return controller_ != nullptr; }
   Controller& daemon() { return *controller_; }

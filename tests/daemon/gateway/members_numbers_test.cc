@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tests/daemon/gateway/members_forged.hpp"
 
@@ -142,6 +143,65 @@ TEST_F(MembersNumbers, ARequestThatIsAdmittedForAnotherGatewayIsNotCarriedBeside
   beat_of_g1();
   run();
   EXPECT_EQ(answer(5), "yes");
+}
+
+/// The store still has what it has reserved before. With the same number it would count as one.
+TEST_F(MembersNumbers, ANumberThatTheStoreHasIsNotGivenAgain) {
+  start_both();
+  ASSERT_EQ(asked(1, wanted("c4", "own1", "shared")), "granted");
+  const auto numbers = [this] {
+    std::vector<std::uint64_t> all;
+    for (const auto& [name, entry] : store.entries) {
+      const auto asked = name.starts_with(key("x/g1/")) ? codec.asked(entry.value) : std::nullopt;
+      const auto text = asked ? cluster::asked_in(asked->admission) : std::nullopt;
+      if (text)
+        for (const control::Request& request : text->requests) all.push_back(request.id);
+    }
+    return all;
+  };
+  const auto before = numbers();
+  ASSERT_EQ(before.size(), 1U);
+  at(1).lose_disk();
+  start(1);
+  for (int n = 0; n < 5 && asked(1, wanted("c5", "own1", "shared")) != "granted"; ++n)
+    pass(kStepNs);
+  const auto after = numbers();
+  ASSERT_EQ(after.size(), 2U) << "the former one leaves the store a second later";
+  EXPECT_NE(after.front(), after.back());
+}
+
+/// The store cannot be reached, and an admission on a network of this gateway alone gets a number
+/// that the store has. When the store is back, nothing is reserved for that admission beside the
+/// former one.
+TEST_F(MembersNumbers, WhatHasANumberThatTheStoreHasWaitsUntilTheFormerOneHasLeft) {
+  start_both();
+  ASSERT_EQ(asked(1, wanted("c4", "own1", "shared")), "granted");
+  ASSERT_EQ(entries("r/shared/g1/"), 1U);
+  at(1).lose_disk();
+  link(1).up = false;
+  start(1);
+  ASSERT_EQ(asked(1, wanted("c5", "own1", "own1")), "granted");
+  link(1).up = true;
+  run();
+  auto further = wanted("c5", "own1", "shared");
+  further.publisher.clear();
+  further.key = "further";
+  auto answer = at(1).ask(further);
+  run();
+  std::string text = text_of(answer);
+  bool met = false;
+  for (int n = 0; n < 60 && text != "granted"; ++n) {
+    met = met || entries("r/shared/g1/") > 1;
+    pass(kStepNs);
+    if (text == "nothing yet") text = text_of(answer);
+    if (text == "nothing yet" || text == "granted") continue;
+    answer = at(1).ask(further);
+    run();
+    text = text_of(answer);
+  }
+  EXPECT_EQ(text, "granted");
+  EXPECT_FALSE(met);
+  EXPECT_EQ(entries("r/shared/g1/"), 1U);
 }
 
 }  // namespace
