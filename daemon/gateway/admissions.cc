@@ -107,36 +107,49 @@ void Admissions::report_left_out() {
   reported_ = left_out_;
 }
 
+/// The reason for which it waits, which is logged unless another one was shortly before.
+void Admissions::note_wait(core::AdmissionId id, const std::string& channel, const std::string& why,
+                           bool log, About about) {
+  const std::uint64_t now = clock_.monotonic_ns();
+  Said& said = waiting_[id];
+  control::LeftOutAdmission& entry = left_out_[id];
+  entry = {.admission = id, .channel = channel, .reason = why};
+  const bool is_due = said.why.empty() || now >= said.at + kSayAgain;
+  if (!log || said.why == why || !is_due) return;
+  said = {.why = why, .at = now};
+  log_.warning(Kind::withdrawn, words_of(entry), std::move(about));
+}
+
 core::FormerRules Admissions::let_wait(const std::vector<Waiting>& all) {
   core::FormerRules left;
-  const std::uint64_t now = clock_.monotonic_ns();
   for (const auto& [id, why, log] : all) {
     const control::Admit* const admit = recorded(recorder_, id);
     if (admit == nullptr) continue;
-    const About about = this->about(id);
+    About about = this->about(id);
     remove_from_state(id, left);
-    Said& said = waiting_[id];
-    control::LeftOutAdmission& entry = left_out_[id];
-    entry = {.admission = id, .channel = admit->channel, .reason = why};
-    const bool is_due = said.why.empty() || now >= said.at + kSayAgain;
-    if (!log || said.why == why || !is_due) continue;
-    said = {.why = why, .at = now};
-    log_.warning(Kind::withdrawn, words_of(entry), about);
+    note_wait(id, admit->channel, why, log, std::move(about));
   }
   tags_.leave_unused();
   return left;
 }
 
-void Admissions::end_wait(const std::vector<core::AdmissionId>& all) {
+bool Admissions::end_wait(const std::vector<core::AdmissionId>& all) {
+  bool complete = true;
   for (const core::AdmissionId id : all) {
-    waiting_.erase(id);
-    left_out_.erase(id);
     const control::Admit* const admit = recorded(recorder_, id);
-    if (admit == nullptr) continue;
-    if (admit->unlisted) tags_.claim();
-    if (auto why = restore_one(*scene_.state, id)) left_out_.emplace(id, std::move(*why));
-    if (admit->unlisted) tags_.leave_unused();
+    std::optional<control::LeftOutAdmission> why;
+    if (admit != nullptr) {
+      if (admit->unlisted) tags_.claim();
+      why = restore_one(*scene_.state, id);
+      if (admit->unlisted) tags_.leave_unused();
+    }
+    complete = complete && !why;
+    if (why)
+      note_wait(id, why->channel, why->reason, true, about(id));
+    else
+      forget_wait(id);
   }
+  return complete;
 }
 
 std::vector<core::AdmissionId> Admissions::left_out_of(const std::string& channel) const {

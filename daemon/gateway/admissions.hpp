@@ -86,9 +86,9 @@ class Admissions {
   /// admission begins to wait, and later at most once a minute, if it is another one. Returns the
   /// rules that the gates had for their channels; Turn::settle() has to follow.
   [[nodiscard]] core::FormerRules let_wait(const std::vector<Waiting>& all);
-  /// Takes them into the state again, as far as the description has a place for them;
-  /// Turn::settle() has to follow.
-  void end_wait(const std::vector<core::AdmissionId>& all);
+  /// Takes them into the state again; Turn::settle() has to follow. Those for which there is no
+  /// place now go on waiting, with that reason. True if there are none of these.
+  bool end_wait(const std::vector<core::AdmissionId>& all);
   /// It does not wait any more: the state of another description has it.
   void forget_wait(core::AdmissionId id) {
     if (waiting_.erase(id) != 0) left_out_.erase(id);
@@ -135,6 +135,8 @@ class Admissions {
   /// Removes admissions from everything except the disk. Returns the rules that the gates had for
   /// their channels.
   core::FormerRules forget(const std::vector<core::AdmissionId>& gone);
+  void note_wait(core::AdmissionId id, const std::string& channel, const std::string& why, bool log,
+                 About about);
   void remove_from_state(core::AdmissionId id, core::FormerRules& left) const;
   [[nodiscard]] std::optional<control::LeftOutAdmission> restore_one(core::State& state,
                                                                      core::AdmissionId id) const;

@@ -83,7 +83,8 @@ Membership::Membership(Parts parts) : parts_(std::move(parts)), store_since_(now
 void Membership::begin() {
   const core::System& system = state().system();
   if (reserving_)
-    reserving_->refuse_all("nothing was changed: another description came into force");
+    reserving_->refuse_all(
+        "this gateway has loaded a description meanwhile, by a reload or a rollout", ": ask again");
   if (adopting_) adopting_->forget();
   member_.reset();
   parts_.rollout.loaded();
@@ -409,6 +410,7 @@ void Membership::poll() {
   std::erase_if(wish_again_, [this](const auto& entry) { return entry.second <= now(); });
   enforce_again();
   reserving_->tidy();
+  if (std::exchange(agrees_again_, false)) reserving_->follow_agreements();
 }
 
 /// Writes to disk what was taken from the store, before anything is sent that depends on it. False

@@ -192,12 +192,15 @@ class Membership final : private core::Holdings {
   void wish(std::size_t channel);
   bool ask_again_some();
   [[nodiscard]] bool is_there(std::size_t gateway) const;
+  void end_without_gateway(core::AdmissionId id, const std::string& name);
   void ask_again(core::AdmissionId id, std::size_t gateway);
   [[nodiscard]] core::FormerRules follow_agreements(bool is_in_force);
   [[nodiscard]] core::FormerRules take_up_state(bool is_in_force);
   void note_lost(const std::string& why);
   void forget_waits(const std::vector<core::AdmissionId>& gone);
   void note_refusal(core::AdmissionId id, const std::string& why);
+  bool is_taken_in(core::AdmissionId id);
+  void pause(core::AdmissionId id);
   [[nodiscard]] std::string why_waits(core::AdmissionId id, const std::string& gateway) const;
   void end_withdrawn();
   [[nodiscard]] cluster::Asked asked_of(std::size_t channel) const;
@@ -250,7 +253,8 @@ class Membership final : private core::Holdings {
   bool drained_ = false;        ///< an operator has drained this gateway
   bool until_restart_ = false;  ///< the drain ends with this daemon
   bool looks_for_wishes_ = true;
-  bool asked_again_ = false;  ///< the latest turn was one of ask_again_some() or the like
+  bool agrees_again_ = false;  ///< what was agreed to had no place in the state
+  bool asked_again_ = false;   ///< the latest turn was one of ask_again_some() or the like
   Value leave_until_ = 0;
   std::optional<std::uint64_t> until_;  ///< as it was last set in the kernel
   Value until_retry_ = 0;  ///< the kernel has refused: no further attempt before this time
@@ -261,8 +265,12 @@ class Membership final : private core::Holdings {
   };
   /// Of admissions that another gateway makes for this one, and that wait: not asked for meanwhile.
   std::map<core::AdmissionId, Pause> pauses_;
-  /// Why the other gateway has not agreed the last time.
-  std::map<core::AdmissionId, std::string> why_waits_;
+  struct Wait {
+    std::string why;
+    bool here = false;  ///< not the other gateway is the reason, but this one
+  };
+  /// Why it was not admitted the last time.
+  std::map<core::AdmissionId, Wait> why_waits_;
   struct Withdrawn {
     std::string why;
     Value at = 0;  ///< no attempt to end it before this time

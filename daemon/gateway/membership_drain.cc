@@ -24,7 +24,7 @@ void Membership::leave() {
 
 void Membership::begin_leaving() {
   leaving_ = true;
-  reserving_->refuse_all("nothing was changed: this gateway is being drained");
+  reserving_->refuse_all("this gateway is being drained");
   static_cast<void>(bring_in_line());
   drain_when_closed();
 }

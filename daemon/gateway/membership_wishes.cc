@@ -116,7 +116,7 @@ core::FormerRules Membership::follow_agreements(bool is_in_force) {
     else if (!is_held && parts_.admissions.waits(id))
       lost.push_back({.id = id, .why = why_waits(id, gateway), .log = false});
   }
-  parts_.admissions.end_wait(agreed);
+  agrees_again_ = !parts_.admissions.end_wait(agreed);
   return lost.empty() ? core::FormerRules() : parts_.admissions.let_wait(lost);
 }
 
@@ -124,14 +124,16 @@ std::string Membership::why_waits(core::AdmissionId id, const std::string& gatew
   if (drained_) return "this gateway is drained";
   const auto why = why_waits_.find(id);
   if (why == why_waits_.end()) return fmt::format("it waits for gateway {}", gateway);
+  const std::string& words = why->second.why;
+  if (why->second.here) return words;
   const std::string own = gateway + ": ";
   return fmt::format("it waits for gateway {}: {}", gateway,
-                     why->second.starts_with(own) ? why->second.substr(own.size()) : why->second);
+                     words.starts_with(own) ? words.substr(own.size()) : words);
 }
 
 void Membership::note_lost(const std::string& why) {
   for (const auto& [id, gateway] : parts_.recorder.contents().admissions.through_others())
-    why_waits_[id] = why;
+    why_waits_[id] = {.why = why};
 }
 
 void Membership::forget_waits(const std::vector<core::AdmissionId>& gone) {
@@ -146,14 +148,30 @@ void Membership::forget_waits(const std::vector<core::AdmissionId>& gone) {
 void Membership::note_refusal(core::AdmissionId id, const std::string& why) {
   const auto& recorded = parts_.recorder.contents().admissions;
   if (recorded.find(id) == nullptr || recorded.through(id).empty()) return;
+  pause(id);
+  why_waits_[id] = {.why = why};
+  if (parts_.admissions.waits(id))
+    static_cast<void>(
+        parts_.admissions.let_wait({{.id = id, .why = why_waits(id, recorded.through(id))}}));
+}
+
+void Membership::pause(core::AdmissionId id) {
   Pause& pause = pauses_[id];
   const bool is_recent = now() < add_saturating(pause.until, kLongestPause);
   pause.length = is_recent ? std::clamp(2 * pause.length, kFirstPause, kLongestPause) : kFirstPause;
   pause.until = add_saturating(now(), pause.length);
-  why_waits_[id] = why;
-  if (parts_.admissions.waits(id))
-    static_cast<void>(
-        parts_.admissions.let_wait({{.id = id, .why = why_waits(id, recorded.through(id))}}));
+}
+
+/// Whether the state has what the other gateway has agreed to. There may be no place for it now,
+/// for example as long as other channels that are not described take all that there are.
+bool Membership::is_taken_in(core::AdmissionId id) {
+  if (state().admissions().contains(id)) return true;
+  const auto& left_out = parts_.admissions.left_out();
+  if (const auto why = left_out.find(id); why != left_out.end()) {
+    pause(id);
+    why_waits_[id] = {.why = why->second.reason, .here = true};
+  }
+  return false;
 }
 
 /// Asks for an admission that another gateway has to make for this one again: this gateway was not
@@ -171,17 +189,29 @@ bool Membership::ask_again_some() {
     if (!parts_.admissions.waits(id) || withdrawn_.contains(id)) continue;
     const auto gateway = std::ranges::find(gateways, name, &core::Gateway::name);
     const auto index = static_cast<std::size_t>(gateway - gateways.begin());
-    if (gateway == gateways.end() || index == self_) {
-      withdrawn_[id].why = fmt::format("{}, where its publisher was, is no other gateway", name);
-      continue;
-    }
     const auto pause = pauses_.find(id);
     const Value since = pause == pauses_.end() ? 0 : pause->second.until;
-    if (since > now() || (next && next->since <= since) || !is_there(index)) continue;
+    if (since > now()) continue;
+    if (gateway == gateways.end() || index == self_) {
+      end_without_gateway(id, name);
+      continue;
+    }
+    if ((next && next->since <= since) || !is_there(index)) continue;
     next = Due{.since = since, .id = id, .gateway = index};
   }
   if (next) ask_again(next->id, next->gateway);
   return next.has_value();
+}
+
+/// The description in force has no such gateway. The next one may have it again.
+void Membership::end_without_gateway(core::AdmissionId id, const std::string& name) {
+  const bool is_rolled_out = member_->view().records().next.mod != 0;
+  if (is_rolled_out)
+    note_refusal(id,
+                 "it is no other gateway by the description in force, and another one is being "
+                 "rolled out");
+  else
+    withdrawn_[id].why = fmt::format("{}, where its publisher was, is no other gateway", name);
 }
 
 /// Also one that leaves to others what they can carry: it decides all the same.
@@ -200,7 +230,7 @@ void Membership::ask_again(core::AdmissionId id, std::size_t gateway) {
     return requests::wish_elsewhere(channel ? state().system().channels[*channel].name : named,
                                     *there, gateway);
   };
-  const auto granted = [this, id] { return state().admissions().contains(id); };
+  const auto granted = [this, id] { return is_taken_in(id); };
   const auto refused = [this, id](const std::string& why) { note_refusal(id, why); };
   const auto refused_for_good = [this, id](const std::string& why) {
     withdrawn_.try_emplace(id, Withdrawn{.why = why});

@@ -126,10 +126,10 @@ void Reserving::session_closed(std::uint64_t session) {
   }
 }
 
-void Reserving::refuse_all(const std::string& why) {
+void Reserving::refuse_all(const std::string& why, const std::string& to_do) {
   for (const Open& open : std::exchange(jobs_, {})) {
     parts_.networks.drop(open.number);
-    if (!open.abandoned) open.job.refused(why);
+    if (!open.abandoned) open.job.refused(open.job.user ? why + to_do : why);
   }
 }
 

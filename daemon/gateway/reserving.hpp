@@ -92,7 +92,8 @@ class Reserving {
   void session_closed(std::uint64_t session);
   /// Gives back what was reserved for these admissions, unless something else uses it.
   void admissions_gone(const std::vector<core::AdmissionId>& gone);
-  void refuse_all(const std::string& why);
+  /// `to_do`: what users can do, for the end of the text.
+  void refuse_all(const std::string& why, const std::string& to_do = {});
 
   void on(const core::cluster::Reserved& event, const core::cluster::Member& member);
   void on(const core::cluster::Conflict& event, core::cluster::Member& member, Value now);
@@ -127,6 +128,7 @@ class Reserving {
   /// Whether that number is held, or was asked for and is not answered yet.
   [[nodiscard]] bool has(Number number) const;
   /// Whether what other gateways have admitted for this one may have changed since the last call.
+  void follow_agreements() { agreements_changed_ = true; }
   [[nodiscard]] bool take_agreements_changed() { return std::exchange(agreements_changed_, false); }
 
  private:

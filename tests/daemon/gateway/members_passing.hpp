@@ -64,14 +64,26 @@ class MembersPassing : public MembershipBench {
     }
     return all;
   }
-  /// g0 does not agree any more to what g1 has asked for.
-  void refuse(const std::string& network, bool final = false) {
+  void vote(const std::string& network, const core::cluster::Vote& vote) {
     for (const std::string& name : entries_for(network))
       store.write({{.key = "/mlcca/pair/a/g0/g1/" + name.substr(name.rfind('/') + 1),
                     .value = codec.write(core::cluster::VoteOf{
-                        .asked = store.entries.at(name).create,
-                        .vote = {.ok = false, .hop = {}, .reason = kBusy, .final = final}})}});
+                        .asked = store.entries.at(name).create, .vote = vote})}});
     run();
+  }
+  /// g0 does not agree any more to what g1 has asked for.
+  void refuse(const std::string& network, bool final = false) {
+    vote(network, {.ok = false, .hop = {}, .reason = kBusy, .final = final});
+  }
+  /// As g0 writes it each second, whatever its process does.
+  void beat_of_g0(core::cluster::Role role = core::cluster::Role::active) {
+    const auto& was = store.entries.at("/mlcca/pair/m/g0");
+    auto beat = codec.beat(was.value).value_or(core::cluster::Beat{});
+    if (beat.incarnation == 0) beat.incarnation = was.create;
+    ++beat.seq;
+    beat.role = role;
+    beat.applied = store.revision;
+    store.write({{.key = "/mlcca/pair/m/g0", .value = codec.write(beat)}});
   }
   std::size_t journalled(std::size_t g) { return at(g).recorded(random_).admissions.size(); }
   std::size_t said(std::size_t g, const std::string& text) {

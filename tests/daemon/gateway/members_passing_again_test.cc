@@ -16,15 +16,6 @@ namespace cc = core::cluster;
 
 class MembersPassingAgain : public MembersPassing {
  protected:
-  /// As g0 writes it each second, whatever its process does.
-  void beat_of_g0(cc::Role role = cc::Role::active) {
-    const auto& was = store.entries.at("/mlcca/pair/m/g0");
-    auto beat = codec.beat(was.value).value_or(cc::Beat{});
-    if (beat.incarnation == 0) beat.incarnation = was.create;
-    ++beat.seq;
-    beat.role = role;
-    store.write({{.key = "/mlcca/pair/m/g0", .value = codec.write(beat)}});
-  }
   /// The admissions that g1 has asked g0 for, by the store.
   std::set<core::AdmissionId> asked_for_now() {
     std::set<core::AdmissionId> all;

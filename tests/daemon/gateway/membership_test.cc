@@ -349,6 +349,31 @@ TEST_F(MembershipTest, AReloadOfTheSameDescriptionInterruptsNothing) {
   EXPECT_EQ(entries("r/shared/g0/"), 1U);
 }
 
+TEST_F(MembershipTest, WhoIsDecidedAtAReloadIsToldWhatHappenedAndWhatToDo) {
+  start_both();
+  link(0).answers = false;
+  auto answer = at(0).ask(wanted("c2", "own0", "shared"));
+  run();
+  at(0).digest = 2;
+  at(0).daemon().reload();
+  at(0).reading().finish();
+  run();
+  EXPECT_EQ(
+      text_of(answer),
+      "nothing was changed: this gateway has loaded a description meanwhile, by a reload or a "
+      "rollout: ask again");
+}
+
+TEST_F(MembershipTest, WhoIsDecidedAtADrainIsToldSo) {
+  start_both();
+  link(0).answers = false;
+  auto answer = at(0).ask(wanted("c2", "own0", "shared"));
+  run();
+  at(0).ask(control::DrainRequest{});
+  run();
+  EXPECT_EQ(text_of(answer), "nothing was changed: this gateway is being drained");
+}
+
 TEST_F(MembershipTest, AnAdmissionOverTwoGatewaysIsOneDecision) {
   start_both();
   EXPECT_EQ(asked(0, wanted("c2", "own0", "own1")), "granted");

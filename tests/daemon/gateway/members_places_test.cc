@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Tests of subscribers that another gateway has admitted, and for which there is no place here for
+// a while.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/daemon/gateway/members_passing.hpp"
+
+namespace mlcca::test {
+namespace {
+
+namespace cc = core::cluster;
+
+constexpr const char* kFirst = "0x5600000000000001";
+constexpr const char* kSecond = "0x5600000000000002";
+
+/// Each network has one channel that is not described.
+class MembersPlaces : public MembersPassing {
+ protected:
+  MembersPlaces() {
+    for (std::size_t g = 0; g < 2; ++g)
+      for (core::Network& n : at(g).system.networks)
+        n.unlisted = {.allowed = true, .subject = kUnlistedSubjects, .bits = 8, .most = 1};
+  }
+  static control::Admit not_described(control::Admit request,
+                                      std::vector<control::Identifier> identifiers) {
+    request.unlisted = true;
+    request.identifiers = std::move(identifiers);
+    if (!request.publisher.empty())
+      request.offered = {attribute_of("Period", 50 * kMs), attribute_of("MaxPayload", 8)};
+    return request;
+  }
+  static control::Admit first_subscriber() {
+    auto request = subscriber("own1");
+    request.channel = kFirst;
+    return not_described(request, {{"own0", 0x41}, {"shared", 0x42}, {"own1", 0x43}});
+  }
+  /// Time passes, and g0 agrees to what it is asked for.
+  void agree_for(std::uint64_t time) {
+    for (std::uint64_t gone = 0; gone < time; gone += kStepNs) {
+      beat_of_g0();
+      pass(kStepNs);
+      vote("own1", {.ok = true, .hop = {}, .reason = {}});
+    }
+  }
+};
+
+TEST_F(MembersPlaces, WhatHasNoPlaceForAWhileGoesOnWaiting) {
+  start_both();
+  ASSERT_EQ(asked(0, not_described(wanted(kFirst, "own0", "shared"),
+                                   {{"own0", 0x41}, {"shared", 0x42}, {"own1", 0x43}})),
+            "granted");
+  ASSERT_EQ(asked(1, first_subscriber()), "granted");
+  at(0).end();
+  beat_of_g0();
+  refuse("own1");
+  auto second = not_described(wanted(kSecond, "own1", "own1"), {{"own1", 0x44}});
+  second.key = "second";
+  ASSERT_EQ(asked(1, second), "granted") << "it has the place now";
+  agree_for(30 * kSecondNs);
+  const std::string why = asked(1, first_subscriber());
+  EXPECT_NE(why.find("own1 has "), std::string::npos) << why;
+  EXPECT_EQ(journalled(1), 2U);
+  at(1).ask(control::ReleaseRequest{.channel = {}, .admission = 0, .key = "second"});
+  agree_for(40 * kSecondNs);
+  EXPECT_EQ(asked(1, first_subscriber()).find("left out"), std::string::npos)
+      << asked(1, first_subscriber());
+  EXPECT_EQ(at(1).state().admissions().size(), 1U);
+}
+
+/// By the description in force g0 has another name, and the next one may have g0 again.
+TEST_F(MembersPassing, WhatAGatewayOfTheNextDescriptionMayAdmitGoesOnWaiting) {
+  admit_both();
+  at(0).end();
+  at(1).end();
+  at(1).system.gateways[0].name = "h0";
+  at(1).digest = 5;
+  at(1).handed_on = {{1, with_a_third_bus()}, {5, at(1).system}};
+  at(1).texts.all = {{Sha256::Digest{1}, "1"}, {Sha256::Digest{5}, "5"}};
+  const cluster::Codec renamed(at(1).system, cc::Digest{5});
+  store.write({{.key = "/mlcca/pair/d/current",
+                .value = renamed.write(cc::Current{
+                    .generation = 2, .digest = {5}, .former = {1}, .open = true, .waits = {}})},
+               {.key = "/mlcca/pair/d/next",
+                .value = renamed.write(cc::Next{.generation = 3,
+                                                .digest = {6},
+                                                .chunks = 1,
+                                                .by = "h0",
+                                                .without = {},
+                                                .patience = 60 * kSecondNs})}});
+  start(1);
+  pass(10 * kSecondNs);
+  ASSERT_TRUE(store.entries.contains("/mlcca/pair/d/next"));
+  EXPECT_EQ(journalled(1), 1U);
+  const std::string why = asked(1, subscriber("own1"));
+  EXPECT_NE(why.find("another one is being rolled out"), std::string::npos) << why;
+  store.write({}, {"/mlcca/pair/d/next"});
+  pass(40 * kSecondNs);
+  EXPECT_EQ(journalled(1), 0U) << "no description with it comes";
+  EXPECT_EQ(said(1, "g0, where its publisher was, is no other gateway"), 1U);
+}
+
+}  // namespace
+}  // namespace mlcca::test
