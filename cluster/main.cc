@@ -13,7 +13,9 @@
 #include <string>
 #include <utility>
 
+#include "base/command_line.hpp"
 #include "base/handle.hpp"
+#include "base/standard_streams.hpp"
 #include "base/system_error.hpp"
 #include "cluster/bridge.hpp"
 #include "cluster/http.hpp"
@@ -90,7 +92,8 @@ Result<void> serve(const Options& options, const Settings& settings) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"mlcca-cluster - the way of mlccad to the store that gateways share"};
+  CLI::App app{"mlcca-cluster - the way of mlccad to the store that gateways share",
+               "mlcca-cluster"};
   app.set_version_flag("--version", kVersion);
   app.add_option("--settings", options.settings, "file of settings")->capture_default_str();
   app.add_option("--socket", options.socket, "socket for mlccad, where systemd has made none")
@@ -99,7 +102,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& wrong) {
-    return app.exit(wrong) == 0 ? EXIT_SUCCESS : kWrongUse;
+    return end_of_parsing(app, wrong, kWrongUse, EXIT_FAILURE);
   }
   const auto settings = read_settings(options.settings, credentials());
   if (!settings) {
@@ -118,6 +121,7 @@ int main(int argc, char** argv) {
 }  // namespace mlcca::cluster
 
 int main(int argc, char** argv) {
+  mlcca::keep_standard_streams();
   ::signal(SIGPIPE, SIG_IGN);  // NOLINT(cert-err33-c): a peer that has gone
   try {
     return mlcca::cluster::main(argc, argv);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/early_closing.hpp"
 
-#include <fmt/core.h>
 #include <net/if.h>
 #include <sys/fsuid.h>
 #include <sys/stat.h>
@@ -15,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "base/standard_streams.hpp"
 #include "daemon/gates/interfaces.hpp"
 #include "daemon/interface_files.hpp"
 #include "daemon/manager.hpp"
@@ -109,8 +109,9 @@ int close_early(const Options& options) {
   for (const std::string& mistake : files.mistakes) write_at_once(STDERR_FILENO, mistake + '\n');
   const int wrong = files.mistakes.empty() ? 0 : kBadInput;
   if (options.check_only) {
-    for (const auto& one : files.named) fmt::print("{}: {}\n", one.place, one.name);
-    return wrong;
+    std::string lines;
+    for (const auto& one : files.named) lines += one.place + ": " + one.name + '\n';
+    return printed("mlccad", lines) ? wrong : kFailed;
   }
   const int status = close_with_patience(meant(options, files), options.bpf_root);
   return status != 0 ? status : wrong;

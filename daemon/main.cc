@@ -24,6 +24,7 @@
 #include "base/handle.hpp"
 #include "base/many.hpp"
 #include "base/result.hpp"
+#include "base/standard_streams.hpp"
 #include "core/admission/state.hpp"
 #include "daemon/early_closing.hpp"
 #include "daemon/gates/close_unpinned.hpp"
@@ -53,7 +54,7 @@ bool has_room(const core::System& system, const std::string& description) {
   const core::State state(system);
   for (std::size_t g = 0; g < system.gateways.size(); ++g)
     if (const auto lack = state.exceeds_capacity(g)) {
-      fmt::print(stderr, "{}: {}\n", description, *lack);
+      to_stderr(description + ": " + *lack + '\n');
       return false;
     }
   return true;
@@ -67,10 +68,11 @@ bool has_gateway(const core::System& system, const Options& options) {
           ? !gateways.empty()
           : std::ranges::find(gateways, options.gateway, &core::Gateway::name) != gateways.end())
     return true;
-  fmt::print(stderr, "{}: {}\n", options.description,
-             options.gateway.empty()
-                 ? "no Gateway is described, and mlccad is one: describe it with its Ports"
-                 : fmt::format("no Gateway is called '{}'", options.gateway));
+  to_stderr(
+      fmt::format("{}: {}\n", options.description,
+                  options.gateway.empty()
+                      ? "no Gateway is described, and mlccad is one: describe it with its Ports"
+                      : fmt::format("no Gateway is called '{}'", options.gateway)));
   return false;
 }
 
@@ -79,15 +81,15 @@ int check_description(const Options& options) {
   if (system) {
     if (!has_gateway(*system, options)) return kBadInput;
     if (!has_room(*system, options.description)) return kBadInput;
-    fmt::print("{}: {}, {}, {}, {}, {}\n", options.description,
-               many(system->channels.size(), "channel"), many(system->networks.size(), "network"),
-               many(system->gateways.size(), "gateway"),
-               many(system->publishers.size(), "publisher"),
-               many(system->subscribers.size(), "subscriber"));
-    return 0;
+    const auto line = fmt::format(
+        "{}: {}, {}, {}, {}, {}\n", options.description, many(system->channels.size(), "channel"),
+        many(system->networks.size(), "network"), many(system->gateways.size(), "gateway"),
+        many(system->publishers.size(), "publisher"),
+        many(system->subscribers.size(), "subscriber"));
+    return printed("mlccad", line) ? 0 : kFailed;
   }
   for (const auto& problem : description::shortened(system.error()))
-    fmt::print(stderr, "{}\n", description::to_string(problem));
+    to_stderr(description::to_string(problem) + '\n');
   return kBadInput;
 }
 
@@ -273,6 +275,7 @@ int run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  keep_standard_streams();
   // The loop uses what a thread has read. With separate arenas, memory that is returned to the
   // arena of a thread could not be used by others, up to a fifth of all memory
   // (docs/reference/limits.md).

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <optional>
 
+#include "base/command_line.hpp"
 #include "base/number.hpp"
 #include "control/version.hpp"
 
@@ -50,7 +51,7 @@ Parsed parse_options(int argc, char** argv) {
     return parse_time(text) ? std::string()
                             : "a time such as 10s or 500ms, 0 or forever (not " + text + ")";
   };
-  CLI::App app{"mlccad - lets no data pass over a network that cannot carry it"};
+  CLI::App app{"mlccad - lets no data pass over a network that cannot carry it", "mlccad"};
   app.set_version_flag("--version", kVersion);
   app.add_option("-d,--description", o.description, "system description (XML)")
       ->capture_default_str();
@@ -125,7 +126,7 @@ Parsed parse_options(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     parsed.exit = true;
-    parsed.status = app.exit(e) == 0 ? 0 : 2;
+    parsed.status = end_of_parsing(app, e, 2, 1);
   }
   if (const auto ns = parse_time(grace)) o.grace_ns = *ns;
   if (const auto ns = parse_time(start_limit)) o.start_limit_ns = *ns;

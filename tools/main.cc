@@ -5,12 +5,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <expected>
 #include <optional>
 #include <set>
@@ -22,6 +20,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
+#include "base/standard_streams.hpp"
 #include "control/client.hpp"
 #include "tools/audit.hpp"
 #include "tools/bandwidth.hpp"
@@ -42,10 +41,7 @@ using control::Reply;
 
 /// Prints to standard output and returns `status`; Exit::world if that fails.
 Exit print(const std::string& text, Exit status) {
-  if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0)
-    return status;
-  fmt::print(stderr, "mlccactl: write: {}\n", ::strerror(errno));
-  return Exit::world;
+  return printed("mlccactl", text) ? status : Exit::world;
 }
 
 Exit print_error(const Options& options, const control::Error& error) {
@@ -53,7 +49,7 @@ Exit print_error(const Options& options, const control::Error& error) {
       error.kind == control::ErrorKind::invalid || error.kind == control::ErrorKind::unreadable;
   const auto status = for_the_user ? Exit::usage : Exit::world;
   if (options.json) return print(to_json(Reply{0, error}), status);
-  fmt::print(stderr, "{}", render(error, options.error_color));
+  to_stderr(render(error, options.error_color));
   return status;
 }
 
@@ -252,12 +248,12 @@ std::optional<Exit> ask_back(const Options& options, const std::string& what,
     return print_error(
         options, control::ErrorKind::invalid,
         "no person can be asked to confirm this (no terminal, or --json): state --yes");
-  fmt::print(stderr, "{}{} [y/N] ", what, question);
+  to_stderr(fmt::format("{}{} [y/N] ", what, question));
   std::array<char, 16> answer{};
   const bool read = std::fgets(answer.data(), answer.size(), stdin) != nullptr;
   const std::string_view said(answer.data());
   if (read && (said == "y\n" || said == "yes\n")) return std::nullopt;
-  fmt::print(stderr, "{}nothing was changed\n", read ? "" : "\n");
+  to_stderr(read ? "nothing was changed\n" : "\nnothing was changed\n");
   return Exit::refused;
 }
 
@@ -278,7 +274,7 @@ Exit ask_withdraw(const Options& options, const Arguments& arguments) {
     // What stops is printed only after the daemon has accepted the request.
     const auto done = reply_to(options, control::WithdrawRequest{arguments.channel});
     if (!done) return done.error();
-    if (std::holds_alternative<control::Done>(done->body)) fmt::print(stderr, "{}", what);
+    if (std::holds_alternative<control::Done>(done->body)) to_stderr(what);
     return print_reply<control::WithdrawRequest>(options, *done);
   }
   return ask(options, control::WithdrawRequest{arguments.channel});
@@ -425,7 +421,7 @@ Exit ask_drain(const Options& options, const Arguments& arguments) {
     if (!cluster->system.empty() && !other) {
       const auto what = what_closes(*cluster, arguments.until_restart, options.error_color);
       if (arguments.yes)
-        fmt::print(stderr, "{}", what);
+        to_stderr(what);
       else if (const auto ended = ask_back(options, what, "Drain it?"))
         return *ended;
     }
@@ -486,14 +482,19 @@ constexpr std::array kVerbs = {
          print_bandwidth},
 };
 
+Exit run(int argc, char** argv) {
+  if (const auto* other = program_for({argv, static_cast<std::size_t>(argc)}); other != nullptr)
+    return become(*other, argv);
+  const auto parsed = parse(kVerbs, argc, argv);
+  if (const auto* exit = std::get_if<Exit>(&parsed)) return *exit;
+  const auto& command = std::get<Command>(parsed);
+  return command.verb->run(command.options, command.arguments);
+}
+
 }  // namespace
 
 // NOLINTNEXTLINE(bugprone-exception-escape): without memory there is nothing left to do
 int main(int argc, char** argv) {
-  if (const auto* other = program_for({argv, static_cast<std::size_t>(argc)}); other != nullptr)
-    return static_cast<int>(become(*other, argv));
-  const auto parsed = parse(kVerbs, argc, argv);
-  if (const auto* exit = std::get_if<Exit>(&parsed)) return static_cast<int>(*exit);
-  const auto& command = std::get<Command>(parsed);
-  return static_cast<int>(command.verb->run(command.options, command.arguments));
+  keep_standard_streams();
+  return end_program("mlccactl", static_cast<int>(run(argc, argv)), static_cast<int>(Exit::world));
 }

@@ -7,11 +7,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdio>
 #include <cstdlib>
 #include <utility>
 
+#include "base/command_line.hpp"
 #include "base/number.hpp"
+#include "base/standard_streams.hpp"
 #include "control/client.hpp"
 #include "control/version.hpp"
 #include "tools/other_programs.hpp"
@@ -404,10 +405,11 @@ std::variant<Command, Exit> parse(std::span<const Verb> verbs, int argc, const c
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? Exit::fine : Exit::usage;
+    return Exit{static_cast<std::uint8_t>(
+        end_of_parsing(app, error, static_cast<int>(Exit::usage), static_cast<int>(Exit::world)))};
   }
   if (const auto complaint = leftover(app, command, verbs); !complaint.empty()) {
-    fmt::print(stderr, "{}", wrong(app, complaint));
+    to_stderr(wrong(app, complaint));
     return Exit::usage;
   }
   options.patience =

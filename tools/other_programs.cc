@@ -7,10 +7,11 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <string>
 #include <string_view>
+
+#include "base/standard_streams.hpp"
 
 namespace mlcca::tools {
 namespace {
@@ -55,10 +56,8 @@ Exit become(const Program& program, char** arguments) {
   const auto folder = own_folder();
   for (const char* place : {"", "../libexec/mlcca/"})
     ::execv((folder + place + program.name).c_str(), arguments);
-  fmt::print(stderr,
-             "mlccactl: {}{}: {}\n{}: install it, or put it beside "
-             "mlccactl.\n",
-             folder, program.name, ::strerror(errno), program.what);
+  to_stderr(fmt::format("mlccactl: {}{}: {}\n{}: install it, or put it beside mlccactl.\n", folder,
+                        program.name, ::strerror(errno), program.what));
   return Exit::world;
 }
 

@@ -24,6 +24,7 @@
 #include <thread>
 
 #include "base/clock.hpp"
+#include "base/command_line.hpp"
 #include "base/many.hpp"
 #include "base/number.hpp"
 #include "control/version.hpp"
@@ -224,10 +225,15 @@ int Program::run() {
 int main(int argc, char** argv) {
   std::string socket = "/run/mlcca/control.sock";
   CLI::App app{
-      "mlcca-relay - carries granted events between networks that the kernel does not join"};
+      "mlcca-relay - carries granted events between networks that the kernel does not join",
+      "mlcca-relay"};
   app.set_version_flag("--version", kVersion);
   app.add_option("--socket", socket, "control socket of mlccad")->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& end) {
+    return end_of_parsing(app, end, kWrongUse, EXIT_FAILURE);
+  }
   return Program(socket).run();
 }
 

@@ -420,7 +420,7 @@ TEST(MlccactlTest, ExitsWith3WhenItsOutputIsLost) {
   Server server(always({0, test::full_status()}));
   const auto outcome = run_mlccactl({"status", "--socket", server.path()}, {}, "/dev/full");
   EXPECT_EQ(outcome.status, 3);
-  EXPECT_EQ(outcome.error, "mlccactl: write: No space left on device\n");
+  EXPECT_EQ(outcome.error, "mlccactl: standard output: No space left on device\n");
 }
 
 TEST(MlccactlTest, TakesTheSocketFromTheEnvironment) {

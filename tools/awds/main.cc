@@ -17,6 +17,7 @@
 #include <string>
 #include <utility>
 
+#include "base/standard_streams.hpp"
 #include "daemon/listen.hpp"
 #include "daemon/manager.hpp"
 #include "daemon/net/sources/timer.hpp"
@@ -124,6 +125,7 @@ Result<void> serve(const std::string& interface, const char* path) {
 }  // namespace mlcca::awds
 
 int main(int argc, char** argv) {
+  mlcca::keep_standard_streams();
   if (argc < 2 || argc > 3 || argv[1][0] == '-') {
     mlcca::awds::say("usage: mlcca-awds INTERFACE [SOCKET]");
     return 2;

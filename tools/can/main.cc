@@ -6,25 +6,26 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
+#include <string>
 
 #include "base/handle.hpp"
 #include "base/passed_fd.hpp"
+#include "base/standard_streams.hpp"
 
 namespace {
 
-int failed(const char* what) {
-  static_cast<void>(std::fprintf(stderr, "mlcca-can: %s: %s\n", what, std::strerror(errno)));
+int failed(const std::string& what) {
+  mlcca::to_stderr("mlcca-can: " + what + ": " + std::strerror(errno) + '\n');
   return 1;
 }
 
 }  // namespace
 
 int main(int argc, char**) {
+  mlcca::keep_standard_streams();
   if (argc != 1) {
-    static_cast<void>(
-        std::fputs("usage: mlcca-can, with a connection to mlccad as standard input\n", stderr));
+    mlcca::to_stderr("usage: mlcca-can, with a connection to mlccad as standard input\n");
     return 2;
   }
   const mlcca::Fd socket(::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW));

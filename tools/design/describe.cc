@@ -54,9 +54,7 @@ class Describe {
 
   Exit run() {
     const auto refused = carry_out();
-    if (!refused) return exit_;
-    say(*refused, context_.json);
-    return refused->exit;
+    return refused ? say(*refused, context_.json) : exit_;
   }
 
  private:

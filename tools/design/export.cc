@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <expected>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -11,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "base/standard_streams.hpp"
 #include "description/kinds.hpp"
 #include "description/read.hpp"
 #include "tools/design/export/admitted.hpp"
@@ -121,7 +121,7 @@ class Export {
       if (a_.output.empty()) out["text"] = made.text;
       return say(out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
     }
-    fmt::print(stderr, "{}", to_text(made.lacks, a_.system));
+    to_stderr(to_text(made.lacks, a_.system));
     return a_.output.empty() ? say(made.text) : Exit::fine;
   }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/many.hpp"
+#include "base/standard_streams.hpp"
 #include "description/kinds.hpp"
 #include "description/read.hpp"
 #include "tools/design/format/rewrite.hpp"
@@ -88,7 +89,7 @@ class FormatVerb {
       return;
     }
     if (prints_text) {
-      fmt::print(stderr, "{}", kept_in_words(result));
+      to_stderr(kept_in_words(result));
       print(result.text);
       return;
     }

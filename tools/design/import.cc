@@ -5,7 +5,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdio>
 #include <expected>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -15,6 +14,7 @@
 #include <vector>
 
 #include "base/many.hpp"
+#include "base/standard_streams.hpp"
 #include "core/model/words.hpp"
 #include "tools/design/import/draft.hpp"
 #include "tools/design/import/formats.hpp"
@@ -174,9 +174,10 @@ class Import {
     if (context_.json)
       return say(json(draft).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
     for (const auto& network : networks_) {
-      fmt::print(stderr, "{}", to_text(network.lacks, network.file));
-      fmt::print(stderr, "{}: {} of {}\n", printable(network.file),
-                 many(network.messages.size(), "message"), many(network.nodes.size(), "node"));
+      to_stderr(to_text(network.lacks, network.file) +
+                fmt::format("{}: {} of {}\n", printable(network.file),
+                            many(network.messages.size(), "message"),
+                            many(network.nodes.size(), "node")));
     }
     return a_.output.empty() ? say(draft) : Exit::fine;
   }

@@ -23,6 +23,7 @@
 
 #include "base/clock.hpp"
 #include "base/many.hpp"
+#include "base/standard_streams.hpp"
 #include "core/model/words.hpp"
 #include "daemon/net/can_routes.hpp"
 #include "description/kinds.hpp"
@@ -87,7 +88,7 @@ class Learn {
       notes_.push_back(name +
                        ": its recording has no names of interfaces: state the one that it is");
     if (::isatty(STDERR_FILENO) != 0)
-      fmt::print(stderr, "drafting, and checking what the buses can carry\n");
+      to_stderr("drafting, and checking what the buses can carry\n");
     learn::Draft draft = draft_that_holds(observer_, interfaces_.names(), a_.draft);
     if (draft.channels.empty())
       notes_.emplace_back("no events were seen: what was there needs no channel of the profile");
@@ -288,9 +289,9 @@ class Learn {
     const learn::KernelCopies carried = carried_by_kernel(live);
     on_end([](int) { stop_asked = 1; });
     if (::isatty(STDERR_FILENO) != 0)
-      fmt::print(stderr,
-                 "listening to {} for {}; Ctrl-C ends it earlier, and drafts what was seen\n",
-                 fmt::join(live, ", "), print_duration(time_));
+      to_stderr(
+          fmt::format("listening to {} for {}; Ctrl-C ends it earlier, and drafts what was seen\n",
+                      fmt::join(live, ", "), print_duration(time_)));
     Listening progress(time_);
     const std::uint64_t begin = monotonic_ns();
     const auto listened = (*listener)->listen(
@@ -347,8 +348,8 @@ class Learn {
     }
     if (!context_.json) {
       for (const std::string& line : merged->differs)
-        fmt::print(stderr, "differs: {}\n", printable(line));
-      for (const std::string& note : notes_) fmt::print(stderr, "note: {}\n", printable(note));
+        to_stderr(fmt::format("differs: {}\n", printable(line)));
+      print_notes(notes_);
     }
     const bool same = text.empty() && merged->differs.empty();
     if (context_.json) {
@@ -364,7 +365,7 @@ class Learn {
     if (context_.json)
       return say(json_of(draft).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
     std::string text = a_.output.empty() ? draft.xml : text_of(draft);
-    for (const std::string& note : notes_) fmt::print(stderr, "note: {}\n", printable(note));
+    print_notes(notes_);
     if (!a_.output.empty())
       text +=
           fmt::format("\n{}: created; read it, then 'mlccactl check {}'\n", a_.output, a_.output);

@@ -6,12 +6,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <utility>
 #include <variant>
 
 #include "base/clock.hpp"
 #include "base/many.hpp"
+#include "base/standard_streams.hpp"
 #include "control/client.hpp"
 
 namespace mlcca::tools::design {
@@ -48,15 +48,14 @@ Listening::Listening(std::uint64_t ns)
     : shows_(::isatty(STDERR_FILENO) != 0), end_(monotonic_ns() + ns) {}
 
 Listening::~Listening() {
-  if (shows_ && next_ != 0) static_cast<void>(std::fputs("\r\033[K", stderr));
+  if (shows_ && next_ != 0) to_stderr("\r\033[K");
 }
 
 void Listening::show() {
   const std::uint64_t now = monotonic_ns();
   if (!shows_ || now < next_) return;
   next_ = now + kOneSecond;
-  static_cast<void>(
-      std::fputs(("\r\033[K" + line(frames_, end_ - std::min(now, end_))).c_str(), stderr));
+  to_stderr("\r\033[K" + line(frames_, end_ - std::min(now, end_)));
 }
 
 std::string Listening::line(std::uint64_t frames, std::uint64_t left_ns) {

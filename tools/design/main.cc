@@ -4,10 +4,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <string>
 #include <string_view>
 
+#include "base/command_line.hpp"
+#include "base/standard_streams.hpp"
 #include "control/version.hpp"
 #include "tools/design/verbs.hpp"
 
@@ -16,6 +17,8 @@ namespace {
 using namespace mlcca;                 // NOLINT(google-build-using-namespace)
 using namespace mlcca::tools::design;  // NOLINT(google-build-using-namespace)
 using tools::Exit;
+
+constexpr int kWorld = static_cast<int>(Exit::world);
 
 constexpr std::string_view kOfAll = "2 usage or unreadable input, 3 the outside world failed.";
 constexpr std::string_view kWrites =
@@ -39,10 +42,7 @@ constexpr Statuses kStatuses[] = {
     {"rollout", "0 it is in force, 1 refused", kOfAll},
 };
 
-}  // namespace
-
-// NOLINTNEXTLINE(bugprone-exception-escape): without memory there is nothing left to do
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   Context context;
   CLI::App app("Checks and describes systems, and generates code for them.", "mlccactl");
   app.set_version_flag("--version", fmt::format("mlccactl {}", kVersion), "print the version");
@@ -76,7 +76,15 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return static_cast<int>(app.exit(error) == 0 ? Exit::fine : Exit::usage);
+    return end_of_parsing(app, error, static_cast<int>(Exit::usage), kWorld);
   }
   return static_cast<int>(context.exit);
+}
+
+}  // namespace
+
+// NOLINTNEXTLINE(bugprone-exception-escape): without memory there is nothing left to do
+int main(int argc, char** argv) {
+  keep_standard_streams();
+  return end_program("mlccactl", run(argc, argv), kWorld);
 }

@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstddef>
-#include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -15,6 +14,7 @@
 #include <vector>
 
 #include "base/number.hpp"
+#include "base/standard_streams.hpp"
 #include "tools/design/describe/ask.hpp"
 #include "tools/design/mistakes.hpp"
 #include "tools/design/new/plan.hpp"
@@ -238,7 +238,7 @@ class New {
       exit_ = say(out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
       return;
     }
-    for (const std::string& note : notes_) fmt::print(stderr, "note: {}\n", printable(note));
+    print_notes(notes_);
     if (a_.dry_run) {
       exit_ = say(text);
     } else {

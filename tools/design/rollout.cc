@@ -9,7 +9,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,6 +18,7 @@
 #include <vector>
 
 #include "base/sha256.hpp"
+#include "base/standard_streams.hpp"
 #include "control/client.hpp"
 #include "description/bundle.hpp"
 #include "description/kinds.hpp"
@@ -135,7 +135,7 @@ class RollOut {
       if (state->state == "in-force") return print(*reply, Exit::fine);
       if (state->state == "refused") return print(*reply, Exit::refused);
       const std::string line = progress_of(*state);
-      if (line != said && !context_.json) fmt::print(stderr, "{}\n", line);
+      if (line != said && !context_.json) to_stderr(line + '\n');
       said = line;
       if (std::chrono::steady_clock::now() >= end)
         return refuse(Exit::world,

@@ -25,13 +25,17 @@ using Finished = std::expected<Exit, Refusal>;
 }
 
 /// Prints to standard output. Exit::fine, or Exit::world after an error message if that fails.
-Exit say(std::string_view text);
+[[nodiscard]] Exit say(std::string_view text);
 
 /// Prints a refusal to standard error, or with `json` as {"error": {"kind", "message", "details"}}
-/// to standard output. Returns the exit status of the refusal.
-Exit say(const Refusal& refused, bool json);
+/// to standard output. Returns the exit status of the refusal, or Exit::world if that fails.
+[[nodiscard]] Exit say(const Refusal& refused, bool json);
+
+/// Prints each as a line "note: …" to standard error.
+void print_notes(const std::vector<std::string>& notes);
+
 /// The exit status of a verb; a refusal is printed.
-inline Exit finish(const Finished& done, bool json) {
+[[nodiscard]] inline Exit finish(const Finished& done, bool json) {
   return done ? *done : say(done.error(), json);
 }
 

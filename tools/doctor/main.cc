@@ -4,9 +4,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <string>
 
+#include "base/command_line.hpp"
+#include "base/standard_streams.hpp"
 #include "daemon/verb_options.hpp"
 #include "tools/doctor/examine.hpp"
 
@@ -24,7 +25,7 @@ constexpr const char* kFooter =
     "Sends frames only with --send. Exit status: 0 everything is ok or was not tested, 1 something "
     "failed, or with --send nothing could be tried by it, 2 usage, 3 it cannot be read.";
 
-void say(const std::string& text) { fmt::print(stderr, "mlccactl: {}\n", text); }
+void say(const std::string& text) { to_stderr("mlccactl: " + text + '\n'); }
 
 int run(const doctor::Request& request, bool as_json) {
   const auto lines = doctor::examine(request, say);
@@ -32,17 +33,16 @@ int run(const doctor::Request& request, bool as_json) {
     say(lines.error().text);
     return kWorld;
   }
-  fmt::print("{}", as_json ? doctor::to_json(request.interface, *lines) : doctor::to_text(*lines));
+  if (!printed("mlccactl",
+               as_json ? doctor::to_json(request.interface, *lines) : doctor::to_text(*lines)))
+    return kWorld;
   if (doctor::any_failed(*lines)) return kFailed;
   if (!request.send || doctor::was_tried(*lines)) return kFine;
   say("nothing could be tried by sending");
   return kFailed;
 }
 
-}  // namespace
-
-// NOLINTNEXTLINE(bugprone-exception-escape): without memory there is nothing left to do
-int main(int argc, char** argv) {
+int parse_and_run(int argc, char** argv) {
   doctor::Request request;
   request.bpf_root = "/run/mlcca/bpf";
   std::string id = "1FFFFFFF";
@@ -79,14 +79,22 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kFine : kUsage;
+    return end_of_parsing(app, error, kUsage, kWorld);
   }
   if (depth->count() != 0) request.fifo_depth = fifo_depth;
   const auto identifier = doctor::read_identifier(id);
   if (!identifier) {
-    fmt::print(stderr, "{}", wrong(identifier.error().text));
+    to_stderr(wrong(identifier.error().text));
     return kUsage;
   }
   request.id = *identifier;
   return run(request, options.as_json);
+}
+
+}  // namespace
+
+// NOLINTNEXTLINE(bugprone-exception-escape): without memory there is nothing left to do
+int main(int argc, char** argv) {
+  keep_standard_streams();
+  return end_program("mlccactl", parse_and_run(argc, argv), kWorld);
 }

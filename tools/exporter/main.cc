@@ -22,6 +22,8 @@
 #include <utility>
 
 #include "base/clock.hpp"
+#include "base/command_line.hpp"
+#include "base/standard_streams.hpp"
 #include "control/version.hpp"
 #include "daemon/manager.hpp"
 #include "tools/exporter/http.hpp"
@@ -89,7 +91,7 @@ int main(int argc, char** argv) {
   constexpr unsigned longest = 60;
   constexpr std::size_t most = 100'000;
   Settings settings;
-  CLI::App app{"mlcca-exporter - what mlccad says, as metrics of Prometheus"};
+  CLI::App app{"mlcca-exporter - what mlccad says, as metrics of Prometheus", "mlcca-exporter"};
   app.set_version_flag("--version", kVersion);
   app.add_option("--socket", settings.socket, "control socket of mlccad")->capture_default_str();
   app.add_option("--timeout", settings.timeout_s, "seconds that mlccad has for an answer: 1 to 60")
@@ -102,7 +104,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& wrong) {
-    return app.exit(wrong) == 0 ? EXIT_SUCCESS : 2;
+    return end_of_parsing(app, wrong, 2, EXIT_FAILURE);
   }
   if (const auto served = run(std::move(settings)); !served) {
     say(served.error().text);
@@ -115,6 +117,7 @@ int main(int argc, char** argv) {
 }  // namespace mlcca::exporter
 
 int main(int argc, char** argv) {
+  mlcca::keep_standard_streams();
   ::signal(SIGPIPE, SIG_IGN);  // NOLINT(cert-err33-c): a reader that has gone
   try {
     return mlcca::exporter::main(argc, argv);

@@ -7,7 +7,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
@@ -17,7 +16,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/command_line.hpp"
 #include "base/many.hpp"
+#include "base/standard_streams.hpp"
 #include "bpf/gate.h"
 #include "daemon/gates/readback.hpp"
 #include "daemon/net/filters.hpp"
@@ -252,23 +253,22 @@ int verify(const std::string& root, const std::string& state, bool as_json, bool
   auto found = compare_until_good(root, state);
   if (!found) {
     const std::string& why = found.error().text;
-    if (as_json)
-      fmt::print("{}\n", nlohmann::ordered_json{{"error", {{"message", why}}}}.dump());
+    if (!as_json)
+      to_stderr("mlccactl: " + why + '\n');
     else
-      fmt::print(stderr, "mlccactl: {}\n", why);
+      static_cast<void>(
+          printed("mlccactl", nlohmann::ordered_json{{"error", {{"message", why}}}}.dump() + '\n'));
     return world;
   }
   // This must be last, because the process cannot leave the namespaces.
   const Trials trials = probes ? try_gates(found->reading, root) : Trials(fail("--no-probes"));
-  fmt::print("{}", as_json ? json(found->reading, found->rest, trials)
-                           : text(found->reading, found->rest, trials));
+  if (!printed("mlccactl", as_json ? json(found->reading, found->rest, trials)
+                                   : text(found->reading, found->rest, trials)))
+    return world;
   return found->good() ? as_it_should_be : differs;
 }
 
-}  // namespace
-
-// NOLINTNEXTLINE(bugprone-exception-escape): without memory there is nothing left to do
-int main(int argc, char** argv) {
+int parse_and_verify(int argc, char** argv) {
   std::string root = "/run/mlcca/bpf";
   std::string state = "/var/lib/mlcca";
   VerbOptions options;
@@ -292,7 +292,15 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? as_it_should_be : usage;
+    return end_of_parsing(app, error, usage, world);
   }
   return verify(root, state, options.as_json, !no_probes);
+}
+
+}  // namespace
+
+// NOLINTNEXTLINE(bugprone-exception-escape): without memory there is nothing left to do
+int main(int argc, char** argv) {
+  keep_standard_streams();
+  return end_program("mlccactl", parse_and_verify(argc, argv), world);
 }

@@ -9,12 +9,14 @@
 
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <deque>
 #include <exception>
 #include <memory>
 #include <string>
 #include <utility>
 
+#include "base/standard_streams.hpp"
 #include "daemon/manager.hpp"
 #include "daemon/net/sources/facts.hpp"
 #include "daemon/net/sources/timer.hpp"
@@ -132,6 +134,8 @@ Result<void> serve() {
 }  // namespace mlcca::sources
 
 int main(int argc, char**) {
+  mlcca::keep_standard_streams();
+  ::signal(SIGPIPE, SIG_IGN);  // NOLINT(cert-err33-c): a log without a reader
   if (argc != 1) {
     mlcca::sources::say("usage: mlcca-sources, with a connection to mlccad as standard input");
     return 2;

@@ -5,19 +5,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <ctime>
 #include <optional>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <variant>
 
 #include "base/clock.hpp"
+#include "base/standard_streams.hpp"
 #include "control/client.hpp"
 #include "tools/json.hpp"
 #include "tools/options.hpp"
@@ -124,17 +123,15 @@ class Watcher {
   bool lost_ = true;
 };
 
-bool write(const std::string& text) {
-  return std::fwrite(text.data(), 1, text.size(), stdout) == text.size() &&
-         std::fflush(stdout) == 0;
-}
+bool write(std::string_view text) { return printed("mlccactl", text); }
 
 Exit complain(const Options& options, control::ErrorKind kind, const std::string& message) {
   const control::Error error{.kind = kind, .message = message, .details = {}};
-  if (options.json)
-    write(tools::to_json(control::Reply{0, error}));
-  else
-    fmt::print(stderr, "{}", render(error, options.error_color));
+  if (options.json) {
+    if (!write(tools::to_json(control::Reply{0, error}))) return Exit::world;
+  } else {
+    to_stderr(render(error, options.error_color));
+  }
   return kind == control::ErrorKind::invalid ? Exit::usage : Exit::world;
 }
 
@@ -149,11 +146,6 @@ Heading heading(const Watcher& watcher, const Result<void>& polled, double delay
   const std::time_t now = std::time(nullptr);
   heading.time = fmt::format("{:%H:%M:%S}", fmt::localtime(now));
   return heading;
-}
-
-Exit cannot_write() {
-  fmt::print(stderr, "mlccactl: write: {}\n", std::strerror(errno));  // NOLINT
-  return Exit::world;
 }
 
 std::size_t columns_of_batch() {
@@ -174,7 +166,7 @@ Exit in_batches(const Options& options, const TopArguments& arguments, Watcher& 
     for (const auto& line : screen(heading(watcher, polled, arguments.delay), watcher.rows(view),
                                    view, size, options.color))
       text += line + '\n';
-    if (!write(text)) return cannot_write();
+    if (!write(text)) return Exit::world;
   }
   return Exit::fine;
 }
@@ -190,7 +182,7 @@ Exit as_json(const Options& options, const TopArguments& arguments, Clock::durat
     next = Clock::now() + delay;
     const auto sample = watcher.counters();
     if (!sample) return complain(options, control::ErrorKind::world, sample.error().text);
-    if (!write(changes.line(*sample, clock_ns(CLOCK_REALTIME)))) return cannot_write();
+    if (!write(changes.line(*sample, clock_ns(CLOCK_REALTIME)))) return Exit::world;
   }
   return Exit::fine;
 }

@@ -24,6 +24,7 @@
 
 #include "base/big_endian.hpp"
 #include "base/clock.hpp"
+#include "base/command_line.hpp"
 #include "base/many.hpp"
 #include "base/number.hpp"
 #include "control/version.hpp"
@@ -394,7 +395,8 @@ int Program::run() {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"mlcca-famouso - event channel handler and broker for what was built for FAMOUSO"};
+  CLI::App app{"mlcca-famouso - event channel handler and broker for what was built for FAMOUSO",
+               "mlcca-famouso"};
   app.set_version_flag("--version", kVersion);
   app.add_option("--socket", options.socket, "control socket of mlccad")->capture_default_str();
   app.add_option("--listen", options.listen,
@@ -414,12 +416,15 @@ int main(int argc, char** argv) {
   app.add_option("--uid", options.uid, "of the broker as a node")->capture_default_str();
   app.add_option("--state-directory", options.state_directory, "what was dealt is kept here")
       ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& end) {
+    return end_of_parsing(app, end, kWrongUse, EXIT_FAILURE);
+  }
   const auto settings = read(options);
   if (!settings) {
-    constexpr int usage = 2;
     say("mlcca-famouso: " + settings.error().text);
-    return usage;
+    return kWrongUse;
   }
   Program program;
   if (const auto done = program.prepare(options, *settings); !done) {

@@ -5,12 +5,12 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <cstdio>
 #include <expected>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "base/standard_streams.hpp"
 #include "tools/design/check/progress.hpp"
 #include "tools/design/check/report.hpp"
 #include "tools/design/check/watch.hpp"
@@ -51,10 +51,7 @@ class Check {
   [[nodiscard]] Report examine() const {
     const auto depth = options_.format == "html" ? Depth::deliveries : Depth::findings;
     if (::isatty(STDERR_FILENO) == 0) return make_report(options_.files, {}, depth);
-    ProgressLine line(std::chrono::steady_clock::now, [](std::string_view text) {
-      fmt::print(stderr, "{}", text);
-      std::fflush(stderr);
-    });
+    ProgressLine line(std::chrono::steady_clock::now, to_stderr);
     return make_report(
         options_.files, [&](std::string_view what, double done) { line.show(what, done); }, depth);
   }

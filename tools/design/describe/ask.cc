@@ -9,11 +9,11 @@
 #include <array>
 #include <cerrno>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
 #include <functional>
 #include <utility>
 
+#include "base/standard_streams.hpp"
 #include "tools/table.hpp"
 
 namespace mlcca::tools::design {
@@ -164,10 +164,10 @@ class Questions {
 
 bool Terminal::is_there() { return ::isatty(STDIN_FILENO) == 1 && ::isatty(STDERR_FILENO) == 1; }
 
-void Terminal::say(const std::string& line) { fmt::print(stderr, "{}\n", line); }
+void Terminal::say(const std::string& line) { to_stderr(line + '\n'); }
 
 std::optional<std::string> Terminal::ask(const std::string& question) {
-  fmt::print(stderr, "{}", question);
+  to_stderr(question);
   for (;;) {
     if (const auto end = unread_.find('\n'); end != std::string::npos) {
       auto line = unread_.substr(0, end);

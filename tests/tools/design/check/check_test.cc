@@ -143,7 +143,7 @@ TEST_F(ExitTest, Is3WhereNothingCanBeWritten) {
   how.out = "/dev/full";
   const auto outcome = test::run({"check", good()}, how);
   EXPECT_EQ(outcome.status, 3);
-  EXPECT_EQ(outcome.error, "mlccactl: write: No space left on device\n");
+  EXPECT_EQ(outcome.error, "mlccactl: standard output: No space left on device\n");
   EXPECT_EQ(status_of({"--output", "/dev/full", good()}), 3);
   EXPECT_EQ(status_of({"--output", path("no/such/folder/report"), good()}), 3);
   EXPECT_EQ(status_of({"--output", folder(), good()}), 3);
