@@ -341,6 +341,25 @@ TEST(DocumentationTest, CompletionOffersWhatLearnTakes) {
   EXPECT_EQ(completions("mlccactl learn --profile can0 = j", "/nonexistent"), (Words{"j1939"}));
 }
 
+TEST_P(ShellTest, OffersWhatLearnTakes) {
+  const auto offered =
+      offered_by(GetParam(), {"mlccactl learn --profile can0=", "mlccactl learn --profile=can0=",
+                              "mlccactl learn a.log --profile can0=j",
+                              "mlccactl learn --bitrate can0=", "mlccactl learn --profile "});
+  const auto has_profile = [](const Words& words, const std::string& profile) {
+    // fish offers whole words, zsh what stands behind the equals sign.
+    return words.contains(profile) || words.contains("can0=" + profile) ||
+           words.contains("--profile=can0=" + profile);
+  };
+  for (const char* profile : {"raw", "famouso", "j1939", "cyphal", "canopen"})
+    for (const std::size_t line : {0, 1})
+      EXPECT_TRUE(has_profile(offered[line], profile)) << profile << " " << line;
+  EXPECT_TRUE(has_profile(offered[2], "j1939"));
+  EXPECT_FALSE(has_profile(offered[2], "raw"));
+  EXPECT_FALSE(has_profile(offered[3], "raw"));
+  EXPECT_FALSE(has_profile(offered[4], "raw")) << "the interface comes first";
+}
+
 TEST(DocumentationTest, CompletionOffersWhatExportTakes) {
   EXPECT_EQ(completions("mlccactl export a.xml --format \"\"", "/nonexistent"),
             (Words{"dbc", "can-gw", "em_canid", "wireshark"}));

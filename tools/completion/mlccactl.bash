@@ -135,7 +135,14 @@ _mlccactl() {
 		[[ $verb == cluster ]] && mapfile -t COMPREPLY < <(compgen -W "$(_mlccactl_places)" -- "$cur")
 		return
 		;;
-	--bitrate | --data-bitrate | --background-load | --faults | --fault-interval-ms) return ;;
+	--bitrate | --data-bitrate)
+		if [[ $verb == learn ]]; then
+			mapfile -t COMPREPLY < <(compgen -S = -W "$(_mlccactl_learnable)" -- "$cur")
+			compopt -o nospace 2>/dev/null
+		fi
+		return
+		;;
+	--background-load | --faults | --fault-interval-ms) return ;;
 	--fifo-depth | --bus-off) return ;;
 	--delay | --count | --filter | -d | -n) return ;;
 	--key | --lease | --when-clean | --link | --since | --until | --default-period) return ;;

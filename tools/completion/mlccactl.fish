@@ -80,6 +80,16 @@ function __mlccactl_learnable
     test -n "$types"; and string replace -rf '.*/([^/]*)/type$' '$1' -- (grep -lxE '1|280' $types)
 end
 
+# INTERFACE=, and behind it each of $argv.
+function __mlccactl_of_interface
+    set -l interface (string match -rg '^(?:--[a-z-]*=)?([^=]+=)' -- (commandline -ct))
+    if test -n "$interface"
+        string join \n -- $interface$argv
+    else
+        string replace -r '$' '=' -- (__mlccactl_learnable)
+    end
+end
+
 # Files whose names end in one of these, and the folders that lead to them.
 function __mlccactl_files
     set -l endings (string join '|' $argv)
@@ -248,9 +258,9 @@ __mlccactl_option 'generate' -l force -d 'overwrite files of others'
 
 __mlccactl_option 'learn' -l for -x -d 'how long to listen'
 __mlccactl_option 'learn' -l merge -x -a '(__mlccactl_files xml)' -d 'what would have to change in this'
-__mlccactl_option 'learn' -l profile -x -d 'the profile of an interface'
-__mlccactl_option 'learn' -l bitrate -x -d 'the bit rate of an interface'
-__mlccactl_option 'learn' -l data-bitrate -x -d 'the same of its FD data phase'
+__mlccactl_option 'learn' -l profile -x -a '(__mlccactl_of_interface raw famouso j1939 cyphal canopen)' -d 'the profile of an interface'
+__mlccactl_option 'learn' -l bitrate -x -a '(__mlccactl_of_interface)' -d 'the bit rate of an interface'
+__mlccactl_option 'learn' -l data-bitrate -x -a '(__mlccactl_of_interface)' -d 'the same of its FD data phase'
 __mlccactl_option 'learn' -l user -x -a '(__fish_complete_users)' -d 'user of programs here that send'
 __mlccactl_option 'learn' -l no-local -d 'no program on this gateway receives anything'
 __mlccactl_option 'learn import new' -l name -x -d 'name of the system'
