@@ -30,12 +30,22 @@ constexpr std::size_t kLongestPacket = 1U << 18U;  // the limit of the formats
 constexpr std::size_t kBlockHead = 12;             // type and size, and the size again at the end
 constexpr std::uint32_t kLargestBlock = 16U << 20U;
 constexpr std::size_t kMostDescribed = 4096;  // most interfaces of a section
+// Types of blocks of pcapng.
+constexpr std::uint32_t kPacket = 2;        // obsolete
+constexpr std::uint32_t kSimplePacket = 3;  // without a time
+constexpr std::uint32_t kEnhancedPacket = 6;
 constexpr const char* kNoFrame = "a packet that is neither a frame of CAN nor a sound one of IPv4";
 
 std::string at_offset(std::uint64_t offset) { return "offset " + std::to_string(offset); }
 
 bool is_known(std::uint32_t link) {
   return link == kEthernet || link == kSocketCan || link == kCooked || link == kCooked2;
+}
+
+std::string unknown_link(std::uint32_t link) {
+  return "link type " + std::to_string(link) +
+         " has neither frames of CAN nor of Ethernet: record a CAN interface (SocketCAN, 227), an "
+         "Ethernet interface (1) or any (113, 276)";
 }
 
 /// The header that "any" puts before a packet.
@@ -125,7 +135,8 @@ class Packets {
 
 /// An interface of one section of pcapng.
 struct NgInterface {
-  std::optional<Packets> packets;   ///< nullopt if its link type is not known
+  std::uint32_t link = 0;           ///< link type
+  std::optional<Packets> packets;   ///< nullopt if that is not known
   std::uint64_t units = 1'000'000;  ///< units of its times in a second
 };
 
@@ -196,7 +207,7 @@ class PcapNg {
   void block(std::uint32_t type, Bytes body, std::uint64_t at) {
     if (type == 1 && body.size() >= 8 && interfaces_.size() < kMostDescribed) {
       NgInterface one;
-      const std::uint32_t link = number_at<std::uint16_t>(body, 0, big_);
+      const std::uint32_t link = one.link = number_at<std::uint16_t>(body, 0, big_);
       std::string name;
       read_options(body.subspan(8), big_, name, one.units);
       const bool named = !name.empty();
@@ -204,7 +215,10 @@ class PcapNg {
       if (is_known(link)) one.packets.emplace(name, named, link, recording_);
       interfaces_.push_back(std::move(one));
     }
-    if (type != 6 || body.size() < 20) return;  // not an enhanced packet block
+    if (type == kPacket || type == kSimplePacket)
+      recording_.pass_over(at_offset(at) + ": a block of type " + std::to_string(type) +
+                           ", whose packets are not read");
+    if (type != kEnhancedPacket || body.size() < 20) return;
     const auto interface = number_at<std::uint32_t>(body, 0, big_);
     const auto size = number_at<std::uint32_t>(body, 12, big_);
     if (interface >= interfaces_.size() || size > body.size() - 20) {
@@ -214,7 +228,9 @@ class PcapNg {
     NgInterface& from = interfaces_[interface];
     const auto units = std::uint64_t{number_at<std::uint32_t>(body, 4, big_)} << 32U |
                        number_at<std::uint32_t>(body, 8, big_);
-    if (!from.packets || !from.packets->take(body.subspan(20, size), in_ns(units, from.units)))
+    if (!from.packets)
+      recording_.pass_over(at_offset(at) + ": " + unknown_link(from.link));
+    else if (!from.packets->take(body.subspan(20, size), in_ns(units, from.units)))
       recording_.pass_over(at_offset(at) + ": " + kNoFrame);
   }
 
@@ -250,10 +266,7 @@ Result<void> read_pcap(Recording& recording) {
   const bool big = magic == 0xa1b2c3d4 || magic == 0xa1b23c4d;
   const bool nanoseconds = magic == 0xa1b23c4d || magic == 0x4d3cb2a1;
   const auto link = number_at<std::uint32_t>(head, 20, big) & 0xffffU;
-  if (!is_known(link))
-    return fail("link type " + std::to_string(link) +
-                " has neither frames of CAN nor of Ethernet: record a CAN interface (SocketCAN, "
-                "227), an Ethernet interface (1) or any (113, 276)");
+  if (!is_known(link)) return fail(unknown_link(link));
   Packets packets(recording.stem, false, link, recording);
   for (std::uint64_t at = header;;) {
     const Bytes begun = recording.input.from(at, before);

@@ -134,16 +134,22 @@ TEST(Recording, ReadsPcapOfBothOrdersAndResolutions) {
     }
 }
 
+/// A block of pcapng.
+std::string block(std::uint32_t type, std::string body) {
+  body.resize((body.size() + 3) / 4 * 4);
+  const auto size = little(body.size() + 12, 4);
+  return little(type, 4) + size + body + size;
+}
+/// The block with which a section of pcapng begins.
+std::string section() {
+  return block(0x0a0d0d0a,
+               little(0x1a2b3c4d, 4) + little(1, 2) + little(0, 2) + std::string(8, '\xff'));
+}
+
 TEST(Recording, ReadsPcapngWithTheNamesOfItsInterfaces) {
-  const auto block = [](std::uint32_t type, std::string body) {
-    body.resize((body.size() + 3) / 4 * 4);
-    const auto size = little(body.size() + 12, 4);
-    return little(type, 4) + size + body + size;
-  };
   const auto packet = socketcan(0x98fef100, "12345678");
   const auto is = read(
-      block(0x0a0d0d0a,
-            little(0x1a2b3c4d, 4) + little(1, 2) + little(0, 2) + std::string(8, '\xff')) +
+      section() +
       block(1, little(227, 2) + little(0, 2) + little(0, 4) + little(2, 2) + little(4, 2) + "can7" +
                    little(9, 2) + little(1, 2) + std::string("\x09\0\0\0", 4) + little(0, 4)) +
       block(6, little(0, 4) + little(1, 4) + little(2, 4) + little(packet.size(), 4) +
@@ -155,6 +161,32 @@ TEST(Recording, ReadsPcapngWithTheNamesOfItsInterfaces) {
   EXPECT_EQ(is.sent[0].ns, (std::uint64_t{1} << 32U) + 2);
   EXPECT_EQ(is.sent[0].data.size(), 8U);
   EXPECT_EQ(is.left.lines, 1U) << "of an interface that is not described";
+}
+
+TEST(Recording, OfPcapngSaysWhichLinkTypesItReads) {
+  // Wireshark exports packets of upper layers with link type 252.
+  const auto is = read(
+      section() + block(1, little(252, 2) + little(0, 2) + little(0, 4)) +
+      block(6, little(0, 4) + little(1, 4) + little(2, 4) + little(4, 4) + little(4, 4) + "1234"));
+  ASSERT_EQ(is.error, "");
+  EXPECT_TRUE(is.sent.empty());
+  EXPECT_EQ(is.left.lines, 1U);
+  EXPECT_TRUE(is.left.first.contains(
+      "link type 252 has neither frames of CAN nor of Ethernet: record a CAN interface "
+      "(SocketCAN, 227), an Ethernet interface (1) or any (113, 276)"))
+      << is.left.first;
+}
+
+TEST(Recording, OfPcapngSaysWhichBlocksOfPacketsItDoesNotRead) {
+  for (const std::uint32_t type : {2, 3}) {
+    const auto is = read(section() + block(1, little(227, 2) + little(0, 2) + little(0, 4)) +
+                         block(type, std::string(32, '\0')));
+    ASSERT_EQ(is.error, "");
+    EXPECT_EQ(is.left.lines, 1U);
+    EXPECT_TRUE(is.left.first.contains("a block of type " + std::to_string(type) +
+                                       ", whose packets are not read"))
+        << is.left.first;
+  }
 }
 
 TEST(Recording, ReadsLogsOfVectorInText) {
