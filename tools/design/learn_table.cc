@@ -35,16 +35,17 @@ std::string table_of(const learn::Draft& draft, Color color) {
                {"KIND"},
                {"CROSSES TO"}});
   for (const auto& channel : draft.channels)
-    table.add({{channel.name},
-               {fmt::format("{}", channel.events)},
-               {time_words(channel.period)},
-               {channel.jitter == 0 ? "" : time_words(channel.jitter)},
-               {print_duration(channel.longest_gap)},
-               {channel.periodic ? fmt::format("{}", channel.omission) : ""},
-               {fmt::format("{}", channel.bytes)},
-               {fmt::format("{:.0f}", channel.bytes_per_second)},
-               {kind_of(channel)},
-               {fmt::format("{}", fmt::join(channel.crosses_to, ", "))}});
+    table.add(
+        {{channel.name},
+         {fmt::format("{}", channel.events)},
+         {time_words(channel.period)},
+         {channel.jitter == 0 ? "" : time_words(channel.jitter)},
+         {print_duration(channel.longest_gap)},
+         {channel.periodic ? fmt::format("{}", channel.omission) : ""},
+         {fmt::format("{}", channel.bytes)},
+         {channel.bytes_per_second ? fmt::format("{:.0f}", *channel.bytes_per_second) : "too few"},
+         {kind_of(channel)},
+         {fmt::format("{}", fmt::join(channel.crosses_to, ", "))}});
   return table.text(color);
 }
 
@@ -53,23 +54,24 @@ Json channels_of(const learn::Draft& draft) {
   for (const auto& channel : draft.channels) {
     Json publishers = Json::array();
     for (const auto& publisher : channel.publishers) publishers.push_back(publisher.name);
-    channels.push_back({{"name", channel.name},
-                        {"interface", channel.interface},
-                        {"identifier", channel.identifier},
-                        {"events", channel.events},
-                        {"periodic", channel.periodic},
-                        {"kind", kind_of(channel)},
-                        {"period_ns", channel.period},
-                        {"jitter_ns", channel.jitter},
-                        {"median_gap_ns", channel.median},
-                        {"longest_gap_ns", channel.longest_gap},
-                        {"pauses", channel.pauses},
-                        {"longest_pause_ns", channel.longest_pause},
-                        {"omission", channel.omission},
-                        {"bytes", channel.bytes},
-                        {"bytes_per_second", channel.bytes_per_second},
-                        {"publishers", std::move(publishers)},
-                        {"crosses_to", channel.crosses_to}});
+    channels.push_back(
+        {{"name", channel.name},
+         {"interface", channel.interface},
+         {"identifier", channel.identifier},
+         {"events", channel.events},
+         {"periodic", channel.periodic},
+         {"kind", kind_of(channel)},
+         {"period_ns", channel.period},
+         {"jitter_ns", channel.jitter},
+         {"median_gap_ns", channel.median},
+         {"longest_gap_ns", channel.longest_gap},
+         {"pauses", channel.pauses},
+         {"longest_pause_ns", channel.longest_pause},
+         {"omission", channel.omission},
+         {"bytes", channel.bytes},
+         {"bytes_per_second", channel.bytes_per_second ? Json(*channel.bytes_per_second) : Json()},
+         {"publishers", std::move(publishers)},
+         {"crosses_to", channel.crosses_to}});
   }
   return channels;
 }

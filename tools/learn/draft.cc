@@ -94,6 +94,19 @@ class Drafter {
     xml += "</System>\n";
   }
 
+  /// What came in a second of the `events` events of a channel; nullopt: too few to tell.
+  [[nodiscard]] std::optional<double> bytes_per_second(const Channel& channel,
+                                                       std::uint64_t events) const {
+    double sum = 0;
+    for (const Source& source : channel.sources) {
+      const Timeline& timeline = observer_.interfaces()[source.key.interface].timeline;
+      if (!timeline.tells_rate(events)) return std::nullopt;
+      sum += static_cast<double>(source.seen->flow.all_bytes()) * 1e9 /
+             static_cast<double>(timeline.covered());
+    }
+    return sum;
+  }
+
   /// Sets the values that the flows of a channel have together: the longest Period of all, because
   /// no subscriber may require a shorter one. Returns the observation of the first flow in words.
   std::string put_together(const Channel& channel, DraftChannel& row) {
@@ -110,10 +123,6 @@ class Drafter {
       row.pauses += source.times.pauses;
       row.longest_pause = std::max(row.longest_pause, source.times.longest_pause);
       row.bytes = std::max(row.bytes, flow.most_bytes());
-      const std::uint64_t covered = observer_.interfaces()[source.key.interface].timeline.covered();
-      if (covered != 0)
-        row.bytes_per_second +=
-            static_cast<double>(flow.all_bytes()) * 1e9 / static_cast<double>(covered);
       row.bursts = row.bursts || source.times.bursts;
       row.control = row.control || source.seen->control;
       row.periodic = row.periodic && source.times.periodic;
@@ -128,6 +137,7 @@ class Drafter {
     row.on_events = row.on_events && row.periodic;
     row.bursts = row.bursts && !row.periodic;
     row.few = row.few && !aperiodic;
+    row.bytes_per_second = bytes_per_second(channel, row.events);
     return channel.sources.front().times.seen;
   }
 

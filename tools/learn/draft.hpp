@@ -73,7 +73,7 @@ struct DraftChannel {
   std::uint64_t longest_pause = 0;  ///< ns
   std::uint64_t omission = 0;       ///< stated Omission; only periodic channels have one
   std::uint32_t bytes = 0;
-  double bytes_per_second = 0;  ///< observed
+  std::optional<double> bytes_per_second;  ///< observed; nullopt: too few events to tell
   bool periodic = false;
   bool on_events = false;  ///< periodic, with further events in between
   bool bursts = false;

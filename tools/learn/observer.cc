@@ -81,7 +81,7 @@ std::optional<Copies::Origin> Copies::origin_of(const Frame& frame) {
 
 std::optional<double> Observer::Interface::load_percent(std::uint32_t bitrate,
                                                         std::uint32_t data_bitrate) const {
-  if (bitrate == 0 || (fast_bits != 0 && data_bitrate == 0) || timeline.covered() == 0)
+  if (bitrate == 0 || (fast_bits != 0 && data_bitrate == 0) || !timeline.tells_rate(frames))
     return std::nullopt;
   double seconds = static_cast<double>(slow_bits) / bitrate;
   if (fast_bits != 0) seconds += static_cast<double>(fast_bits) / data_bitrate;

@@ -47,6 +47,13 @@ class Timeline {
                                                std::span<const std::string> recordings) const;
   /// The time in ns that was recorded, without the time between stretches.
   [[nodiscard]] std::uint64_t covered() const { return covered_; }
+  /// Whether that is long enough to state what came in a second of `events` events: a second, or a
+  /// tenth of it with many events.
+  [[nodiscard]] bool tells_rate(std::uint64_t events) const {
+    constexpr std::uint64_t second = 1'000'000'000;
+    constexpr std::uint64_t many = 33;
+    return covered_ >= second || (covered_ >= second / 10 && events >= many);
+  }
 
  private:
   /// The times of the frames of one recording.

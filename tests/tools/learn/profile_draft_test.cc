@@ -122,7 +122,21 @@ TEST(ProfileDraft, BurstsAreTold) {
 TEST(ProfileDraft, AChannelHasTheBandwidthThatWasSeen) {
   const Draft draft =
       drafted(Traffic(5).periodic(0, 0x100, 10 * kMs, 0, 8, 60).sent(), {}, {"can0"});
-  EXPECT_NEAR(draft.channels.at(0).bytes_per_second, 800, 5);
+  EXPECT_NEAR(draft.channels.at(0).bytes_per_second.value_or(0), 800, 5);
+}
+
+TEST(ProfileDraft, OfAFewEventsInAShortTimeNoBandwidthIsStated) {
+  const auto rate_of = [](std::uint64_t gap, std::uint64_t events) {
+    std::vector<Sent> sent;
+    for (std::uint64_t i = 0; i < events; ++i) sent.push_back({i * gap, 0, 0x123, {1, 2}});
+    return drafted(sent, {}, {"can0"}).channels.at(0).bytes_per_second;
+  };
+  EXPECT_EQ(rate_of(5'000, 2), std::nullopt);
+  EXPECT_EQ(rate_of(30 * kMs, 32), std::nullopt) << "0.93 s";
+  EXPECT_NEAR(rate_of(30 * kMs, 35).value_or(0), 68.6, 0.1) << "1.02 s";
+  EXPECT_EQ(rate_of(1 * kMs, 100), std::nullopt) << "0.099 s";
+  EXPECT_NEAR(rate_of(2 * kMs, 100).value_or(0), 1010, 1) << "many";
+  EXPECT_NEAR(rate_of(2'000 * kMs, 2).value_or(0), 2, 0.1) << "2 s";
 }
 
 TEST(ProfileDraft, TheMedianIsNoLessThanTheShortestGapAndNoMoreThanTheLongest) {
@@ -153,6 +167,18 @@ TEST(ProfileDraft, TheTableHasLoadAndBandwidth) {
   EXPECT_TRUE(
       run({"learn", log, "--output", folder.path("b.xml")}).out.contains("1000 frames, profile"))
       << "no bit rate is known";
+}
+
+TEST(ProfileDraft, OfTwoFramesTheTableHasNeitherLoadNorBandwidth) {
+  const Folder folder;
+  const auto log = folder.write("a.log", "(1.000001) can0 123#11\n(1.000006) can0 123#11\n");
+  const Ran ran = run({"learn", log, "--bitrate", "can0=100k", "--output", folder.path("a.xml")});
+  EXPECT_EQ(ran.status, 0) << ran.error;
+  EXPECT_TRUE(ran.out.contains("can0: 2 frames, profile ")) << ran.out;
+  EXPECT_TRUE(ran.out.contains("  too few  ")) << ran.out;
+  const Ran json = run({"learn", log, "--bitrate", "can0=100k", "--json"});
+  EXPECT_FALSE(json.out.contains("load_percent")) << json.out;
+  EXPECT_TRUE(json.out.contains(R"("bytes_per_second":null)")) << json.out;
 }
 
 }  // namespace
