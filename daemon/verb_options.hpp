@@ -19,9 +19,9 @@ struct VerbOptions {
   /// must outlive the parsing.
   void add_to(CLI::App& app, CLI::App& verb) {
     app.set_version_flag("--version", fmt::format("mlccactl {}", kVersion), "print the version");
-    app.set_help_flag("-h,--help", "print this help");
     app.require_subcommand(1, 1);
     for (auto* at : {&app, &verb}) {
+      at->set_help_flag("-h,--help", "print this help");
       at->add_flag("--json", as_json, "print JSON");
       // Options of mlccactl that have no effect here.
       at->add_flag("--no-color", no_color, "nothing here has colour")->group("");

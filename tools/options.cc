@@ -28,6 +28,9 @@ constexpr const char* kFooterOfStatus =
     "Exit status: 0 fine, 2 usage, 3 no daemon or the outside world failed.\n"
     "With --check: 0 healthy, 1 degraded, 2 closed, 3 unknown; 2 without a line on\n"
     "standard output: usage.";
+constexpr const char* kOfAllVerbs =
+    "Before the verb or behind it, as 'mlccactl --help' explains: --socket PATH,\n"
+    "--timeout SECONDS, --json, --no-color.\n\n";
 constexpr unsigned kMaxNode = 253;  // the largest of all profiles
 constexpr unsigned kMaxPriority = 127;
 constexpr unsigned kMaxPacket = 65535;
@@ -388,6 +391,7 @@ std::variant<Command, Exit> parse(std::span<const Verb> verbs, int argc, const c
       ->capture_default_str();
   app.add_flag("--json", options.json, "print JSON, one object a line");
   app.add_flag("--no-color", no_color, "no colour on a terminal, as with NO_COLOR");
+  refuse_empty_values(app);
   app.footer(kFooter);
   app.require_subcommand(0, 1);
   app.allow_extras();
@@ -398,6 +402,8 @@ std::variant<Command, Exit> parse(std::span<const Verb> verbs, int argc, const c
     sub->fallthrough();
     sub->callback([&command, &verb] { command.verb = &verb; });
     add_arguments(*sub, verb.takes, command.arguments);
+    refuse_empty_values(*sub, {"--filter"});
+    sub->footer(kOfAllVerbs + sub->get_footer());
   }
   // Only for the help: main() has already started the programs for these verbs.
   for (const auto& verb : kOtherVerbs) app.add_subcommand(verb.name, verb.help);

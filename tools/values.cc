@@ -130,6 +130,18 @@ Result<std::uint64_t> parse_bit_rate(std::string_view text, Rounding rounding) {
   return rate;
 }
 
+Result<std::uint32_t> parse_bus_rate(std::string_view text, std::uint32_t most) {
+  const bool plain =
+      !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+  const auto rate =
+      parse_bit_rate(plain ? std::string(text) + " bit/s" : std::string(text), Rounding::down);
+  if (!rate)
+    return fail(fmt::format("'{}': must be a bit rate such as 500000, 500k or 0.5 Mbit/s", text));
+  if (*rate > most)
+    return fail(fmt::format("'{}': a CAN bus has at most {}", text, print_bitrate(most)));
+  return static_cast<std::uint32_t>(*rate);
+}
+
 Result<std::uint64_t> parse_share(std::string_view text, std::uint64_t whole, Rounding rounding) {
   constexpr std::string_view most = "1 or 100%";
   const auto quantity = read_quantity(text, most);

@@ -59,6 +59,8 @@ class Import {
       if (const auto can = can_write(a_.output, Existing::refuse); !can)
         return refuse(Exit::world, can.error().text);
     if (auto good = understand(); !good) return refuse(Exit::usage, good.error().text);
+    if (std::ranges::count_if(a_.files, is_standard) > 1)
+      return refuse(Exit::usage, "- is given twice: standard input is one file");
     for (std::size_t i = 0; i < a_.files.size(); ++i)
       if (auto done = read(a_.files[i], i); !done) return done;
     if (auto effect = all_have_effect(); !effect) return refuse(Exit::usage, effect.error().text);
@@ -127,31 +129,41 @@ class Import {
   static Result<void> rate(const char* option, const std::string& text, std::uint32_t most,
                            std::uint32_t& to) {
     if (text.empty()) return {};
-    const bool plain = std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
-    const auto read = parse_bit_rate(plain ? text + " bit/s" : text, Rounding::down);
-    if (!read) return fail(fmt::format("{}: {}", option, read.error().text));
-    if (*read > most)
-      return fail(fmt::format("{} '{}': at most {}", option, text, print_bitrate(most)));
-    to = static_cast<std::uint32_t>(*read);
+    const auto read = parse_bus_rate(text, most);
+    if (!read) return fail(fmt::format("{} {}", option, read.error().text));
+    to = *read;
     return {};
   }
 
+  static bool is_standard(const std::string& path) { return path == "-"; }
+
+  /// The content of a file, or of standard input.
+  static Result<std::string> text_of(const std::string& path) {
+    if (is_standard(path)) return read_standard_input(kMostImported);
+    auto file = read_file(path, kMostImported);
+    if (!file) return std::unexpected(file.error());
+    if (!*file) return fail(path + ": No such file or directory");
+    return std::move((*file)->text);
+  }
+
   Finished read(const std::string& path, std::size_t i) {
-    const auto file = read_file(path, kMostImported);
-    if (!file)
+    const auto text = text_of(path);
+    if (!text)
       return refuse(Exit::usage,
-                    file.error().text + (file.error().text.contains("that is the limit")
+                    text.error().text + (text.error().text.contains("that is the limit")
                                              ? ". If it is a recording, use 'mlccactl learn'"
                                              : ""));
-    if (!*file) return refuse(Exit::usage, path + ": No such file or directory");
-    const auto* format = a_.format.empty() ? recognise((*file)->text) : format_called(a_.format);
+    const std::string called = is_standard(path) ? "standard input" : path;
+    const auto* format = a_.format.empty() ? recognise(*text) : format_called(a_.format);
     if (format == nullptr)
-      return refuse(Exit::usage, fmt::format("{}: {}", path, reason_of((*file)->text)));
+      return refuse(Exit::usage, fmt::format("{}: {}", called, reason_of(*text)));
     takes_.insert(format->takes.begin(), format->takes.end());
     options_.node = a_.nodes.empty() ? 0 : a_.nodes[i];
-    auto network = format->read((*file)->text, path, options_);
+    auto network = format->read(*text, called, options_);
     if (!network) return refuse(Exit::usage, network.error().text);
-    network->name = a_.networks.empty() ? name_from(stem_of_file(path)) : a_.networks[i];
+    network->name = a_.networks.empty()
+                        ? name_from(is_standard(path) ? "stdin" : stem_of_file(path))
+                        : a_.networks[i];
     for (auto& other : networks_) {
       if (other.name != network->name) continue;
       if (!may_merge(other, *network))
@@ -210,7 +222,9 @@ void add_import(CLI::App& app, Context& context) {
   auto* verb = app.add_subcommand(
       "import", "describe a network from DBC, CANopen, Cyphal, ROS 2 or DDS files");
   auto a = std::make_shared<ImportArguments>();
-  verb->add_option("file", a->files, "each becomes a network")->required()->type_name("FILE");
+  verb->add_option("file", a->files, "each becomes a network; - is standard input")
+      ->required()
+      ->type_name("FILE|-");
   verb->add_option("--format", a->format, "of the files; otherwise recognised by their content")
       ->check(CLI::IsMember(format_list()))
       ->type_name("FORM");

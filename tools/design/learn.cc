@@ -24,6 +24,7 @@
 #include "base/clock.hpp"
 #include "base/many.hpp"
 #include "base/standard_streams.hpp"
+#include "base/units.hpp"
 #include "core/model/words.hpp"
 #include "daemon/net/can_routes.hpp"
 #include "description/kinds.hpp"
@@ -56,6 +57,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kDefaultTime = "10min";
+constexpr std::uint64_t kLongestTime = 366 * units::kDay * 1'000'000'000;  // ns
 
 struct LearnArguments {
   std::vector<std::string> sources;
@@ -108,7 +110,9 @@ class Learn {
 
   std::optional<Refusal> prepare() {
     const auto time = parse_span(a_.time.empty() ? kDefaultTime : a_.time);
-    if (!time) return wrong("--for: " + time.error().text);
+    if (!time) return wrong("--for " + time.error().text);
+    if (*time == 0 || *time > kLongestTime)
+      return wrong(fmt::format("--for '{}': must be 1ms to 366d", a_.time));
     time_ = *time;
     if (!a_.output.empty())
       if (const auto can = can_write(a_.output, Existing::refuse); !can)
@@ -213,6 +217,8 @@ class Learn {
           "--for {}: there is no interface to listen to, and recordings are read to their end",
           a_.time));
     if (auto refused = refuse_absent(live)) return refused;
+    for (const std::string& name : live)
+      if (const auto medium = learn::medium_of(name); !medium) return wrong(medium.error().text);
     live_ = std::move(live);
     return live_.empty() ? std::nullopt : listen(live_);
   }
@@ -459,10 +465,10 @@ void add_learn(CLI::App& app, Context& context) {
   verb->add_option("--gateway", a->gateway,
                    "name of this gateway; default: gateway, or with --merge the "
                    "only one that is described");
-  verb->add_option(
-          "--merge", a->merge,
-          "print what would have to change in this description, as a patch, and what differs")
-      ->type_name("SYSTEM.xml");
+  auto* merge = verb->add_option(
+      "--merge", a->merge,
+      "print what would have to change in this description, as a patch, and what differs");
+  refuse_standard_input(merge->type_name("SYSTEM.xml"));
   verb->add_option("--user", a->draft.user, "user of programs here that send")
       ->capture_default_str();
   verb->add_flag("--no-local", a->no_local, "no program on this gateway receives anything");

@@ -32,14 +32,10 @@ Result<std::map<std::string, std::uint32_t>> stated_rates(const std::vector<std:
   std::map<std::string, std::uint32_t> out;
   for (const std::string& text : texts) {
     const auto parts = assignment(text);
-    const auto rate = parts ? parse_bit_rate(parts->second, Rounding::down)
-                            : Result<std::uint64_t>(fail("write can0=500k"));
+    const auto rate = parts ? parse_bus_rate(parts->second, most)
+                            : Result<std::uint32_t>(fail("write can0=500k"));
     if (!rate) return fail(fmt::format("{} {}: {}", option, text, rate.error().text));
-    if (*rate > most)
-      return fail(
-          fmt::format("{} {}: a CAN bus has at most {} Mbit/s", option, text, most / 1'000'000));
-    if (!out.try_emplace(parts->first, static_cast<std::uint32_t>(*rate)).second)
-      return twice(option, text, parts->first);
+    if (!out.try_emplace(parts->first, *rate).second) return twice(option, text, parts->first);
   }
   return out;
 }

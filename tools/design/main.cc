@@ -10,6 +10,7 @@
 #include "base/command_line.hpp"
 #include "base/standard_streams.hpp"
 #include "control/version.hpp"
+#include "tools/design/output.hpp"
 #include "tools/design/verbs.hpp"
 
 namespace {
@@ -42,6 +43,21 @@ constexpr Statuses kStatuses[] = {
     {"rollout", "0 it is in force, 1 refused", kOfAll},
 };
 
+/// Adds what holds for all verbs.
+void complete(CLI::App& verb) {
+  const std::string& name = verb.get_name();
+  if (name == "describe")  // which removes what is given as empty
+    refuse_empty_values(verb, {"--name", "--description"});
+  else
+    refuse_empty_values(verb);
+  if (name != "import" && name != "learn" && name != "new")
+    for (auto* argument : verb.get_options())
+      if (argument->get_positional()) refuse_standard_input(argument);
+  verb.footer(fmt::format(
+      "Before the verb or behind it, as 'mlccactl --help' explains: {}--json,\n--no-color.\n\n{}",
+      name == "rollout" ? "--socket PATH, --timeout SECONDS, " : "", verb.get_footer()));
+}
+
 int run(int argc, char** argv) {
   Context context;
   CLI::App app("Checks and describes systems, and generates code for them.", "mlccactl");
@@ -73,6 +89,8 @@ int run(int argc, char** argv) {
   for (const auto& of : kStatuses)
     app.get_subcommand(std::string(of.verb))
         ->footer(fmt::format("Exit status: {}, {}", of.own, of.rest));
+  refuse_empty_values(app);
+  for (auto* verb : app.get_subcommands([](const CLI::App*) { return true; })) complete(*verb);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

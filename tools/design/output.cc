@@ -41,6 +41,13 @@ void add_force(CLI::App& verb, CLI::Option* output, bool& force) {
   verb.add_flag("--force", force, "replace a file that exists")->needs(output);
 }
 
+void refuse_standard_input(CLI::Option* file) {
+  file->check([](const std::string& text) {
+    return text == "-" ? std::string("standard input is not read here: name a file")
+                       : std::string();
+  });
+}
+
 std::string path_of_output(const std::string& output) {
   return output == "-" || output == "/dev/stdout" ? "" : output;
 }

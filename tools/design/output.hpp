@@ -25,6 +25,10 @@ enum class Existing : std::uint8_t {
 /// Adds --force, which replaces a file that exists, to a verb whose option --output is `output`.
 void add_force(CLI::App& verb, CLI::Option* output, bool& force);
 
+/// Makes an argument or option that names a description refuse "-": the files that a description
+/// includes are beside its own.
+void refuse_standard_input(CLI::Option* file);
+
 /// The path that --output states; empty if that is standard output, as "-" is.
 [[nodiscard]] std::string path_of_output(const std::string& output);
 

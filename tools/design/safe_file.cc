@@ -174,6 +174,10 @@ Result<std::optional<FileContent>> read_file(const std::string& path, std::size_
   return result;
 }
 
+Result<std::string> read_standard_input(std::size_t limit) {
+  return read_all(STDIN_FILENO, "standard input", limit);
+}
+
 Result<void> replace_file(const FileContent& old, std::string_view text) {
   Draft draft(old.path);
   if (auto done = draft_like(draft, old, text); !done) return done;

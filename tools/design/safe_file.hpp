@@ -29,6 +29,9 @@ enum class Links : std::uint8_t { follow, refuse };
 Result<std::optional<FileContent>> read_file(const std::string& path, std::size_t limit,
                                              Links links = Links::follow);
 
+/// Reads standard input of at most `limit` bytes.
+Result<std::string> read_standard_input(std::size_t limit);
+
 /// Replaces the file `old` by `text`, with the same mode and owner: writes and syncs a file beside
 /// it, then renames that. An error, without a change, if the file has changed since it was read.
 Result<void> replace_file(const FileContent& old, std::string_view text);

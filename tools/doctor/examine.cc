@@ -45,13 +45,22 @@ void take_gate(const std::string& root, Device& device) {
   if (ours) device.gate = pinned->audit ? Gate::audit : Gate::enforcing;
 }
 
+/// The entry of a CAN interface.
+Result<net::LinkTable::const_iterator> entry_of(const net::Links& links,
+                                                const std::string& interface) {
+  const auto at = std::ranges::find(links.table(), interface,
+                                    [](const auto& entry) { return entry.second.name; });
+  if (at == links.table().end()) return fail(interface + ": there is no such interface");
+  if (!at->second.is_can) return fail(interface + ": is no CAN interface");
+  return at;
+}
+
 Result<Device> read_device(const Request& request) {
   const auto links = net::Links::open();
   if (!links) return std::unexpected(links.error());
-  const auto at = std::ranges::find(links->table(), request.interface,
-                                    [](const auto& entry) { return entry.second.name; });
-  if (at == links->table().end()) return fail(request.interface + ": there is no such interface");
-  if (!at->second.is_can) return fail(request.interface + ": is no CAN interface");
+  const auto found = entry_of(*links, request.interface);
+  if (!found) return std::unexpected(found.error());
+  const auto at = *found;
   auto controller = net::read_controller(at->first);
   if (!controller) return std::unexpected(controller.error());
   Device device{.link = at->second, .controller = std::move(*controller), .gate_error = {}};
@@ -142,6 +151,13 @@ std::vector<Line> send(const Device& device, const Request& request, const Say& 
 }
 
 }  // namespace
+
+std::optional<std::string> why_no_controller(const std::string& interface) {
+  const auto links = net::Links::open();
+  if (!links) return std::nullopt;
+  const auto found = entry_of(*links, interface);
+  return found ? std::nullopt : std::optional(found.error().text);
+}
 
 Result<std::vector<Line>> examine(const Request& request, const Say& say) {
   const auto device = read_device(request);

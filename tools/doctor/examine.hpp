@@ -23,6 +23,9 @@ struct Request {
   unsigned bus_off_seconds = 0;  ///< how long to wait for a bus-off; 0: that check is left out
 };
 
+/// Why there is nothing to examine under that name; nullopt if there is, or if it is not known.
+std::optional<std::string> why_no_controller(const std::string& interface);
+
 /// Runs the checks. `say` prints what happens and what the operator must do. An error if the
 /// interface cannot be read.
 Result<std::vector<Line>> examine(const Request& request,

@@ -23,11 +23,16 @@ constexpr int kWorld = 3;
 constexpr unsigned kLongestWait = 3600;
 constexpr const char* kFooter =
     "Sends frames only with --send. Exit status: 0 everything is ok or was not tested, 1 something "
-    "failed, or with --send nothing could be tried by it, 2 usage, 3 it cannot be read.";
+    "failed, or with --send nothing could be tried by it, 2 usage or no such CAN interface, 3 it "
+    "cannot be read.";
 
 void say(const std::string& text) { to_stderr("mlccactl: " + text + '\n'); }
 
 int run(const doctor::Request& request, bool as_json) {
+  if (const auto why = doctor::why_no_controller(request.interface)) {
+    say(*why);
+    return kUsage;
+  }
   const auto lines = doctor::examine(request, say);
   if (!lines) {
     say(lines.error().text);
@@ -76,6 +81,7 @@ int parse_and_run(int argc, char** argv) {
   };
   app.failure_message(
       [&](const CLI::App*, const CLI::Error& error) { return wrong(error.what()); });
+  refuse_empty_values(*verb);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

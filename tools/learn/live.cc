@@ -127,14 +127,11 @@ Result<void> ask(const Fd& socket) {
 class Sockets final : public Listener {
  public:
   Result<void> add(const std::string& name, Interfaces& numbers) {
+    const auto medium = medium_of(name);
+    if (!medium) return std::unexpected(medium.error());
+    const bool ethernet = *medium == Medium::ethernet;
     const int index = index_of(name);
-    if (index == 0) return fail(name + ": there is no such interface");
-    const unsigned type = device_type(name);
-    if (type == ARPHRD_IEEE802154)
-      return fail(name + ": traffic of IEEE 802.15.4 is not learned yet");
-    if (type != ARPHRD_CAN && type != ARPHRD_ETHER)
-      return fail(name + ": is neither a CAN nor an Ethernet interface");
-    const bool ethernet = type == ARPHRD_ETHER;
+    if (index == 0) return fail(name + ": there is no such interface");  // it has gone meanwhile
     auto socket = ethernet ? open_packet_socket(name) : open_can_socket(name);
     if (!socket) return std::unexpected(socket.error());
     // Frames arrive from bind() on. All of them shall have their time, and room in the buffer.
@@ -142,7 +139,7 @@ class Sockets final : public Listener {
     const auto bound =
         ethernet ? bind_packet_socket(*socket, name, index) : bind_can_socket(*socket, name, index);
     if (!bound) return bound;
-    const auto number = numbers.number_of(name, ethernet ? Medium::ethernet : Medium::can);
+    const auto number = numbers.number_of(name, *medium);
     if (number == Interfaces::kMost)
       return fail(fmt::format("{}: {} interfaces are the most", name, Interfaces::kMost));
     all_.push_back({std::move(*socket), number, ethernet, 0});
@@ -245,6 +242,20 @@ std::uint32_t first_number(std::span<const std::uint8_t> data, std::uint16_t typ
 }  // namespace
 
 bool is_interface(const std::string& name) { return index_of(name) != 0; }
+
+Result<Medium> medium_of(const std::string& interface) {
+  if (!is_interface(interface)) return fail(interface + ": there is no such interface");
+  switch (device_type(interface)) {
+    case ARPHRD_CAN:
+      return Medium::can;
+    case ARPHRD_ETHER:
+      return Medium::ethernet;
+    case ARPHRD_IEEE802154:
+      return fail(interface + ": traffic of IEEE 802.15.4 is not learned yet");
+    default:
+      return fail(interface + ": is neither a CAN nor an Ethernet interface");
+  }
+}
 
 bool is_up(const std::string& interface) {
   const Fd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));

@@ -24,6 +24,8 @@ struct Rates {
 
 /// Whether there is an interface of that name.
 [[nodiscard]] bool is_interface(const std::string& name);
+/// The medium of an interface. An error if it does not exist or is of a kind that is not learned.
+Result<Medium> medium_of(const std::string& interface);
 /// Whether the interface exists and is up.
 [[nodiscard]] bool is_up(const std::string& interface);
 

@@ -289,6 +289,7 @@ int parse_and_verify(int argc, char** argv) {
   app.failure_message([](const CLI::App*, const CLI::Error& error) {
     return fmt::format("mlccactl: {}\nmlccactl gate --verify --help says more.\n", error.what());
   });
+  refuse_empty_values(*gate);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -166,7 +166,7 @@ TEST_F(ListenLive, WithoutAnyFrameNothingIsDrafted) {
   shell_command("ip link add down0 type veth peer name down1");
   const mlcca::test::Folder folder;
   const auto draft = folder.path("draft.xml");
-  const auto ran = mlcca::test::run({"learn", "eth0", "down0", "--for", "0s", "--output", draft});
+  const auto ran = mlcca::test::run({"learn", "eth0", "down0", "--for", "1ms", "--output", draft});
   EXPECT_EQ(ran.status, 2) << ran.out;
   EXPECT_TRUE(ran.error.contains("no frame was seen; nothing was drafted")) << ran.error;
   EXPECT_TRUE(ran.error.contains("eth0: nothing came while it was listened to")) << ran.error;

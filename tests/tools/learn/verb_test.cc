@@ -92,7 +92,7 @@ TEST_F(LearnVerb, SaysWhatCannotBeUsed) {
   const auto log = folder.write("first.log", frames("can0", "123", 4, 60));
   const std::pair<std::vector<std::string>, const char*> cases[] = {
       {{folder.path("nowhere.log")}, "there is neither such a file nor such an interface"},
-      {{log, "--for", "soon"}, "--for: "},
+      {{log, "--for", "soon"}, "--for 'soon': must be whole numbers"},
       {{log, "--name", "a b"}, "--name: "},
       {{log, "--gateway", "<g>"}, "--gateway: "},
       {{log, "--profile", "can0=none"}, "write an interface and one of raw, famouso"},
@@ -107,15 +107,17 @@ TEST_F(LearnVerb, SaysWhatCannotBeUsed) {
 TEST_F(LearnVerb, SaysWhatCannotBeUsedBeforeItListens) {
   const std::pair<std::vector<std::string>, const char*> cases[] = {
       {{"--user", "a b"}, "--user a b: "},
-      {{"--bitrate", "can0=10G"}, "--bitrate can0=10G: a CAN bus has at most 1 Mbit/s"},
-      {{"--data-bitrate", "can0=9M"}, "--data-bitrate can0=9M: a CAN bus has at most 8 Mbit/s"},
+      {{"--bitrate", "can0=10G"}, "--bitrate can0=10G: '10G': a CAN bus has at most 1 Mbit/s"},
+      {{"--data-bitrate", "can0=9M"},
+       "--data-bitrate can0=9M: '9M': a CAN bus has at most 8 Mbit/s"},
       {{"--bitrate", "can0=250k", "--bitrate", "can0=500k"},
        "--bitrate can0=500k: the option names can0 twice"},
       {{"--profile", "can0=raw", "--profile", "can0=j1939"},
        "--profile can0=j1939: the option names can0 twice"},
-      {{"lo"}, "lo is given twice: each interface counts once"}};
+      {{"lo"}, "lo is given twice: each interface counts once"},
+      {{}, "lo: is neither a CAN nor an Ethernet interface"}};
   for (const auto& [more, says] : cases)
-    EXPECT_NE(refused({"learn", "lo", "--for", "1s"}, more, says), 0) << says;
+    EXPECT_EQ(refused({"learn", "lo", "--for", "1s"}, more, says), 2) << says;
 }
 
 TEST_F(LearnVerb, AnOptionWithoutEffectIsRefused) {

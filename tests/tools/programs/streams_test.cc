@@ -149,7 +149,7 @@ const std::vector<Row>& rows() {
       {"AnalyseBus", "mlccactl", {"analyse-bus", "$TREE/examples/volksbot/repaired.xml"}},
       {"AnalyseNothing", "mlccactl", {"analyse-bus", "/nonexistent.xml"}, kWrongUse, 3, false},
       // programs of a machine
-      {"DoctorOfNothing", "mlccactl", {"doctor", "--can", "nonesuch"}, 3, 3, false},
+      {"DoctorOfNothing", "mlccactl", {"doctor", "--can", "nonesuch"}, kWrongUse, 3, false},
       {"VerifyNothing", "mlccactl", {"gate", "--verify", "--bpf-root", "$NEW"}, 3, 3, false},
       {"VerifyNothingJson", "mlccactl", {"--json", "gate", "--verify", "--bpf-root", "$NEW"}, 3},
       {"DaemonCheck",

@@ -302,16 +302,13 @@ AnalysedBus analysed(Bus bus, bool assign) {
 /// Parses a number in bit/s, or a rate with a unit. Throws what CLI11 reports.
 std::uint32_t rate_of(const std::string& option, const std::string& text, std::uint32_t most) {
   if (text.empty()) return 0;
-  const bool plain = std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
-  const auto rate = parse_bit_rate(plain ? text + " bit/s" : text, Rounding::down);
-  if (!rate) throw CLI::ValidationError(option, rate.error().text);
-  if (*rate > most)
+  const auto rate = parse_bus_rate(text, most);
+  if (!rate)
     throw CLI::ValidationError(
-        option, fmt::format("'{}': at most {}{}", text, print_bitrate(most),
-                            most == kMostArbitrationRate
-                                ? ": faster is only the data phase of FD frames (--data-bitrate)"
-                                : ""));
-  return static_cast<std::uint32_t>(*rate);
+        option, rate.error().text + (most == kMostArbitrationRate
+                                         ? "; of the data phase of FD frames it is --data-bitrate"
+                                         : ""));
+  return *rate;
 }
 
 /// Converts the options that are texts. Throws what CLI11 reports.

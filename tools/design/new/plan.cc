@@ -61,15 +61,6 @@ bool is_can(const Plan& plan, std::size_t network) {
   return plan.networks[network].kind == core::NetworkKind::can;
 }
 
-Result<std::uint32_t> bitrate_of(const std::string& text) {
-  const bool plain =
-      !text.empty() && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
-  const auto rate = parse_bit_rate(plain ? text + " bit/s" : text, Rounding::down);
-  if (!rate) return std::unexpected(rate.error());
-  if (*rate > kMostBitrate) return fail(fmt::format("'{}': a CAN bus has at most 1M", text));
-  return static_cast<std::uint32_t>(*rate);
-}
-
 class PlanWriter {
  public:
   PlanWriter(const Plan& plan, std::uint64_t (*random)()) : plan_(plan), random_(random) {}
@@ -212,7 +203,7 @@ Result<void> add_network(Plan& plan, std::string_view text) {
       return fail(fmt::format("'{}': is the interface of {}", next.interface, other.name));
   if (parts.size() == 4) {
     if (next.kind != core::NetworkKind::can) return fail("a bit rate is for a CAN bus");
-    const auto rate = bitrate_of(parts[3]);
+    const auto rate = parse_bus_rate(parts[3], kMostBitrate);
     if (!rate) return std::unexpected(rate.error());
     next.bitrate = *rate;
   }

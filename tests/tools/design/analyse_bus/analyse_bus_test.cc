@@ -197,7 +197,8 @@ TEST_F(AnalyseBusTest, TheDataPhaseIsAsFastAsADescriptionMayStateIt) {
   EXPECT_EQ(with("8M").status, 0) << with("8M").error;
   const auto refused = with("8000001");
   EXPECT_EQ(refused.status, 2);
-  EXPECT_NE(refused.error.find("--data-bitrate: '8000001': at most 8 Mbit/s"), std::string::npos)
+  EXPECT_NE(refused.error.find("--data-bitrate: '8000001': a CAN bus has at most 8 Mbit/s"),
+            std::string::npos)
       << refused.error;
   EXPECT_EQ(with("12M").status, 2);
 }

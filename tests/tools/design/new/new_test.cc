@@ -133,7 +133,7 @@ INSTANTIATE_TEST_SUITE_P(
         NewRow{"Name", {"--network", "0:can:can0"}, "a letter, then up to 62 letters"},
         NewRow{"Interface", {"--network", "a:can:<x>"}, "as the kernel names interfaces"},
         NewRow{"Twice", {"--network", "a:can:x", "--network", "a:can:y"}, "the name is taken"},
-        NewRow{"Rate", {"--network", "a:can:x:2M"}, "a CAN bus has at most 1M"},
+        NewRow{"Rate", {"--network", "a:can:x:2M"}, "a CAN bus has at most 1 Mbit/s"},
         NewRow{"Unknown",
                {"--network", "a:can:x", "--channel", "c:1s:8:b:a"},
                "'b': there is no such network; there are a"},
@@ -154,7 +154,7 @@ TEST_F(NewTest, QuestionsMakeTheSame) {
   answer("must be can, udp-multicast, udp-broadcast or mesh", "");
   answer("interface of bus at laptop [can0]", "can1");
   answer("bit rate of bus [500k]", "2M");
-  answer("a CAN bus has at most 1M", "250k");
+  answer("a CAN bus has at most 1 Mbit/s", "250k");
   answer("Network, its name [no more]", "lan");
   answer("kind of lan", "udp-multicast");
   answer("interface of lan at laptop [eth0]", "can1");
