@@ -11,7 +11,7 @@
 
 #include "bpf/gate.h"
 
-#define ETHER_LAYOUT_VERSION 3
+#define ETHER_LAYOUT_VERSION 4
 
 /*
  * Datagrams to these ports are events, whatever their address, because a receiver takes them all.
@@ -134,11 +134,11 @@ struct ether_table {
 	__u64 seed;    /* of the hash; random, so that no sender can choose colliding subjects */
 	__u64 unknown_frames; /* as in gate_table */
 	__u32 contracts;
-	__u32 watches_end; /* exclusive upper bound of all watches that were ever used */
-	__u64 sample_due;  /* as in gate_table */
-	__u32 retired;	   /* as in gate_table */
-	__u32 epoch;	   /* as in gate_table */
-	__u32 pad[2];
+	__u32 watches_end;     /* exclusive upper bound of all watches that were ever used */
+	__u64 sample_due;      /* as in gate_table */
+	__u32 retired;	       /* as in gate_table */
+	__u32 epoch;	       /* as in gate_table */
+	__u64 refused_senders; /* as in gate_table */
 	__u64 would_drop[GATE_DIRECTIONS][GATE_REASONS]; /* as in gate_table */
 };
 
@@ -155,10 +155,26 @@ struct ether_seen {
 	__u8 pad2[2];
 };
 
+/* Like gate_sender; the reason is GATE_R_SOURCE. */
+struct ether_sender {
+	__u64 sequence;
+	__u64 count;
+	__u64 subject;
+	__u64 station; /* see ether_station() */
+	__u32 slot;
+	__u32 source; /* egress: ifindex that it entered by; 0: sent by a local program */
+	__u32 uid;    /* egress: user of a local sender; otherwise GATE_ANY_UID */
+	__u32 len;
+	__u8 mac[6]; /* sender of the Ethernet frame; 0: not read */
+	__u8 direction;
+	__u8 reason;
+};
+
 /* The counters of one CPU; there is one for each possible CPU. */
 struct ether_cpu {
 	__u64 reasons[GATE_DIRECTIONS][GATE_REASONS]; /* packets; each IP fragment counts */
 	struct ether_seen seen[GATE_SEEN];
+	struct ether_sender senders[GATE_SENDERS];
 };
 
 /* Identifies a datagram that is sent in IP fragments. */
@@ -229,7 +245,8 @@ GATE_ASSERT(sizeof(struct ether_contract) == 64, "ether_contract is pinned layou
 GATE_ASSERT(sizeof(struct ether_slot) == 32, "ether_slot is pinned layout");
 GATE_ASSERT(sizeof(struct ether_table) == 64 + 256, "ether_table is pinned layout");
 GATE_ASSERT(sizeof(struct ether_seen) == 48, "ether_seen is pinned layout");
-GATE_ASSERT(sizeof(struct ether_cpu) == 256 + 48 * 64, "ether_cpu is pinned layout");
+GATE_ASSERT(sizeof(struct ether_sender) == 56, "ether_sender is pinned layout");
+GATE_ASSERT(sizeof(struct ether_cpu) == 256 + 48 * 64 + 56 * 64, "ether_cpu is pinned layout");
 GATE_ASSERT(sizeof(struct ether_fragment_key) == 12, "a hash key has no holes");
 GATE_ASSERT(sizeof(struct ether_fragment) == 32, "ether_fragment is pinned layout");
 

@@ -115,7 +115,7 @@ static __always_inline int refuse(struct __sk_buff *skb, struct ether_cpu *cpu, 
 		count_reason(cpu, GATE_EGRESS, GATE_R_ECHO);
 		return TC_ACT_UNSPEC;
 	}
-	if (reason == GATE_R_UNKNOWN) {
+	if (names_sender(reason)) {
 		p = packet_of(skb);
 		take_mac(&p, e);
 	}
@@ -295,7 +295,7 @@ int ether_early(struct xdp_md *ctx)
 	if (d.reason == GATE_R_PASSED)
 		return XDP_PASS;
 	cpu = this_cpu();
-	if (d.reason == GATE_R_UNKNOWN) {
+	if (names_sender(d.reason)) {
 		p = early_packet_of(ctx);
 		take_mac(&p, &e);
 	}

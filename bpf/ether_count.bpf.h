@@ -84,6 +84,67 @@ static __always_inline void note_unknown(struct ether_cpu *cpu, __u32 direction,
 	store_in_order(&seen->sequence, sequence);
 }
 
+static __always_inline bool is_sender(const struct ether_sender *there,
+				      const struct ether_sender *who)
+{
+	return there->sequence && there->subject == who->subject &&
+	       there->station == who->station && there->slot == who->slot &&
+	       there->source == who->source && there->uid == who->uid &&
+	       there->direction == who->direction && there->reason == who->reason &&
+	       !__builtin_memcmp(there->mac, who->mac, sizeof(who->mac));
+}
+
+/* As for CAN. */
+__noinline __u32 note_sender(const struct ether_sender *who)
+{
+	struct ether_cpu *cpu = this_cpu();
+	struct ether_sender *there = NULL;
+	__u64 sequence, quiet = ~0ULL;
+	__u32 first, i;
+
+	if (!who || !cpu)
+		return 0;
+	first = GATE_SENDER_WAYS *
+		gate_sender_set(who->station + who->slot, (__u64)who->source << 32 | who->uid);
+	for (i = 0; i < GATE_SENDER_WAYS; i++) {
+		struct ether_sender *one = &cpu->senders[(first + i) & (GATE_SENDERS - 1)];
+
+		if (is_sender(one, who)) {
+			there = one;
+			break;
+		}
+		if (one->sequence < quiet) {
+			quiet = one->sequence;
+			there = one;
+		}
+	}
+	if (!there)
+		return 0;
+	sequence = __sync_fetch_and_add(&table.refused_senders, 1) + 1;
+	if (!is_sender(there, who)) {
+		store_in_order(&there->sequence, 0);
+		there->subject = who->subject;
+		there->station = who->station;
+		there->slot = who->slot;
+		there->source = who->source;
+		there->uid = who->uid;
+		there->direction = who->direction;
+		there->reason = who->reason;
+		__builtin_memcpy(there->mac, who->mac, sizeof(who->mac));
+		there->count = 0;
+	}
+	there->len = who->len;
+	there->count++;
+	store_in_order(&there->sequence, sequence);
+	return 0;
+}
+
+/* Whether reports state who has sent what is refused for this reason. */
+static __always_inline bool names_sender(__u32 reason)
+{
+	return reason == GATE_R_UNKNOWN || reason == GATE_R_SOURCE;
+}
+
 /* Notes what is dropped, or in audit mode would be. */
 static __always_inline void note_refusal(struct ether_cpu *cpu, __u32 direction, __u32 at,
 					 __u32 reason, const struct event *e)
@@ -92,6 +153,21 @@ static __always_inline void note_refusal(struct ether_cpu *cpu, __u32 direction,
 
 	if (reason == GATE_R_UNKNOWN)
 		note_unknown(cpu, direction, e);
+	if (reason == GATE_R_SOURCE && at >= ETHER_FIRST_SLOT) {
+		struct ether_sender who = {
+		    .subject = e->subject,
+		    .station = e->station,
+		    .slot = at,
+		    .source = direction == GATE_EGRESS ? e->source : 0,
+		    .uid = direction == GATE_EGRESS ? e->uid : GATE_ANY_UID,
+		    .len = e->len,
+		    .direction = direction,
+		    .reason = reason,
+		};
+
+		__builtin_memcpy(who.mac, e->mac, sizeof(who.mac));
+		note_sender(&who);
+	}
 	if (slot)
 		slot->last_reason = reason;
 }

@@ -10,9 +10,10 @@
 #include <linux/types.h>
 
 #include "bpf/gate_binding.h"
+#include "bpf/gate_seen.h"
 #include "bpf/gate_transport.h"
 
-#define GATE_LAYOUT_VERSION 9
+#define GATE_LAYOUT_VERSION 10
 
 /* Priority and handle of our tc filters. No filter with others is ever replaced. */
 #define GATE_TC_PRIORITY 1
@@ -63,8 +64,6 @@
 #define GATE_CYPHAL_KEY	    0x001fff00U
 #define GATE_CYPHAL_SHIFT   8
 #define GATE_CYPHAL_FOREIGN (1U << 25 | 1U << 23 | 1U << 7)
-
-#define GATE_SEEN 64 /* latest frames without a slot, for each CPU; a power of two */
 
 /*
  * Histogram of the gaps between events of a slot, in eighths of its period: [n] counts gaps of n to
@@ -233,8 +232,8 @@ struct gate_audit {
 
 /*
  * The table of one interface, one memory-mapped value. User space writes it, except for
- * `unknown_frames`, `last_reason`, the `due` of slots, `sessions`, the findings of watches and the
- * counters of audit mode. A slot is a cache line.
+ * `unknown_frames`, `refused_senders`, `last_reason`, the `due` of slots, `sessions`, the findings
+ * of watches and the counters of audit mode. A slot is a cache line.
  */
 struct gate_table {
 	__u32 layout_version;
@@ -254,7 +253,7 @@ struct gate_table {
 	__u32 binding_news; /* number of findings about bindings */
 	__u32 epoch;	    /* of the daemon that holds the gate, see gate_control */
 	__u64 reply_due;    /* like gate_slot.due, for reports of replies; written by the program */
-	__u64 pad2;
+	__u64 refused_senders; /* frames noted in gate_sender; orders them across CPUs */
 	struct gate_slot slots[GATE_SLOTS];
 	struct gate_watch watches[GATE_SLOTS];
 	__u16 head[GATE_DIRECTIONS][GATE_BUCKETS]; /* bucket -> first slot, 0 for none */
@@ -278,21 +277,12 @@ struct gate_count {
 	__u64 excess;
 };
 
-/* A frame without a slot; entry [hash(id)] is overwritten by the latest one. */
-struct gate_seen {
-	__u64 sequence; /* unknown_frames when it was last seen; 0: empty or being written */
-	__u64 count;	/* frames with this id since it has the entry */
-	__u32 can_id;
-	__u16 len;
-	__u8 format; /* GATE_CLASSIC, GATE_FD or GATE_XL */
-	__u8 direction;
-};
-
 /* The counters of one CPU, memory-mapped; written by that CPU, summed by user space. */
 struct gate_cpu {
 	struct gate_count slots[GATE_SLOTS];
 	__u64 reasons[GATE_DIRECTIONS][GATE_REASONS]; /* frames; drops are real ones */
 	struct gate_seen seen[GATE_SEEN];
+	struct gate_sender senders[GATE_SENDERS];
 };
 
 enum gate_event_kind {
@@ -490,7 +480,9 @@ GATE_ASSERT(sizeof(struct gate_table) == 128 + (64 + 256) * 4096 + 4 * 18432 + 4
 	    "gate_table is pinned layout");
 GATE_ASSERT(sizeof(struct gate_count) == 32, "gate_count is pinned layout");
 GATE_ASSERT(sizeof(struct gate_seen) == 24, "gate_seen is pinned layout");
-GATE_ASSERT(sizeof(struct gate_cpu) == 32 * 4096 + 8 * 32 + 24 * 64, "gate_cpu is pinned layout");
+GATE_ASSERT(sizeof(struct gate_sender) == 40, "gate_sender is pinned layout");
+GATE_ASSERT(sizeof(struct gate_cpu) == 32 * 4096 + 8 * 32 + 24 * 64 + 40 * 64,
+	    "gate_cpu is pinned layout");
 GATE_ASSERT(sizeof(struct gate_event) == 40, "gate_event is pinned layout");
 GATE_ASSERT(sizeof(struct gate_sample) == 56, "gate_sample is pinned layout");
 GATE_ASSERT(sizeof(struct gate_control) == 80, "gate_control is pinned layout");

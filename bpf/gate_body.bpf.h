@@ -176,16 +176,17 @@ int gate_egress(struct __sk_buff *skb)
 	skb->mark = echo_by_mark ? gate_echo_token(control.token) : 0;
 
 	if (!read_frame(skb, GATE_EGRESS, &frame))
-		return refuse_out(cpu, GATE_EGRESS, GATE_R_MALFORMED, &frame);
+		return refuse_out(skb, cpu, GATE_EGRESS, GATE_R_MALFORMED, &frame);
 	if (frame.can_id & CAN_ERR_FLAG)
-		return refuse_out(cpu, GATE_EGRESS, GATE_R_ERROR_FRAME, &frame);
+		return refuse_out(skb, cpu, GATE_EGRESS, GATE_R_ERROR_FRAME, &frame);
 	if (closed(READ_ONCE(table.epoch)))
-		return heed_unless_dropped(skb, &frame,
-					   refuse_out(cpu, GATE_EGRESS, GATE_R_CLOSED, &frame));
+		return heed_unless_dropped(
+		    skb, &frame, refuse_out(skb, cpu, GATE_EGRESS, GATE_R_CLOSED, &frame));
 
 	d = judge(skb, GATE_EGRESS, &frame);
 	if (d.reason != GATE_R_PASSED)
-		return heed_unless_dropped(skb, &frame, refuse_out(cpu, d.slot, d.reason, &frame));
+		return heed_unless_dropped(skb, &frame,
+					   refuse_out(skb, cpu, d.slot, d.reason, &frame));
 	if (!admit(cpu, GATE_EGRESS, d.slot, &frame))
 		return heed_unless_dropped(skb, &frame,
 					   drop(cpu, GATE_EGRESS, d.slot, GATE_R_EXCESS));

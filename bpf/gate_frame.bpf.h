@@ -15,7 +15,7 @@ struct frame {
 	__u32 read;	  /* sum of what was read for the decision, see moved_on() */
 	/* J1939, see gate_transport.bpf.h; valid if `transport` is set. */
 	__u32 transport; /* TRANSPORT_NONE unless it is part of a message that passes */
-	__u32 message;	 /* identifier of the message that it announces */
+	__u32 message;	 /* identifier of the message that it announces or carries */
 	__u32 size;	 /* bytes of that message */
 };
 

@@ -118,14 +118,16 @@ static __always_inline struct decision decide(struct __sk_buff *skb, __u32 direc
 	return settled(skb, frame, direction, found);
 }
 
-/* Drops a frame; in audit mode it goes on with a mark. A `frame` without a slot is reported. */
+/*
+ * Drops a frame; in audit mode it goes on with a mark. A `frame` without a slot is reported, and so
+ * is who sends in place of a granted sender.
+ */
 static __always_inline int refuse_in(struct __sk_buff *skb, struct gate_cpu *cpu, __u32 slot,
 				     __u32 reason, const struct frame *frame)
 {
 	int action;
 
-	if (reason == GATE_R_UNKNOWN)
-		note_unknown(cpu, GATE_INGRESS, frame);
+	note_refusal(skb, cpu, GATE_INGRESS, slot, reason, frame);
 	action = drop(cpu, GATE_INGRESS, slot, reason);
 	if (action == TC_ACT_UNSPEC)
 		skb->mark = gate_refused_token(control.token);
@@ -136,16 +138,15 @@ static __always_inline int refuse_in(struct __sk_buff *skb, struct gate_cpu *cpu
  * Drops a frame at egress. In audit mode, a frame that an ingress gate has refused was counted
  * there.
  */
-static __always_inline int refuse_out(struct gate_cpu *cpu, __u32 slot, __u32 reason,
-				      const struct frame *frame)
+static __always_inline int refuse_out(struct __sk_buff *skb, struct gate_cpu *cpu, __u32 slot,
+				      __u32 reason, const struct frame *frame)
 {
 	if (frame->mark == gate_refused_token(control.token) &&
 	    READ_ONCE(control.mode) == GATE_AUDIT) {
 		count_reason(cpu, GATE_EGRESS, GATE_R_ECHO);
 		return TC_ACT_UNSPEC;
 	}
-	if (reason == GATE_R_UNKNOWN)
-		note_unknown(cpu, GATE_EGRESS, frame);
+	note_refusal(skb, cpu, GATE_EGRESS, slot, reason, frame);
 	return drop(cpu, GATE_EGRESS, slot, reason);
 }
 

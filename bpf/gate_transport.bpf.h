@@ -64,8 +64,7 @@ static __always_inline __u64 judge_announcement(struct __sk_buff *skb, struct fr
 	}
 	make_message(&message, id, size);
 	found = decide_again(skb, &message, direction);
-	if (found >> 32 == GATE_R_UNKNOWN)
-		frame->message = message.can_id;
+	frame->message = message.can_id;
 	if (found >> 32 != GATE_R_PASSED)
 		return found;
 	/* A request to send is answered by frames of other nodes, which no slot admits. */
@@ -92,6 +91,7 @@ static __always_inline __u64 judge_packet(struct __sk_buff *skb, struct frame *f
 	if (!state || now - READ_ONCE(session->latest) > GATE_TP_TIMEOUT)
 		return packed(GATE_R_UNKNOWN, direction);
 	make_message(&message, state & CAN_EFF_MASK, GATE_TP_LEAST);
+	frame->message = message.can_id;
 	found = decide_again(skb, &message, direction);
 	if (found >> 32 != GATE_R_PASSED)
 		return found >> 32 == GATE_R_UNKNOWN ? packed(GATE_R_FRAGMENT, direction) : found;
@@ -138,6 +138,9 @@ __noinline __u64 judge_transport(struct __sk_buff *skb, struct frame *frame, __u
 	}
 	if (announces && direction == GATE_INGRESS)
 		end_session(frame, direction);
+	/* A sender that is not the granted one is reported with the message's identifier. */
+	if (found >> 32 == GATE_R_IDENTIFIER || found >> 32 == GATE_R_SOURCE)
+		frame->can_id = frame->message;
 	if (found >> 32 != GATE_R_UNKNOWN)
 		return found;
 	own = decide_again(skb, frame, direction);

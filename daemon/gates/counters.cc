@@ -15,6 +15,9 @@
 namespace mlcca::enforce {
 namespace {
 
+/// Attempts to read an entry between two frames of its sender, which may come one after the other.
+constexpr int kReadTries = 8;
+
 template <class T>
 T load(const T& word, int order = __ATOMIC_RELAXED) {
   return __atomic_load_n(&word, order);
@@ -25,6 +28,16 @@ void read_words(const gate_seen& seen, UnknownFrame& frame) {
   frame.format = load(seen.format);
 }
 void read_words(const ether_seen& seen, UnknownFrame& frame) {
+  frame.subject = load(seen.subject);
+  frame.station = load(seen.station);
+  for (std::size_t i = 0; i < frame.mac.size(); ++i) frame.mac.at(i) = load(seen.mac[i]);
+}
+
+void read_words(const gate_sender& seen, UnknownFrame& frame) {
+  frame.can_id = load(seen.can_id);
+  frame.format = load(seen.format);
+}
+void read_words(const ether_sender& seen, UnknownFrame& frame) {
   frame.subject = load(seen.subject);
   frame.station = load(seen.station);
   for (std::size_t i = 0; i < frame.mac.size(); ++i) frame.mac.at(i) = load(seen.mac[i]);
@@ -89,6 +102,40 @@ std::vector<UnknownFrame> newest_of(std::span<const Cpu> cpus) {
   return newest;
 }
 
+/// The words beside the frame are read before it, so that they are the entry's if its sequence has
+/// not changed.
+std::optional<RefusedSender> read_sender(const auto& seen) {
+  const std::uint64_t sequence = load(seen.sequence, __ATOMIC_ACQUIRE);
+  RefusedSender sender{.slot = load(seen.slot),
+                       .reason = static_cast<gate_reason>(load(seen.reason)),
+                       .frame = {},
+                       .source = load(seen.source),
+                       .uid = load(seen.uid)};
+  const auto frame = read(seen);
+  if (!frame) return std::nullopt;
+  std::atomic_thread_fence(std::memory_order_acquire);
+  if (load(seen.sequence) != sequence) return std::nullopt;
+  sender.frame = *frame;
+  return sender;
+}
+
+template <class Cpu>
+std::vector<RefusedSender> senders_of(std::span<const Cpu> cpus) {
+  std::vector<RefusedSender> out;
+  std::size_t place = 0;
+  for (const auto& cpu : cpus)
+    for (const auto& seen : cpu.senders) {
+      const std::size_t at = place++;
+      if (load(seen.sequence) == 0) continue;
+      std::optional<RefusedSender> sender;
+      for (int i = 0; i < kReadTries && !sender; ++i) sender = read_sender(seen);
+      if (!sender) continue;
+      sender->place = at;
+      out.push_back(*sender);
+    }
+  return out;
+}
+
 /// For example "02:00:5e:10:00:01".
 std::string octets_text(std::uint64_t number, std::size_t octets) {
   std::string out;
@@ -124,6 +171,13 @@ ReasonCounters reason_counters(std::span<const ether_cpu> cpus, Direction direct
 std::vector<UnknownFrame> unknown_frames(std::span<const gate_cpu> cpus) { return newest_of(cpus); }
 std::vector<UnknownFrame> unknown_frames(std::span<const ether_cpu> cpus) {
   return newest_of(cpus);
+}
+
+std::vector<RefusedSender> refused_senders(std::span<const gate_cpu> cpus) {
+  return senders_of(cpus);
+}
+std::vector<RefusedSender> refused_senders(std::span<const ether_cpu> cpus) {
+  return senders_of(cpus);
 }
 
 std::string address_text(std::uint64_t station) {
@@ -186,6 +240,10 @@ const char* reason_text(gate_reason reason) {
       break;
   }
   return "reserved";
+}
+
+bool is_of_sender(gate_reason reason) {
+  return reason == GATE_R_IDENTIFIER || reason == GATE_R_SOURCE;
 }
 
 bool is_drop(gate_reason reason) {

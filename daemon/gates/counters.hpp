@@ -46,6 +46,17 @@ struct UnknownFrame {
   Mac mac = {};                ///< source of the Ethernet frame of the latest; 0: not read
 };
 
+/// A sender whose frames a slot refused because they are not the granted sender's, as one CPU has
+/// counted it.
+struct RefusedSender {
+  std::size_t place = 0;  ///< in the memory of the gate; another sender may take it later
+  std::uint32_t slot = 0;
+  gate_reason reason = GATE_R_SOURCE;  ///< GATE_R_IDENTIFIER or GATE_R_SOURCE
+  UnknownFrame frame;                  ///< its latest frame, as one without a slot
+  std::uint32_t source = 0;            ///< at egress: as in gate_slot
+  std::uint32_t uid = 0;  ///< at egress: user of a local sender; otherwise GATE_ANY_UID
+};
+
 /// The address of a station that has an IPv4 address ("10.0.0.7") or one of 802.15.4; "" for
 /// others.
 std::string address_text(std::uint64_t station);
@@ -73,9 +84,15 @@ ReasonCounters would_drop_counters(const Table& table, Direction direction) {
 /// The frames without a slot, the newest first.
 std::vector<UnknownFrame> unknown_frames(std::span<const gate_cpu> cpus);
 std::vector<UnknownFrame> unknown_frames(std::span<const ether_cpu> cpus);
+/// The senders that slots have refused, in the order of their places, at most GATE_SENDERS for each
+/// CPU.
+std::vector<RefusedSender> refused_senders(std::span<const gate_cpu> cpus);
+std::vector<RefusedSender> refused_senders(std::span<const ether_cpu> cpus);
 
 /// The text of a reason, for example "unknown subject" or "not from the granted source".
 const char* reason_text(gate_reason reason);
+/// Whether the reason is that a frame is not the granted sender's.
+bool is_of_sender(gate_reason reason);
 /// Whether the reason is a drop (GATE_R_PASSED, _ECHO, _ERROR_IN and _FOREIGN are not).
 bool is_drop(gate_reason reason);
 

@@ -76,6 +76,9 @@ class EtherObject final : public GateObject {
   [[nodiscard]] std::vector<UnknownFrame> unknown() const override {
     return unknown_frames(mapping_.cpus());
   }
+  [[nodiscard]] std::vector<RefusedSender> refused_senders() const override {
+    return enforce::refused_senders(mapping_.cpus());
+  }
 
  private:
   EtherObject(const EtherKnobs& knobs, const EtherSizes& sizes, EtherPrograms programs,

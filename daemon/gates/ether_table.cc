@@ -47,7 +47,7 @@ Result<EtherTable> EtherTable::read(const EtherMemory& memory, const EtherSizes&
             .sample_due = 0,
             .retired = 0,
             .epoch = 0,
-            .pad = {},
+            .refused_senders = 0,
             .would_drop = {}};
   if (head.layout_version != ETHER_LAYOUT_VERSION)
     return fail(fmt::format("subject table: layout {} instead of {}", head.layout_version,

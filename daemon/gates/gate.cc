@@ -63,6 +63,9 @@ class CanObject final : public GateObject {
   [[nodiscard]] std::vector<UnknownFrame> unknown() const override {
     return unknown_frames(cpus_.span());
   }
+  [[nodiscard]] std::vector<RefusedSender> refused_senders() const override {
+    return enforce::refused_senders(cpus_.span());
+  }
 
  private:
   CanObject(const ProgramConfig& config, Programs programs, Mapped<gate_cpu> cpus, SlotTable slots)

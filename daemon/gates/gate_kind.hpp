@@ -61,6 +61,7 @@ class GateObject {
   [[nodiscard]] virtual ReasonCounters reasons(Direction direction) const = 0;
   [[nodiscard]] virtual ReasonCounters would_drop(Direction direction) const = 0;
   [[nodiscard]] virtual std::vector<UnknownFrame> unknown() const = 0;
+  [[nodiscard]] virtual std::vector<RefusedSender> refused_senders() const = 0;
 };
 
 /// Loads the GateObject of an interface.

@@ -279,5 +279,6 @@ ReasonCounters PortGate::would_drop(Direction direction) const {
   return object().would_drop(direction);
 }
 std::vector<UnknownFrame> PortGate::unknown() const { return object().unknown(); }
+std::vector<RefusedSender> PortGate::refused_senders() const { return object().refused_senders(); }
 
 }  // namespace mlcca::enforce

@@ -104,6 +104,8 @@ class PortGate {
   [[nodiscard]] ReasonCounters would_drop(Direction direction) const;
   /// The frames without a slot, the newest first.
   [[nodiscard]] std::vector<UnknownFrame> unknown() const;
+  /// The senders that slots have refused; see enforce::refused_senders().
+  [[nodiscard]] std::vector<RefusedSender> refused_senders() const;
 
   /// Removes the pins, not the programs. On an interface that has gone to another network
   /// namespace, the programs stay with it and let everything pass. On one that is here they stay in

@@ -92,6 +92,11 @@ TEST_P(EtherSockets, WhatAProgramSendsIsItsUsers) {
   admit({of_another});
   send(near_, "10.0.0.2", kPort, event(kSubject, 3));  // the kernel reports it to no UDP sender
   EXPECT_EQ(counted(Direction::egress, GATE_R_SOURCE), 1U);
+  const auto senders = gate_.refused_senders();
+  ASSERT_EQ(senders.size(), 1U);
+  EXPECT_EQ(senders[0].uid, ::geteuid());
+  EXPECT_EQ(senders[0].source, 0U);
+  EXPECT_EQ(senders[0].frame.station, 0x0a000001U);
   const Fd theirs = Wire::get().socket(false, kPort);
   ASSERT_EQ(fchown(theirs.get(), 12345, static_cast<gid_t>(-1)), 0);
   EXPECT_TRUE(send(theirs, "10.0.0.2", kPort, event(kSubject, 8)));

@@ -96,6 +96,11 @@ TEST_P(Attach, LocalProgramLeavesOnlyWhereItsUserIsGranted) {
   const Program granted(bus, 1000);
   const Program other(bus, 1001);
   EXPECT_FALSE(other.send(frame(0x123)));
+  const auto senders = gate.refused_senders();
+  ASSERT_EQ(senders.size(), 1U);
+  EXPECT_EQ(senders[0].uid, 1001U);
+  EXPECT_EQ(senders[0].frame.can_id, 0x123U);
+  EXPECT_EQ(senders[0].slot, gate.number_of(user(out(0x123, 0), 1000)));
   EXPECT_TRUE(granted.send(frame(0x123)));
   EXPECT_EQ(bus.sent(), frame(0x123));
   EXPECT_TRUE(other.send(frame(0x124)));
