@@ -217,10 +217,10 @@ function auditPanel() {
   const { audit } = now;
   if (!audit?.findings.length) return [h("p", { class: "quiet" }, "Nothing was refused.")];
   const frames = (f, number) => `${f.at_least ? "at least " : ""}${many(number, "frame")}`;
-  const way = (f) => f.others ? "on" : f.egress ? "to" : "from";
+  const way = (f) => f.others && !f.channel ? "on" : f.egress ? "to" : "from";
   const lines = (f) => [
     h("p", {}, [f.would_drop ? `${frames(f, f.would_drop)} would have been dropped` : null, f.dropped ? `${frames(f, f.dropped)} dropped` : null]
-      .filter(Boolean).join(", ") + ` ${way(f)} ${f.interface}${f.address || f.sender ? `, sent by ${f.address || f.sender}` : ""}: ${f.reason}`),
+      .filter(Boolean).join(", ") + ` ${way(f)} ${f.interface}${f.sender ? `, sent by ${f.sender}` : ""}: ${f.reason}`),
     h("p", { class: "quiet" }, `since ${moment(f.first_unix_s * 1e9)}, latest ${moment(f.last_unix_s * 1e9)}`),
     f.advice ? h("p", {}, f.advice) : null,
     f.add ? h("details", {}, h("summary", {}, `Add ${findingName(f)}`), h("pre", { tabindex: 0, "aria-label": `XML for ${findingName(f)}` }, f.add),

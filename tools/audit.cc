@@ -35,15 +35,18 @@ std::string advice_lines(const control::Audit& audit) {
 
 /// The direction; empty if it is not known.
 const char* way_of(const control::Finding& f) {
-  if (f.others) return "";
+  if (f.others && f.channel.empty()) return "";
   return f.egress ? "out" : "in";
 }
 
-/// The reason. If the description has the channel, its delivery is what it lacks.
+/// The reason. If the description has the channel, its delivery or publisher is what it lacks.
 std::string why_of(const control::Finding& f) {
   if (f.described.empty()) return f.reason;
+  if (!f.publisher.empty())
+    return fmt::format("{}: it differs from {} of {}", f.reason, f.described, f.publisher);
+  const bool lacks_delivery = f.egress && f.reason == "unknown subject";
   return fmt::format("{}: {} has no such {}", f.reason, f.described,
-                     f.egress ? "delivery" : "publisher");
+                     lacks_delivery ? "delivery" : "publisher");
 }
 
 /// For how long audit mode would have dropped nothing.
@@ -73,10 +76,17 @@ std::string addition_lines(const control::Audit& audit) {
 /// What frames are in the rows that name no sender.
 std::string notes_on(const control::Audit& audit) {
   std::string out;
-  if (std::ranges::any_of(audit.findings, &control::Finding::others))
+  const auto has_others = [&audit](bool of_deliveries) {
+    return std::ranges::any_of(audit.findings, [=](const control::Finding& f) {
+      return f.others && f.channel.empty() != of_deliveries;
+    });
+  };
+  if (has_others(false))
     out +=
         "others: frames of more kinds than are counted one by one; identifier, subject and sender "
         "are not known\n";
+  if (has_others(true))
+    out += "others as the sender: more senders of a delivery than are counted one by one\n";
   if (audit.left_out != 0)
     out += many(audit.left_out, "further one had fewer frames: they are in others\n",
                 "further ones had fewer frames: they are in others\n");

@@ -24,10 +24,12 @@ std::string additions(const control::Audit& audit);
 /// "emergency-switch of switch" (a delivery), "others" (frames of kinds that are not known); empty
 /// for frames that cannot be decoded.
 std::string name_of(const control::Finding& finding);
-/// For a finding about a described delivery: one line of advice for the case that its frames are
-/// wanted; empty if there is none.
+/// For a finding about a described delivery or publisher: one line of advice for the case that its
+/// frames are wanted; empty if there is none.
 std::string advice(const control::Finding& finding);
-/// The sender: "192.0.2.7 (02:00:5e:10:00:01)" or "node 23"; empty if it is not known.
+/// The sender: "192.0.2.7 (02:00:5e:10:00:01)" or "node 23"; of what left, "user 1000", the
+/// interface by which it came in, or "node 23 by can1"; "others" of a delivery that more others
+/// send than are counted one by one; empty if it is not known.
 std::string sender_of(const control::Finding& finding);
 
 /// A table of the findings, and below it the additions of the first of them.

@@ -26,8 +26,22 @@ namespace {
 
 using core::Profile;
 
+bool has_source(const control::Finding& f) {
+  return f.reason.contains("not from the granted source");
+}
+bool has_identifier(const control::Finding& f) {
+  return f.reason.contains("priority, node, fragment or remote flag not granted");
+}
+
+/// Whether it is about frames of a described channel that another sender than the granted one has
+/// sent.
+bool is_of_sender(const control::Finding& f) {
+  return f.channel.empty() && !f.others && (has_source(f) || has_identifier(f));
+}
+
 bool is_can_frame(const control::Finding& f) {
-  return f.channel.empty() && f.subject == 0 && !f.others && f.reason == "unknown subject";
+  return f.channel.empty() && f.subject == 0 && !f.others &&
+         (f.reason == "unknown subject" || is_of_sender(f));
 }
 
 /// Decodes the identifier of a CAN frame; nullopt if no channel of the profile has it.
@@ -73,15 +87,24 @@ std::optional<Elements> elements_of_can(const control::Finding& f) {
   return out;
 }
 
+/// The network that a publisher of the frames is on; empty if it is a program on this computer.
+const std::string& network_of(const control::Finding& f) {
+  return f.egress ? f.entered_network : f.network;
+}
+
 std::optional<Elements> elements_of(const control::Finding& f) {
+  if (is_of_sender(f) &&
+      (!f.publisher.empty() || (f.egress && f.user.empty() && network_of(f).empty())))
+    return std::nullopt;
   if (is_can_frame(f)) return elements_of_can(f);
   if (f.subject == 0 || !f.channel.empty()) return std::nullopt;
   Elements out;
   out.subject = core::format_subject(f.subject);
   out.channel = channel_name(f.network, f.subject);
   out.bytes = f.length;
-  if (!f.egress && !f.address.empty())
-    out.publisher = fmt::format(R"( address="{}")", escaped(f.address));
+  const std::string& station = f.address.empty() ? f.mac : f.address;
+  if (!network_of(f).empty() && !station.empty())
+    out.publisher = fmt::format(R"( address="{}")", escaped(station));
   return out;
 }
 
@@ -146,7 +169,7 @@ class Additions {
     if (channel.is_described)
       return out + fmt::format(". The description has its channel {}, and lacks {}.",
                                in_comment(channel.name),
-                               f.egress ? "this delivery" : "this publisher");
+                               f.egress && !is_of_sender(f) ? "this delivery" : "this publisher");
     if (channel.stands) return out + fmt::format("; of {}, see above.", in_comment(channel.name));
     if (channel.period == 0) return out + "; the Period is assumed.";
     return out + (nominal(f.busy_gap_ns) == channel.period ? ": the Period is that." : ".");
@@ -167,24 +190,28 @@ class Additions {
   }
 
   std::string publisher(const control::Finding& f, Channel& channel, const Elements& elements) {
+    const std::string& network = network_of(f);
     const std::string end =
-        (f.egress ? fmt::format(R"(gateway="{}" user="root")", escaped(audit_.gateway))
-                  : fmt::format(R"(network="{}")", escaped(f.network))) +
+        (network.empty() ? fmt::format(R"(gateway="{}" user="{}")", escaped(audit_.gateway),
+                                       f.user.empty() ? "root" : escaped(f.user))
+                         : fmt::format(R"(network="{}")", escaped(network))) +
         elements.publisher;
     if (!channel.parts.insert("publisher " + end).second) return {};
     const char* const unless = channel.is_described ? ", unless it is described" : "";
     return fmt::format("{}<Publisher name=\"{}\" channel=\"{}\" {}/>\n",
-                       f.egress ? fmt::format("<!-- sent by this computer: state the user of the "
-                                              "program{} -->\n",
-                                              unless)
-                                : "",
+                       network.empty() && f.user.empty()
+                           ? fmt::format("<!-- sent by this computer: state the user of the "
+                                         "program{} -->\n",
+                                         unless)
+                           : "",
                        escaped(name(elements.channel)), escaped(channel.name), end);
   }
 
   /// A subscriber for the frames that were seen; empty for frames that arrive on a described
-  /// channel, which has its subscribers, and if an addition contains it.
+  /// channel, which has its subscribers, for those of a described delivery, and if an addition
+  /// contains it.
   std::string subscriber(const control::Finding& f, Channel& channel, const Elements& elements) {
-    if (channel.is_described && !f.egress) return {};
+    if (channel.is_described && (!f.egress || is_of_sender(f))) return {};
     const std::string end = f.egress ? fmt::format(R"(network="{}")", escaped(f.network))
                                      : fmt::format(R"(gateway="{}")", escaped(audit_.gateway));
     if (!channel.parts.insert("subscriber " + end).second) return {};
@@ -201,10 +228,27 @@ class Additions {
   std::set<std::string> names_;  ///< of publishers and subscribers
 };
 
-}  // namespace
+/// For a frame of a described publisher that differs from what it states.
+std::string advice_on_publisher(const control::Finding& f) {
+  const auto profile = core::words::kProfiles.find(f.profile);
+  if (!profile) return {};
+  if ((f.can_id & core::kRemoteFlag) != 0)
+    return fmt::format(
+        "if remote frames of {} are wanted, state remote-frames=\"true\" at its Binding",
+        f.described);
+  const auto parts = channel_of(f);
+  const core::ProfileTraits& traits = core::traits_of(*profile);
+  if (!parts || (!traits.has_sender_priority && !traits.has_number_priority)) return {};
+  const std::string_view element = traits.element.substr(traits.element.find(' ') + 1);
+  const std::string where = traits.has_sender_priority
+                                ? fmt::format("its Publisher {}", f.publisher)
+                                : fmt::format("the {} of its Binding", element);
+  return fmt::format("if such frames of {} are wanted, state priority=\"{}\" at {}{}", f.described,
+                     parts->priority, where,
+                     parts->is_fragment ? ", and a maxPayload that takes several frames" : "");
+}
 
-std::string advice(const control::Finding& f) {
-  if (f.channel.empty()) return {};
+std::string advice_on_delivery(const control::Finding& f) {
   if (f.reason.contains("longer than granted"))
     return fmt::format(
         "if such frames of {} are wanted, state a larger maxPayload: 'mlccactl learn --merge' "
@@ -215,20 +259,40 @@ std::string advice(const control::Finding& f) {
         "if all frames of {} are wanted, state a shorter period, or a jitter: 'mlccactl learn "
         "--merge' measures both",
         f.channel);
-  if (f.reason.contains("not from the granted source"))
-    return fmt::format("somebody else sends {}: 'mlccactl learn --merge' finds who", f.channel);
+  if (has_source(f))
+    return fmt::format("others send {}, too: 'mlccactl learn --merge' finds who", f.channel);
   if (f.reason.contains("refused"))
     return fmt::format("'mlccactl explain {}' says what would have to change", f.channel);
   return {};
 }
 
-std::string sender_of(const control::Finding& f) {
-  if (!f.channel.empty()) return f.sender;
+/// By which way a frame left: "user 1000", "can1", "kernel"; empty if it is not known.
+std::string way_of_sender(const control::Finding& f) {
+  return f.user.empty() ? f.entered_by : "user " + f.user;
+}
+
+/// The node or station that a frame names; empty if it names none.
+std::string station_of(const control::Finding& f) {
   if (!is_can_frame(f)) return print_sender({.address = f.address, .mac = f.mac});
   const auto profile = core::words::kProfiles.find(f.profile);
   const auto parts = channel_of(f);
   if (!parts || !profile || !core::has_nodes(*profile)) return {};
   return fmt::format("node {}", parts->node);
+}
+
+}  // namespace
+
+std::string advice(const control::Finding& f) {
+  if (!f.channel.empty()) return advice_on_delivery(f);
+  return is_of_sender(f) && !f.publisher.empty() ? advice_on_publisher(f) : std::string();
+}
+
+std::string sender_of(const control::Finding& f) {
+  if (!f.channel.empty()) return f.others ? "others" : f.sender;
+  const std::string station = station_of(f);
+  const std::string way = way_of_sender(f);
+  if (station.empty() || way.empty()) return station + way;
+  return fmt::format("{} by {}", station, way);
 }
 
 std::string name_of(const control::Finding& f) {
@@ -253,9 +317,10 @@ std::string additions(const control::Audit& audit) {
   for (const control::Finding& f : audit.findings)
     if (f.others)
       out += fmt::format(
-          "{}<!-- {} on {} ({}) since {} of further kinds: what they need is not known. -->\n",
+          "{}<!-- {} on {} ({}) since {} of further {}: what they need is not known. -->\n",
           out.empty() ? "" : "\n", many(f.dropped + f.would_drop, "frame"), in_comment(f.interface),
-          in_comment(f.reason), print_second(f.first_unix_s));
+          in_comment(f.reason), print_second(f.first_unix_s),
+          f.channel.empty() ? "kinds" : "senders of " + in_comment(f.channel));
   return out;
 }
 

@@ -114,6 +114,7 @@ Json of(const control::Audit& a) {
     Json& one = out["findings"][i];
     const bool is_can = f.channel.empty() && f.subject == 0 && !f.others;
     one["identifier"] = is_can ? Json(name_of(f)) : Json();
+    if (const std::string sender = sender_of(f); !sender.empty()) one["sender"] = sender;
     const std::string advised = advice(f);
     one["advice"] = advised.empty() ? Json() : Json(advised);
     one["add"] = additions[i].empty() ? Json() : Json(additions[i]);

@@ -5,17 +5,13 @@
 
 #include <algorithm>
 #include <map>
-#include <optional>
 #include <set>
 #include <tuple>
-#include <unordered_map>
-#include <unordered_set>
 #include <vector>
 
-#include "core/gates/control_traffic.hpp"
 #include "core/model/text.hpp"
-#include "core/profiles/profile.hpp"
 #include "daemon/gates/counters.hpp"
+#include "daemon/gateway/audit_rules.hpp"
 #include "daemon/gateway/report.hpp"
 
 namespace mlcca {
@@ -32,99 +28,18 @@ UnknownFrames grown(const UnknownFrames& now, const UnknownFrames& before) {
 
 const char* refused_text() { return enforce::reason_text(GATE_R_DENIED); }
 
-/// The frames for which this gateway has rules.
-class Ruled {
- public:
-  explicit Ruled(const Scene& scene) {
-    const core::State& state = *scene.state;
-    const core::System& system = state.system();
-    add(core::control_rules(system, scene.self));
-    add(core::gate_state(system, state.members(), state.decisions(), scene.self));
-  }
-
-  [[nodiscard]] bool has(std::size_t port, const control::Finding& frame) const {
-    if (frame.subject != 0) return subjects_.contains({port, frame.egress, frame.subject});
-    const Gate gate{port, frame.egress, 0};
-    for (auto it = ids_.lower_bound(gate); it != ids_.end(); ++it) {
-      const auto& [of_port, egress, mask] = it->first;
-      if (of_port != port || egress != frame.egress) break;
-      if (it->second.contains(frame.can_id & mask)) return true;
-    }
-    return false;
-  }
-
- private:
-  using Gate = std::tuple<std::size_t, bool, std::uint32_t>;  // last: mask of a CAN frame
-
-  void add(const core::GateState& rules) {
-    for (const core::GateRule& rule : rules) {
-      const core::GateEntry& e = rule.entry;
-      const bool egress = e.direction == core::Direction::egress;
-      if (e.mask != 0)
-        ids_[{e.port, egress, e.mask}].insert(e.id);
-      else
-        subjects_.insert({e.port, egress, e.subject});
-    }
-  }
-
-  std::map<Gate, std::unordered_set<std::uint32_t>> ids_;
-  std::set<std::tuple<std::size_t, bool, core::Subject>> subjects_;
-};
-
-/// Finds the channel that the description has for frames without a rule, whoever sends them.
-class DescribedFrames {
- public:
-  explicit DescribedFrames(const core::State& state) : state_(state) {}
-
-  /// The name of the channel; empty if there is none.
-  std::string channel_of(const control::Finding& frame) {
-    const core::System& system = state_.system();
-    std::optional<std::size_t> channel;
-    if (frame.subject != 0)
-      channel = state_.channel_of(frame.subject);
-    else
-      for (const auto& [mask, channels] : identifiers_of(frame.network))
-        if (const auto found = channels.find(frame.can_id & mask); found != channels.end())
-          channel = std::min(channel.value_or(found->second), found->second);
-    return channel ? system.channels[*channel].name : std::string();
-  }
-
- private:
-  /// Channels by identifier, for each mask that frames are compared with.
-  using Identifiers = std::map<std::uint32_t, std::unordered_map<std::uint32_t, std::size_t>>;
-
-  const Identifiers& identifiers_of(const std::string& network) {
-    const auto [known, fresh] = by_network_.try_emplace(network);
-    if (!fresh) return known->second;
-    const core::System& system = state_.system();
-    const auto of = std::ranges::find(system.networks, network, &core::Network::name);
-    if (of != system.networks.end() && of->profile != core::Profile::none) add(*of, known->second);
-    return known->second;
-  }
-
-  static void add(const core::Network& network, Identifiers& to) {
-    core::Publisher anyone;
-    anyone.node = 0;
-    const core::ProfileTraits& traits = core::traits_of(network.profile);
-    const std::uint32_t number = traits.deals_tags ? traits.last : traits.number_bits;
-    for (const core::Binding& binding : network.bindings) {
-      if (binding.waits_for_tag()) continue;
-      const core::FrameIdentity of = traits.identity(anyone, binding, false);
-      const std::uint32_t id = of.id | (binding.extended ? core::kExtendedFlag : 0U);
-      const std::uint32_t mask = (of.mask & number) | core::kExtendedFlag;
-      to[mask].try_emplace(id & mask, binding.channel);
-    }
-  }
-
-  const core::State& state_;
-  std::map<std::string, Identifiers> by_network_;  ///< filled for the networks that were asked for
-};
-
 /// Whether the reason implies that such frames had the granted identifier and source.
 bool is_of_publisher(const std::string& reason) {
   return reason == enforce::reason_text(GATE_R_LENGTH) ||
          reason == enforce::reason_text(GATE_R_FORMAT) ||
+         reason == enforce::reason_text(GATE_R_DENIED) ||
          reason == enforce::reason_text(GATE_R_EXCESS);
+}
+
+/// Whether the reason implies that such frames did not.
+bool is_of_sender(const std::string& reason) {
+  return reason == enforce::reason_text(GATE_R_IDENTIFIER) ||
+         reason == enforce::reason_text(GATE_R_SOURCE);
 }
 
 std::string words_of(const core::Publisher& publisher) {
@@ -159,15 +74,35 @@ bool complete_delivery(const core::State& state, control::Finding& f) {
 }
 
 /// Findings are lower bounds if further frames of their interface and reason belong to no finding
-/// of a kind.
+/// of a kind, or those of their channel to no finding of a sender.
 void mark_lower_bounds(std::vector<control::Finding>& findings) {
   const auto cause = [](const control::Finding& f) {
-    return std::tie(f.interface, f.network, f.reason);
+    return std::tie(f.interface, f.network, f.reason, f.channel.empty() ? f.described : f.channel);
   };
-  std::set<std::tuple<std::string, std::string, std::string>> with_others;
+  std::set<std::tuple<std::string, std::string, std::string, std::string>> with_others;
   for (const control::Finding& f : findings)
     if (f.others) with_others.insert(cause(f));
-  for (control::Finding& f : findings) f.at_least = !f.others && with_others.contains(cause(f));
+  for (control::Finding& f : findings)
+    f.at_least =
+        !f.others && (with_others.contains(cause(f)) ||
+                      with_others.contains({f.interface, f.network, f.reason, std::string()}));
+}
+
+/// Whether the frame came by the granted interface from the granted station: then it is refused
+/// because the gate there has not admitted it as this delivery.
+bool is_granted_source(const GateDriver& gates, const core::GateEntry& entry,
+                       const enforce::RefusedSender& sender) {
+  return sender.reason == GATE_R_SOURCE && entry.source_port &&
+         gates.gated_interface(*entry.source_port) == static_cast<int>(sender.source) &&
+         (entry.station.is_wildcard() || entry.station.bits == sender.frame.station);
+}
+
+/// The interface of a gate from which a frame came to another one.
+std::string interface_of(const GateDriver& gates, std::uint32_t ifindex) {
+  if (ifindex == GATE_NO_SOURCE) return kFromKernel;
+  for (std::size_t p = 0; p < gates.size(); ++p)
+    if (gates.gated_interface(p) == static_cast<int>(ifindex)) return gates.interface_name(p);
+  return fmt::format("interface {}", ifindex);
 }
 
 }  // namespace
@@ -191,6 +126,9 @@ void AuditLog::restore(const control::Audit& kept) {
                   .subject = f.subject,
                   .address = f.address,
                   .mac = f.mac,
+                  .user = f.user,
+                  .entered_by = f.entered_by,
+                  .described = is_of_sender(f.reason) ? f.described : std::string(),
                   .others = f.others};
     findings_[key] = {.dropped = f.dropped,
                       .would_drop = f.would_drop,
@@ -212,8 +150,33 @@ void AuditLog::refused(const core::Verdict& verdict, const core::GateEntry& entr
         .reason = reason,
         .channel = state.system().channels[verdict.channel].name,
         .publisher = state.members().publisher(verdict.publisher).name,
-        .to = core::name_of(state.system(), verdict.to)},
+        .to = core::name_of(state.system(), verdict.to),
+        .others = is_of_sender(reason)},
        {.fate = fate, .frames = frames});
+}
+
+void AuditLog::refused(const core::Verdict& verdict, const core::GateEntry& entry,
+                       const enforce::RefusedSender& sender, Fate fate, std::uint64_t frames,
+                       std::uint64_t span) {
+  const enforce::UnknownFrame& f = sender.frame;
+  if (is_granted_source(gates_, entry, sender)) {
+    refused(verdict, entry, enforce::reason_text(sender.reason), fate, frames);
+    return;
+  }
+  Key key{.interface = gates_.interface_name(entry.port),
+          .network = gates_.network_of(entry.port),
+          .egress = entry.direction == core::Direction::egress,
+          .reason = enforce::reason_text(sender.reason),
+          .can_id = f.can_id,
+          .format = f.format,
+          .subject = f.subject,
+          .address = enforce::address_text(f.station),
+          .mac = enforce::mac_text(f.station, f.mac),
+          .described = scene_.state->system().channels[verdict.channel].name};
+  if (key.egress && sender.source == 0 && sender.uid != GATE_ANY_UID)
+    key.user = fmt::format("{}", sender.uid);
+  if (key.egress && sender.source != 0) key.entered_by = interface_of(gates_, sender.source);
+  note(key, {.fate = fate, .frames = frames, .length = f.len, .span = span});
 }
 
 void AuditLog::poll(std::size_t port, const UnknownFrames& unknown) {
@@ -321,11 +284,11 @@ void AuditLog::make_room() {
   while (findings_.size() >= kMost) {
     const auto least = std::ranges::min_element(findings_, {}, [](const auto& one) {
       const auto& [key, f] = one;
-      return std::tuple(key.others, f.dropped + f.would_drop, f.last_unix_s);
+      return std::tuple(is_rest(key), f.dropped + f.would_drop, f.last_unix_s);
     });
     const auto removed = findings_.extract(least);
     ++left_out_;
-    if (!removed.key().others) add_to_others(removed.key(), removed.mapped());
+    if (!is_rest(removed.key())) add_to_others(removed.key(), removed.mapped());
   }
 }
 
@@ -367,7 +330,10 @@ control::Audit AuditLog::contents() const {
                             .subject = key.subject,
                             .address = key.address,
                             .mac = key.mac,
-                            .others = key.others});
+                            .described = key.described,
+                            .others = key.others,
+                            .user = key.user,
+                            .entered_by = key.entered_by});
   std::ranges::stable_sort(out.findings, std::ranges::greater{}, [](const control::Finding& f) {
     return std::pair(f.dropped + f.would_drop, f.last_unix_s);
   });
@@ -379,8 +345,8 @@ control::Audit AuditLog::report() const {
   const core::State& state = *scene_.state;
   control::Audit out = contents();
   out.gateway = state.system().gateways[scene_.self].name;
-  const Ruled ruled(scene_);
-  DescribedFrames described(state);
+  const AuditRules rules(scene_, gates_);
+  AuditNames names(scene_, gates_);
   std::erase_if(out.findings, [&](control::Finding& f) {
     std::size_t port = 0;
     while (port < gates_.size() &&
@@ -388,11 +354,14 @@ control::Audit AuditLog::report() const {
       ++port;
     if (port == gates_.size()) return true;
     f.profile = core::to_text(gates_.profile(port));
-    if (f.others) return false;
     if (!f.channel.empty()) return !complete_delivery(state, f);
-    if (f.reason != enforce::reason_text(GATE_R_UNKNOWN)) return false;
-    if (ruled.has(port, f)) return true;
-    f.described = described.channel_of(f);
+    if (f.others) return false;
+    const bool is_unknown = f.reason == enforce::reason_text(GATE_R_UNKNOWN);
+    if (!is_unknown && !is_of_sender(f.reason)) return false;
+    if (is_unknown ? rules.has(port, f) : rules.has_from_sender(port, f)) return true;
+    if (is_unknown || !names.has_channel(f.described)) f.described = names.channel_of(f);
+    if (!f.entered_by.empty()) f.entered_network = names.network_of(f.entered_by);
+    if (f.reason == enforce::reason_text(GATE_R_IDENTIFIER)) f.publisher = names.same_publisher(f);
     return false;
   });
   return out;

@@ -42,6 +42,11 @@ class AuditLog {
   /// words.
   void refused(const core::Verdict& verdict, const core::GateEntry& entry,
                const std::string& reason, Fate fate, std::uint64_t frames);
+  /// The same for frames whose sender is known, and is not the one that the entry admits. They came
+  /// within `span` ns; 0: unknown.
+  void refused(const core::Verdict& verdict, const core::GateEntry& entry,
+               const enforce::RefusedSender& sender, Fate fate, std::uint64_t frames,
+               std::uint64_t span);
   /// Notes the frames that the gate of a port has refused since the last poll and that belong to no
   /// delivery. `unknown` are its counters of frames without a slot.
   void poll(std::size_t port, const UnknownFrames& unknown);
@@ -78,7 +83,11 @@ class AuditLog {
     std::uint64_t subject = 0;
     std::string address = {};
     std::string mac = {};
-    bool others = false;  ///< frames whose kind is not known, or is not listed any more
+    std::string user = {};        ///< of a program that sent it, as a number
+    std::string entered_by = {};  ///< interface by which it came in before it left
+    std::string described = {};   ///< channel of a frame that is not of the granted sender
+    /// Frames whose kind or, for a delivery, whose sender is not known, or is not listed any more.
+    bool others = false;
     auto operator<=>(const Key&) const = default;
   };
   struct Finding {
@@ -112,6 +121,8 @@ class AuditLog {
     std::map<std::pair<std::string, bool>, UnknownFrames> reasons;
   };
   enum class Reporting : bool { no, yes };
+  /// Whether it is the finding of further frames of an interface.
+  static bool is_rest(const Key& key) { return key.others && key.channel.empty(); }
 
   void poll(std::size_t port, const UnknownFrames& unknown, Reporting reporting);
   void poll_reasons(std::size_t port, Polled& last, Reporting reporting);

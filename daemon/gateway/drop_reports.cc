@@ -42,7 +42,7 @@ std::uint64_t counted(const Frames& frames, Drop reason) {
 /// Polls the next channel. Refused deliveries are reported when all channels have been polled.
 bool DropReports::poll_some_channels() {
   const auto& all = scene_.state->decisions();
-  if (next_channel_ == 0) causes_.begin_round();
+  if (next_channel_ == 0) begin_round();
   if (next_channel_ < all.size()) poll(all[next_channel_++], Reporting::yes);
   if (next_channel_ >= all.size()) {
     next_channel_ = 0;
@@ -64,7 +64,7 @@ bool DropReports::poll_some_ports() {
 
 void DropReports::poll_all(Reporting reporting) {
   // A round that has begun continues: some of its channels were not sampled yet.
-  if (next_channel_ == 0) causes_.begin_round();
+  if (next_channel_ == 0) begin_round();
   for (const core::Decision& decision : scene_.state->decisions()) {
     poll(decision, reporting);
     pulse_();
@@ -87,6 +87,7 @@ void DropReports::forget() {
   of_entries_.forget();
   of_ports_.forget();
   causes_.forget();
+  senders_.forget();
   next_channel_ = 0;
   poll_all(Reporting::no);
 }
@@ -119,9 +120,28 @@ std::optional<std::uint64_t> DropReports::sample(const core::GateEntry& entry, D
     audit_.refused(user, entry, enforce::reason_text(GATE_R_EXCESS), fate, grown);
     return mention;
   }
-  for (const auto& cause : causes_.of(entry, fate, grown, frames.last_reason))
-    audit_.refused(user, entry, cause.reason, fate, cause.frames);
+  note_misfits(entry, user, fate, grown, frames.last_reason);
   return mention;
+}
+
+void DropReports::note_misfits(const core::GateEntry& entry, const core::Verdict& user, Fate fate,
+                               std::uint64_t frames, const std::string& latest) {
+  for (const MisfitSenders::Sent& sent : senders_.of(entry, frames)) {
+    causes_.explain(entry, fate, sent.sender.reason, sent.frames);
+    audit_.refused(user, entry, sent.sender, fate, sent.frames, span_);
+    frames -= sent.frames;
+  }
+  if (frames == 0) return;
+  for (const auto& cause : causes_.of(entry, fate, frames, latest))
+    audit_.refused(user, entry, cause.reason, fate, cause.frames);
+}
+
+void DropReports::begin_round() {
+  const std::uint64_t now = clock_.monotonic_ns();
+  span_ = round_began_ == 0 ? 0 : now - round_began_;
+  round_began_ = now;
+  causes_.begin_round();
+  senders_.begin_round();
 }
 
 void DropReports::verdicts_changed(const core::Change& change) {

@@ -18,6 +18,7 @@
 #include "daemon/gateway/drops.hpp"
 #include "daemon/gateway/event_log.hpp"
 #include "daemon/gateway/misfit_causes.hpp"
+#include "daemon/gateway/misfit_senders.hpp"
 #include "daemon/gateway/scene.hpp"
 #include "daemon/outside/gate_driver.hpp"
 
@@ -50,7 +51,8 @@ class DropReports {
         audit_(audit),
         clock_(clock),
         pulse_(std::move(pulse)),
-        causes_(gates) {}
+        causes_(gates),
+        senders_(gates) {}
 
   /// Sets the function that is called with each channel whose counters have just been polled.
   void on_polled(OnPolled polled) { on_polled_ = std::move(polled); }
@@ -94,6 +96,11 @@ class DropReports {
   /// log, by cause.
   std::optional<std::uint64_t> sample(const core::GateEntry& entry, Drop reason,
                                       const core::Verdict& user, const Frames& frames);
+  /// Notes frames that differ from what the entry admits: by sender where it is known, by cause
+  /// otherwise.
+  void note_misfits(const core::GateEntry& entry, const core::Verdict& user, Fate fate,
+                    std::uint64_t frames, const std::string& latest);
+  void begin_round();
   void poll(const core::Decision& decision, Reporting reporting);
   void poll_unknown(std::size_t port, Reporting reporting);
 
@@ -105,6 +112,9 @@ class DropReports {
   const Clock& clock_;
   std::function<void()> pulse_;
   MisfitCauses causes_;
+  MisfitSenders senders_;
+  std::uint64_t round_began_ = 0;  ///< monotonic ns
+  std::uint64_t span_ = 0;         ///< ns from the beginning of the last round to that of this one
   OnPolled on_polled_ = [](const Polled&) {};
   DropWatch<std::pair<core::GateEntry, Drop>> of_entries_;
   DropWatch<std::pair<std::size_t, Fate>> of_ports_;

@@ -32,6 +32,13 @@ void MisfitCauses::begin_round() {
   for (std::size_t p = 0; p < gates_.size(); ++p) now[p] = gates_.misfits(p);
   before_ = began_.empty() ? now : std::move(began_);
   began_ = std::move(now);
+  explained_.clear();
+}
+
+void MisfitCauses::explain(const core::GateEntry& entry, Fate fate, gate_reason reason,
+                           std::uint64_t frames) {
+  explained_[{entry.port, entry.direction == core::Direction::egress, fate,
+              enforce::reason_text(reason)}] += frames;
 }
 
 std::vector<MisfitCauses::Cause> MisfitCauses::of(const core::GateEntry& entry, Fate fate,
@@ -42,7 +49,10 @@ std::vector<MisfitCauses::Cause> MisfitCauses::of(const core::GateEntry& entry, 
   if (before != before_.end())
     for (const Refusals& now : gates_.misfits(entry.port)) {
       if (now.egress != (entry.direction == core::Direction::egress)) continue;
-      const std::uint64_t fresh = grown(now, before->second, fate);
+      const std::tuple key{entry.port, now.egress, fate, std::string_view(now.reason)};
+      std::uint64_t fresh = grown(now, before->second, fate);
+      if (const auto known = explained_.find(key); known != explained_.end())
+        fresh -= std::min(fresh, known->second);
       if (fresh != 0) causes.push_back({now.reason, fresh});
     }
   const std::uint64_t all =

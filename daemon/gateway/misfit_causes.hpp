@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "core/gates/plan.hpp"
@@ -22,7 +24,10 @@ class MisfitCauses {
   /// Starts a round, in which all slots are sampled once.
   void begin_round();
   /// Forgets all counts, because the counters of the gates start from 0.
-  void forget() { before_.clear(), began_.clear(); }
+  void forget() { before_.clear(), began_.clear(), explained_.clear(); }
+  /// The senders of so many frames of an entry are known: they are none of those that of() explains
+  /// in the rest of this round.
+  void explain(const core::GateEntry& entry, Fate fate, gate_reason reason, std::uint64_t frames);
 
   struct Cause {
     std::string reason;  ///< in words
@@ -37,10 +42,13 @@ class MisfitCauses {
 
  private:
   using Counts = std::map<std::size_t, std::vector<Refusals>>;  ///< by port
+  /// Frames by port, direction, fate and reason.
+  using Explained = std::map<std::tuple<std::size_t, bool, Fate, std::string_view>, std::uint64_t>;
 
   const GateDriver& gates_;
-  Counts before_;  ///< at the beginning of the last round
-  Counts began_;   ///< at the beginning of this round
+  Counts before_;        ///< at the beginning of the last round
+  Counts began_;         ///< at the beginning of this round
+  Explained explained_;  ///< in this round
 };
 
 }  // namespace mlcca

@@ -141,6 +141,12 @@ class GateDriver {
   [[nodiscard]] virtual UnknownFrames unknown_frames(std::size_t port) const = 0;
   /// The latest of these frames, each kind with a lower bound of its count.
   [[nodiscard]] virtual std::vector<enforce::UnknownFrame> seen_unknown(std::size_t port) const = 0;
+  /// The latest senders that slots of a port have refused.
+  [[nodiscard]] virtual std::vector<enforce::RefusedSender> refused_senders(
+      std::size_t port) const = 0;
+  /// The number of the slot of an entry, as in these senders; nullopt if it has none.
+  [[nodiscard]] virtual std::optional<std::uint32_t> slot_number(
+      const core::GateEntry& entry) const = 0;
   /// The frames that were refused for reasons that concern no slot.
   [[nodiscard]] virtual std::vector<Refusals> refusals(std::size_t port) const = 0;
   /// The refused frames of all slots of a port by reason, without excess. Frames of no slot may be

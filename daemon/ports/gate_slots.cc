@@ -71,6 +71,12 @@ std::optional<enforce::SlotSpec> slot_of(const core::GateRule& rule, const Gated
   return slot_from(rule, rule.entry, ports);
 }
 
+std::optional<std::uint32_t> slot_number_of(const core::GateEntry& entry, const GatedPorts& ports) {
+  const enforce::PortGate* const gate = ports.gate(entry.port);
+  const auto slot = slot_of(entry, ports);
+  return gate == nullptr || !slot ? std::nullopt : gate->number_of(*slot);
+}
+
 ByPort changes_by_port(const core::GateChanges& changes, const GatedPorts& ports) {
   ByPort out;
   spread(changes.close, std::identity{}, &enforce::SlotChanges::close, ports, out);

@@ -19,6 +19,9 @@ namespace mlcca {
                                                        const GatedPorts& ports);
 [[nodiscard]] std::optional<enforce::SlotSpec> slot_of(const core::GateRule& rule,
                                                        const GatedPorts& ports);
+/// The number of the slot of an entry in the gate of its port; nullopt if it has none.
+[[nodiscard]] std::optional<std::uint32_t> slot_number_of(const core::GateEntry& entry,
+                                                          const GatedPorts& ports);
 /// The changes of the gates, for those ports that have one.
 [[nodiscard]] std::map<std::size_t, enforce::SlotChanges> changes_by_port(
     const core::GateChanges& changes, const GatedPorts& ports);

@@ -132,6 +132,15 @@ class Ports final : public GateDriver {
     const enforce::PortGate* const of_port = gate(port);
     return of_port == nullptr ? std::vector<enforce::UnknownFrame>() : of_port->unknown();
   }
+  [[nodiscard]] std::vector<enforce::RefusedSender> refused_senders(
+      std::size_t port) const override {
+    const enforce::PortGate* const of_port = gate(port);
+    return of_port == nullptr ? std::vector<enforce::RefusedSender>() : of_port->refused_senders();
+  }
+  [[nodiscard]] std::optional<std::uint32_t> slot_number(
+      const core::GateEntry& entry) const override {
+    return slot_number_of(entry, ports_);
+  }
   [[nodiscard]] std::vector<Refusals> refusals(std::size_t port) const override {
     return mlcca::refusals(gate(port));
   }

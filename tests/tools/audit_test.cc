@@ -221,7 +221,7 @@ TEST_F(AuditReport, SaysOfADeliveryWhoSentAndWhatToDo) {
   EXPECT_TRUE(advised("longer than granted").contains("a larger maxPayload")) << f.reason;
   EXPECT_TRUE(advised("cause not known, the latest: longer than granted").contains("maxPayload"));
   EXPECT_TRUE(advised("more than admitted").contains("a shorter period, or a jitter"));
-  EXPECT_TRUE(advised("not from the granted source").contains("finds who"));
+  EXPECT_TRUE(advised("not from the granted source").contains("others send"));
   EXPECT_EQ(advised("refused: withdrawn"),
             "'mlccactl explain emergency-switch' says what would have to change");
   EXPECT_EQ(advised("frame format not granted"), "");
@@ -261,6 +261,126 @@ TEST_F(AuditReport, FramesOfKindsThatAreNotKnownAreARowAndOtherFiguresAreLowerBo
   EXPECT_TRUE(json["findings"][0]["identifier"].is_null());
   EXPECT_TRUE(json["findings"][0]["add"].is_null());
   EXPECT_EQ(json["findings"][1]["at_least"], true);
+}
+
+/// A frame of a described channel that another node, station or program has sent.
+class AuditReportOfSenders : public AuditReport {
+ protected:
+  control::Finding node() {
+    control::Finding f = audit_.findings[1];
+    f.reason = "priority, node, fragment or remote flag not granted";
+    f.described = "speed";
+    return f;
+  }
+  control::Finding station() {
+    control::Finding f = audit_.findings[2];
+    f.reason = "not from the granted source";
+    f.described = "door";
+    return f;
+  }
+  std::string table_of(const control::Finding& f) {
+    audit_.findings = {f};
+    return render(audit_, Color::no);
+  }
+};
+
+TEST_F(AuditReportOfSenders, ANodeThatSendsForAnotherIsAPublisherToAdd) {
+  EXPECT_EQ(
+      addition_for(node()),
+      "<!-- 0cf00417 on can1: 1 frame since 2023-11-14 22:13:22. The description has its "
+      "channel speed, and lacks this publisher. -->\n"
+      "<Publisher name=\"truck-pgn-F004\" channel=\"speed\" network=\"truck\" node=\"23\"/>\n");
+  const std::string table = table_of(node());
+  EXPECT_TRUE(table.contains("0cf00417           node 23 ")) << table;
+  EXPECT_TRUE(table.contains("not granted: speed has no such publisher\n")) << table;
+}
+
+TEST_F(AuditReportOfSenders, AStationThatSendsForAnotherIsAPublisherToAdd) {
+  EXPECT_TRUE(addition_for(station()).ends_with(
+      "-->\n<Publisher name=\"lan-Nobody\" channel=\"door\" network=\"lan\" "
+      "address=\"192.0.2.7\"/>\n"))
+      << addition_for(station());
+  const std::string table = table_of(station());
+  EXPECT_TRUE(table.contains("  192.0.2.7 (02:00:5e:10:00:01)  ")) << table;
+  EXPECT_TRUE(table.contains("not from the granted source: door has no such publisher\n")) << table;
+}
+
+TEST_F(AuditReportOfSenders, AProgramOfAnotherUserIsAPublisherOfThisGateway) {
+  control::Finding f = station();
+  f.egress = true;
+  f.user = "1007";
+  EXPECT_TRUE(addition_for(f).ends_with(
+      "-->\n<Publisher name=\"lan-Nobody\" channel=\"door\" gateway=\"bridge\" "
+      "user=\"1007\"/>\n"))
+      << addition_for(f);
+  EXPECT_EQ(sender_of(f), "192.0.2.7 (02:00:5e:10:00:01) by user 1007");
+  EXPECT_TRUE(table_of(f).contains("door has no such publisher\n")) << table_of(f);
+}
+
+TEST_F(AuditReportOfSenders, WhatCameFromAnotherNetworkIsAPublisherThere) {
+  control::Finding f = node();
+  f.egress = true;
+  f.entered_by = "can0";
+  f.entered_network = "robot-can";
+  EXPECT_TRUE(addition_for(f).ends_with(
+      "<Publisher name=\"truck-pgn-F004\" channel=\"speed\" network=\"robot-can\" node=\"23\"/>\n"))
+      << addition_for(f);
+  EXPECT_EQ(sender_of(f), "node 23 by can0");
+  f.entered_by = "interface 7";
+  f.entered_network = "";
+  EXPECT_EQ(addition_for(f), "") << "no Publisher can be on a network that is not described";
+  f.entered_by = "kernel";
+  EXPECT_EQ(addition_for(f), "");
+}
+
+TEST_F(AuditReportOfSenders, ADescribedPublisherThatDiffersHasAdviceAndNothingToAdd) {
+  control::Finding f = node();
+  f.publisher = "engine";
+  EXPECT_EQ(addition_for(f), "");
+  EXPECT_EQ(advice(f),
+            "if such frames of speed are wanted, state priority=\"3\" at the PGN of its Binding");
+  EXPECT_TRUE(table_of(f).contains("not granted: it differs from speed of engine\n"))
+      << table_of(f);
+  f.profile = "famouso";
+  f.can_id = 0x9f484070;
+  EXPECT_EQ(advice(f),
+            "if such frames of speed are wanted, state priority=\"125\" at its Publisher engine");
+  f.profile = "raw";
+  f.can_id = 0x40000123;
+  EXPECT_EQ(advice(f),
+            "if remote frames of speed are wanted, state remote-frames=\"true\" at its Binding");
+  f.can_id = 0x123;
+  EXPECT_EQ(advice(f), "");
+}
+
+TEST_F(AuditReportOfSenders, FramesOfFurtherSendersAreARowOfTheirDelivery) {
+  control::Finding others = audit_.findings[3];
+  others.reason = "not from the granted source";
+  others.others = true;
+  others.user = others.entered_by = others.entered_network = "";
+  control::Finding one = station();
+  one.at_least = true;
+  audit_.findings = {others, one};
+  const std::string text = render(audit_, Color::no);
+  EXPECT_TRUE(text.contains("can1       out  emergency-switch of switch  others ")) << text;
+  EXPECT_TRUE(text.contains("others as the sender: more senders of a delivery than are ")) << text;
+  EXPECT_FALSE(text.contains("others: frames of more kinds")) << text;
+  EXPECT_TRUE(text.contains("at least 3 ")) << text;
+  EXPECT_TRUE(additions(audit_).contains(
+      "<!-- 12 frames on can1 (not from the granted source) since 2023-11-14 22:13:25 of further "
+      "senders of emergency-switch: what they need is not known. -->\n"))
+      << additions(audit_);
+}
+
+TEST_F(AuditReportOfSenders, AreInJson) {
+  audit_.findings = {node(), station()};
+  const auto json = nlohmann::json::parse(to_json(control::Reply{1, audit_}));
+  EXPECT_EQ(json["findings"][0]["identifier"], "0cf00417");
+  EXPECT_EQ(json["findings"][0]["sender"], "node 23");
+  EXPECT_EQ(json["findings"][0]["described"], "speed");
+  EXPECT_EQ(json["findings"][1]["sender"], "192.0.2.7 (02:00:5e:10:00:01)");
+  for (const auto& one : json["findings"])
+    EXPECT_TRUE(one["add"].get<std::string>().contains("<Publisher ")) << one;
 }
 
 TEST_F(AuditReport, OnlyTheFirstAdditionsFollowTheTable) {

@@ -224,6 +224,17 @@ class FakeGates final : public GateDriver {
   [[nodiscard]] std::optional<BusCounters> bus_counters(std::size_t port) override;
   [[nodiscard]] UnknownFrames unknown_frames(std::size_t port) const override;
   [[nodiscard]] std::vector<enforce::UnknownFrame> seen_unknown(std::size_t port) const override;
+  [[nodiscard]] std::vector<enforce::RefusedSender> refused_senders(
+      std::size_t port) const override {
+    ++sender_reads;
+    const auto found = senders.find(interface_name(port));
+    return found == senders.end() ? std::vector<enforce::RefusedSender>() : found->second;
+  }
+  /// The number of a subject's slot is the subject, as tests write it.
+  [[nodiscard]] std::optional<std::uint32_t> slot_number(
+      const core::GateEntry& entry) const override {
+    return static_cast<std::uint32_t>(entry.subject);
+  }
   [[nodiscard]] std::vector<Refusals> refusals(std::size_t port) const override;
   [[nodiscard]] std::vector<Refusals> misfits(std::size_t port) const override;
   [[nodiscard]] std::string latest_unknown(std::size_t /*port*/) const override { return "123"; }
@@ -243,11 +254,13 @@ class FakeGates final : public GateDriver {
   [[nodiscard]] bool has_refused(std::size_t port) const { return ports_[port].refused; }
 
   // Set by tests:
-  std::map<std::string, BusCounters> carried;                      ///< by interface
-  std::map<std::string, UnknownFrames> unknown;                    ///< by interface
-  std::map<std::string, std::vector<enforce::UnknownFrame>> seen;  ///< by interface
-  std::map<std::string, std::vector<Refusals>> refused;            ///< by interface
-  std::map<std::string, std::vector<Refusals>> misfitting;         ///< by interface
+  std::map<std::string, BusCounters> carried;                          ///< by interface
+  std::map<std::string, UnknownFrames> unknown;                        ///< by interface
+  std::map<std::string, std::vector<enforce::UnknownFrame>> seen;      ///< by interface
+  std::map<std::string, std::vector<enforce::RefusedSender>> senders;  ///< by interface
+  mutable unsigned sender_reads = 0;                        ///< calls of refused_senders()
+  std::map<std::string, std::vector<Refusals>> refused;     ///< by interface
+  std::map<std::string, std::vector<Refusals>> misfitting;  ///< by interface
   std::map<core::Subject, Frames> counted;  ///< the result of frames() for the rules of a subject
   /// The result of frames() for a single rule, if there is one.
   std::map<core::Direction, std::uint64_t> passed;
