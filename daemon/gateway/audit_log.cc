@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <tuple>
 #include <vector>
@@ -341,6 +342,31 @@ control::Audit AuditLog::contents() const {
   return out;
 }
 
+namespace {
+
+/// The port that the finding is about; nullopt if it is no longer there.
+std::optional<std::size_t> port_of(const GateDriver& gates, const control::Finding& f) {
+  for (std::size_t port = 0; port < gates.size(); ++port)
+    if (gates.interface_name(port) == f.interface && gates.network_of(port) == f.network)
+      return port;
+  return std::nullopt;
+}
+
+/// Adds to a finding about frames of no delivery what the description has for them. False if the
+/// gateway has rules for such frames by now.
+bool complete_frames(std::size_t port, const AuditRules& rules, AuditNames& names,
+                     control::Finding& f) {
+  const bool is_unknown = f.reason == enforce::reason_text(GATE_R_UNKNOWN);
+  if (!is_unknown && !is_of_sender(f.reason)) return true;
+  if (is_unknown ? rules.has(port, f) : rules.has_from_sender(port, f)) return false;
+  if (is_unknown || !names.has_channel(f.described)) f.described = names.channel_of(f);
+  if (!f.entered_by.empty()) f.entered_network = names.network_of(f.entered_by);
+  if (f.reason == enforce::reason_text(GATE_R_IDENTIFIER)) f.publisher = names.same_publisher(f);
+  return true;
+}
+
+}  // namespace
+
 control::Audit AuditLog::report() const {
   const core::State& state = *scene_.state;
   control::Audit out = contents();
@@ -348,21 +374,11 @@ control::Audit AuditLog::report() const {
   const AuditRules rules(scene_, gates_);
   AuditNames names(scene_, gates_);
   std::erase_if(out.findings, [&](control::Finding& f) {
-    std::size_t port = 0;
-    while (port < gates_.size() &&
-           (gates_.interface_name(port) != f.interface || gates_.network_of(port) != f.network))
-      ++port;
-    if (port == gates_.size()) return true;
-    f.profile = core::to_text(gates_.profile(port));
+    const auto port = port_of(gates_, f);
+    if (!port) return true;
+    f.profile = core::to_text(gates_.profile(*port));
     if (!f.channel.empty()) return !complete_delivery(state, f);
-    if (f.others) return false;
-    const bool is_unknown = f.reason == enforce::reason_text(GATE_R_UNKNOWN);
-    if (!is_unknown && !is_of_sender(f.reason)) return false;
-    if (is_unknown ? rules.has(port, f) : rules.has_from_sender(port, f)) return true;
-    if (is_unknown || !names.has_channel(f.described)) f.described = names.channel_of(f);
-    if (!f.entered_by.empty()) f.entered_network = names.network_of(f.entered_by);
-    if (f.reason == enforce::reason_text(GATE_R_IDENTIFIER)) f.publisher = names.same_publisher(f);
-    return false;
+    return !f.others && !complete_frames(*port, rules, names, f);
   });
   return out;
 }

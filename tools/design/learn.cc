@@ -194,33 +194,37 @@ class Learn {
   }
 
   std::optional<Refusal> observe() {
-    std::vector<std::string> live;
     std::set<std::pair<::dev_t, ::ino_t>> files;
     std::set<unsigned> indices;
-    for (const std::string& source : a_.sources) {
-      struct stat status{};
-      const bool is_standard = source == "-";
-      if ((is_standard ? ::fstat(STDIN_FILENO, &status) : ::stat(source.c_str(), &status)) == 0) {
-        if (!files.emplace(status.st_dev, status.st_ino).second)
-          return wrong(source + " is given twice: each recording counts once");
-        if (auto refused = read_file_of_frames(source)) return refused;
-      } else if (learn::is_interface(source)) {
-        if (!indices.insert(::if_nametoindex(source.c_str())).second)
-          return wrong(source + " is given twice: each interface counts once");
-        live.push_back(source);
-      } else {
-        return wrong(source + ": there is neither such a file nor such an interface");
-      }
-    }
-    if (live.empty() && !a_.time.empty())
+    for (const std::string& source : a_.sources)
+      if (auto refused = take_source(source, files, indices)) return refused;
+    if (live_.empty() && !a_.time.empty())
       return wrong(fmt::format(
           "--for {}: there is no interface to listen to, and recordings are read to their end",
           a_.time));
-    if (auto refused = refuse_absent(live)) return refused;
-    for (const std::string& name : live)
+    if (auto refused = refuse_absent(live_)) return refused;
+    for (const std::string& name : live_)
       if (const auto medium = learn::medium_of(name); !medium) return wrong(medium.error().text);
-    live_ = std::move(live);
     return live_.empty() ? std::nullopt : listen(live_);
+  }
+
+  /// Reads a recording, or notes an interface in `live_`.
+  std::optional<Refusal> take_source(const std::string& source,
+                                     std::set<std::pair<::dev_t, ::ino_t>>& files,
+                                     std::set<unsigned>& indices) {
+    struct stat status{};
+    const bool is_standard = source == "-";
+    if ((is_standard ? ::fstat(STDIN_FILENO, &status) : ::stat(source.c_str(), &status)) == 0) {
+      if (!files.emplace(status.st_dev, status.st_ino).second)
+        return wrong(source + " is given twice: each recording counts once");
+      return read_file_of_frames(source);
+    }
+    if (!learn::is_interface(source))
+      return wrong(source + ": there is neither such a file nor such an interface");
+    if (!indices.insert(::if_nametoindex(source.c_str())).second)
+      return wrong(source + " is given twice: each interface counts once");
+    live_.push_back(source);
+    return std::nullopt;
   }
 
   /// Adds notes about interfaces without traffic. Refuses if there was no traffic at all.
