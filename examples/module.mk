@@ -16,7 +16,8 @@ run-demo-host: all
 .PHONY: stage run-demo run-demo-guest run-demo-host
 
 EXAMPLES := $(foreach e,volksbot mesh rover wpan applications,$(wildcard examples/$e/*.xml examples/$e/*/*.xml examples/$e/*.md \
-	examples/$e/*.py examples/$e/*.cc examples/$e/CMakeLists.txt)) examples/learn/short.log
+	examples/$e/*.py examples/$e/*.cc examples/$e/CMakeLists.txt)) examples/learn/short.log \
+	examples/generated/Makefile
 install-examples:
 	$(call say,INSTALL,examples)
 	$(Q)for file in $(EXAMPLES); do \
