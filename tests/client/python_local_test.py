@@ -3,12 +3,14 @@
 import os
 import re
 import select
+import tempfile
 import unittest
 
 import mlcca
 from mlcca import Cause, State
 from mlcca.session import FURTHER_ON, MOST_REQUEST, ONLY_INFORM
 from mlcca.types import Published
+from mlcca.v1 import control_pb2
 from python_test import Daemon, channels, event, granted_for
 
 CLIENT = os.path.join(os.path.dirname(__file__), "../../client")
@@ -138,6 +140,80 @@ class Local(unittest.TestCase):
             self.assertTrue(client.connected)
             self.assertEqual(len(daemon.requests), 1)
             self.assertEqual(client.publisher("stop").announce().state, State.GRANTED)
+
+
+class Loop(unittest.TestCase):
+    """A loop of the user, which calls process() only if fileno() is readable."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.path = f"{folder.name}/control.sock"
+        self.running = None
+
+    def daemon(self, *answers):
+        self.running = Daemon(*answers, path=self.path)
+
+    def stop(self):
+        self.running.close()
+        self.running = None
+        os.unlink(self.path)
+
+    def tearDown(self):
+        if self.running:
+            self.running.close()
+
+    def client(self, first_retry):
+        client = mlcca.Client(self.path, patience=60, first_retry=first_retry)
+        self.addCleanup(client.close)
+        stop = client.publisher("stop")
+        self.told = []
+        stop.on_exception = lambda exception: self.told.append(exception.cause)
+        stop.announce()
+        return client
+
+    def loop_until(self, client, cause):
+        while cause not in self.told:
+            self.assertTrue(select.select([client], [], [], 60)[0], f"fileno() is not readable, of {self.told}")
+            client.process()
+
+    def is_readable(self, client):
+        return bool(select.select([client], [], [], 0)[0])
+
+    def test_it_finds_a_daemon_that_comes_back(self):
+        self.daemon([channels(True)])
+        client = self.client(first_retry=0.01)
+        self.stop()
+        self.loop_until(client, Cause.DAEMON_GONE)
+        self.daemon([channels(True)])
+        self.loop_until(client, Cause.DAEMON_BACK)
+        self.assertFalse(self.is_readable(client))
+
+    def test_it_finds_a_daemon_that_starts_later(self):
+        client = self.client(first_retry=0.01)
+        self.daemon([channels(True)])
+        self.loop_until(client, Cause.DAEMON_BACK)
+
+    def test_it_asks_again_what_the_daemon_could_not_answer(self):
+        busy = control_pb2.Reply(error=control_pb2.Error(kind=control_pb2.ERROR_WORLD, message="no memory"))
+        self.daemon([busy], [channels(True)])
+        self.loop_until(self.client(first_retry=0.01), Cause.DAEMON_BACK)
+
+    def test_it_sleeps_until_it_is_time_to_connect(self):
+        self.daemon([channels(True)])
+        client = self.client(first_retry=3600)
+        self.stop()
+        self.loop_until(client, Cause.DAEMON_GONE)
+        self.assertFalse(self.is_readable(client))
+
+    def test_without_a_channel_nothing_wakes_it(self):
+        client = mlcca.Client(self.path, first_retry=0.01)
+        self.addCleanup(client.close)
+        stop = client.publisher("stop")
+        stop.announce()
+        stop.close()
+        client.process()
+        self.assertFalse(select.select([client], [], [], 0.1)[0])
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ import time
 from typing import Callable, Mapping, Optional
 
 from mlcca.session import Part, ProtocolError, Role, Session
+from mlcca.timer import Timer
 from mlcca.types import Answer, ChannelException, Event, Published, State
 
 SOCKET = "/run/mlcca/control.sock"
@@ -77,8 +78,8 @@ class SubscriberChannel(Channel):
 class Client:
     """A connection to mlccad. It is established when a channel is announced, and again whenever it is lost.
 
-    Pass it to select(), or its fileno() to a loop of your own, and call process() when it is readable and at least once a
-    second, so that a daemon that returns is found. Or call wait(). A client is not thread-safe.
+    Pass it to select(), or its fileno() to a loop of your own, and call process() when it is readable: it becomes readable
+    also when it is time to look for a daemon that was lost. Or call wait(). A client is not thread-safe.
 
     `path`: the daemon's control socket. The other arguments are in seconds. `patience`: how long announce() and subscribe()
     wait for an answer. `first_retry`: the delay before connecting again, which is doubled up to `longest_retry`.
@@ -93,6 +94,8 @@ class Client:
         self._epoll.register(self._session.sockets, select.EPOLLIN)
         self._wakes = os.eventfd(0, os.EFD_CLOEXEC | os.EFD_NONBLOCK)  # readable while something waits for handlers
         self._epoll.register(self._wakes, select.EPOLLIN)
+        self._timer = Timer()  # expires when it is time to connect, or to ask again for channels that failed
+        self._epoll.register(self._timer, select.EPOLLIN)
         self._socket: Optional[socket.socket] = None
         self._channels: list[Channel] = []
 
@@ -154,6 +157,7 @@ class Client:
         self._session.sockets.close()
         if not self._epoll.closed:
             os.close(self._wakes)
+            self._timer.close()
         self._epoll.close()
 
     def __enter__(self) -> "Client":
@@ -261,6 +265,7 @@ class Client:
             self._lose(error.strerror or str(error))
         if self._socket:
             self._epoll.modify(self._socket, select.EPOLLIN | (select.EPOLLOUT if self._session.out else 0))
+        self._timer.expire_at(self._retry_at if self._is_to_retry() else None)
 
     def _send(self) -> None:
         while self._socket and self._session.out:
@@ -291,24 +296,19 @@ class Client:
                 # A later reply must not delay it.
                 self._retry_at = min(self._retry_at, due) if self._retry_at > now else due
 
-    def _until_retry(self, seconds: Optional[float]) -> Optional[float]:
-        """How long to wait: `seconds`, or less if something must be tried again before."""
-        if not self._channels or (self._socket and not any(part.failed for part in self._session.parts)):
-            return seconds
-        pause = max(self._retry_at - time.monotonic(), 0)
-        return pause if seconds is None else min(pause, seconds)
+    def _is_to_retry(self) -> bool:
+        """Whether something must be tried again at `_retry_at`."""
+        return bool(self._channels) and (not self._socket or any(part.failed for part in self._session.parts))
 
     def _pause(self, seconds: Optional[float]) -> None:
-        """Waits for events and for the daemon."""
+        """Waits for events, for the daemon, and until something must be tried again."""
         if self._epoll.closed:
             raise RuntimeError("the client is closed")
         if not self._channels and seconds is None:
             raise RuntimeError("nothing is announced: wait() would have no end")
-        self._epoll.poll(self._until_retry(seconds))
+        self._epoll.poll(seconds)
 
     def _wait_for_daemon(self, seconds: float) -> None:
-        """Waits for the daemon alone; events stay in their sockets."""
-        if not self._socket:
-            time.sleep(self._until_retry(seconds) or 0)
-            return
-        select.select([self._socket], [self._socket] if self._session.out else [], [], self._until_retry(seconds))
+        """Waits for the daemon alone, until something must be tried again at most; events stay in their sockets."""
+        reads = [self._socket, self._timer] if self._socket else [self._timer]
+        select.select(reads, [self._socket] if self._socket and self._session.out else [], [], seconds)
