@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """mlcca in Python: events between programs on a gateway, what wakes a loop, and tables that are those of the library in C++."""
+import array
 import os
 import re
 import select
@@ -7,6 +8,7 @@ import tempfile
 import unittest
 
 import mlcca
+import mlcca.aio
 from mlcca import Cause, State
 from mlcca.session import FURTHER_ON, MOST_REQUEST, ONLY_INFORM
 from mlcca.types import Published
@@ -109,6 +111,23 @@ class Local(unittest.TestCase):
         self.assertEqual(first, second)
         self.assertEqual(first[:5], third[:5])
         self.assertNotEqual(first, third)
+
+    def test_whatever_holds_bytes_is_an_event(self):
+        client, daemon = self.start()
+        stop, lever = self.subscriber(client, daemon)
+        came = []
+        stop.on_event = lambda event: came.append(event.data)
+        events = [bytearray(b"1"), memoryview(b"a2b")[1:2], memoryview(b"3-4-5")[::2], array.array("H", [0x3636])]
+        self.assertEqual([lever.publish(event) for event in events], [Published.SENT] * 4)
+        self.assertEqual(lever.publish(bytearray(65_536)), Published.TOO_LONG)
+        client.process()
+        self.assertEqual(came, [b"1", b"2", b"345", b"66"])
+
+    def test_what_holds_no_bytes_is_no_event(self):
+        for client in (mlcca.Client("/none"), mlcca.aio.Client("/none")):
+            for wrong, why in (("go", r"encode\(\)"), (5, "int"), (None, "NoneType"), ([1], "list")):
+                with self.assertRaisesRegex(TypeError, why):
+                    client.publisher("stop").publish(wrong)
 
     def test_a_loop_is_woken_as_long_as_events_wait(self):
         client, daemon = self.start()

@@ -270,10 +270,10 @@ class Clients:
             self.assertEqual(given.reason, f"no daemon: {folder}/none: No such file or directory")
 
     def test_values_are_checked(self):
-        for wrong in ({"Speed": 1}, {"Period": "50 days"}, {"Omission": "2"}, {"Period": -1}):
-            with self.assertRaises(ValueError):
+        for wrong in ({"Speed": 1}, {"Period": "50 days"}, {"Omission": "2"}, {"Period": -1}, {"Period": 50.0},
+                      {"Omission": None}, {"Omission": True}, {"Period": b"50ms"}):
+            with self.assertRaisesRegex(ValueError, next(iter(wrong))):
                 self.publisher("/none", lambda _: True, **wrong)
-
 
     def through(self, events, take, user=os.getuid()):
         """What take(SUBSCRIBER'S PATH, PUBLISH) gives, where PUBLISH() publishes the events and gives what became of each."""

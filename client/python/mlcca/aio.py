@@ -7,7 +7,7 @@ from typing import AsyncIterator, Optional
 
 from mlcca.client import SOCKET
 from mlcca.session import Part, ProtocolError, Role, Session
-from mlcca.types import Answer, ChannelException, Event, Published, State
+from mlcca.types import Answer, ChannelException, Event, EventData, Published, State
 
 
 class Channel:
@@ -41,7 +41,7 @@ class PublisherChannel(Channel):
         """Announces the publisher, like mlcca.PublisherChannel.announce()."""
         return await self._client._take_up(self._part)
 
-    def publish(self, event: bytes) -> Published:
+    def publish(self, event: EventData) -> Published:
         """Sends an event without waiting, like mlcca.PublisherChannel.publish()."""
         return self._client._session.sockets.publish(self._part.number, event)
 

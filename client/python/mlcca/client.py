@@ -10,7 +10,7 @@ from typing import Callable, Mapping, Optional
 
 from mlcca.session import Part, ProtocolError, Role, Session
 from mlcca.timer import Timer
-from mlcca.types import Answer, ChannelException, Event, Published, State
+from mlcca.types import Answer, ChannelException, Event, EventData, Published, State
 
 SOCKET = "/run/mlcca/control.sock"
 MOST_READS = 16  # reads in one turn, so that a daemon that sends without pause does not block the program
@@ -47,11 +47,11 @@ class PublisherChannel(Channel):
         """
         return self._client._take_up(self)
 
-    def publish(self, event: bytes) -> Published:
+    def publish(self, event: EventData) -> Published:
         """Sends an event of 0 to 65,535 bytes to every granted network and to subscribers on this gateway.
 
         Never waits. While the daemon cannot be reached, events are sent where they were granted last, until the gate closes
-        after the grace period.
+        after the grace period. Raises TypeError if `event` does not hold bytes, e.g. a str.
         """
         return self._client._session.sockets.publish(self._part.number, event)
 
@@ -105,7 +105,7 @@ class Client:
         `channel`: its name in the description, or its subject as "0xa4efeccc3210b497". `name`: the publisher's name in the
         description; needed if this user has several publishers of the channel. `stated`: attributes that the program was
         built for, e.g. Period="50ms"; the daemon rejects the announcement if the description falls short of them. Raises
-        ValueError for an unknown attribute or a wrong value.
+        ValueError that names the attribute if it is unknown or its value is wrong.
         """
         return PublisherChannel(self, Part(channel, Role.PUBLISHER, name, stated))
 

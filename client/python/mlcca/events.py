@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 from dataclasses import dataclass
 
-from mlcca.types import Event, Published
+from mlcca.types import Event, EventData, Published
 from mlcca.v1 import control_pb2
 
 LIBRARY = "libmlcca.so.@ABI@"
@@ -98,7 +98,11 @@ class Events:
         if self._events:
             self._library.mlcca_events_leave(self._events, end)
 
-    def publish(self, end: int, event: bytes) -> Published:
+    def publish(self, end: int, event: EventData) -> Published:
+        if isinstance(event, str):
+            raise TypeError("an event has bytes and is no str: publish text as text.encode()")
+        if not isinstance(event, bytes):
+            event = bytes(memoryview(event))
         if not self._events:
             return Published.NOT_GRANTED
         return _PUBLISHED[self._library.mlcca_events_publish(self._events, end, event, len(event))]

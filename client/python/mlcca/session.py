@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import operator
 import re
 from collections import deque
 from dataclasses import replace
@@ -51,15 +52,17 @@ def value_of(name: str, value: int | str) -> int:
     """The integer value of an attribute, e.g. of "50ms" for Period. Raises ValueError that says what is right."""
     if name not in UNITS:
         raise ValueError(f"there is no attribute '{name}' (there are: {', '.join(UNITS)})")
-    if isinstance(value, str):
-        match = re.fullmatch(r"(\d+)\s*(ns|us|ms|s)", value)
-        if UNITS[name] != "ns" or not match:
-            raise ValueError(f"{name} '{value}': must be a whole number of {UNITS[name]}"
-                             + (", or one with ns, us, ms or s" if UNITS[name] == "ns" else ""))
-        value = int(match[1]) * NANOSECONDS[match[2]]
-    if not 0 <= value < 1 << 64:
+    match = re.fullmatch(r"(\d+)\s*(ns|us|ms|s)", value) if isinstance(value, str) and UNITS[name] == "ns" else None
+    try:
+        number = int(match[1]) * NANOSECONDS[match[2]] if match else operator.index(value)
+    except TypeError:
+        number = None
+    if number is None or isinstance(value, bool):
+        raise ValueError(f"{name} {value!r}: must be a whole number of {UNITS[name]}"
+                         + (', or text like "50ms" with ns, us, ms or s' if UNITS[name] == "ns" else ""))
+    if not 0 <= number < 1 << 64:
         raise ValueError(f"{name} {value}: must be 0 to 2^64-1")
-    return value
+    return number
 
 
 def check_of(row: control_pb2.Row) -> Check:

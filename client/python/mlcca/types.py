@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass, field
-from typing import Optional
+from typing import Optional, Union
+
+EventData = Union[bytes, bytearray, memoryview]  # what can be published
 
 
 class State(enum.Enum):
