@@ -22,7 +22,7 @@ namespace {
 
 /// Connections that wait to be accepted; if the list is full, clients wait for seconds.
 constexpr int kBacklog = 512;
-constexpr int kMostAccepted = 16;  // connections that are accepted before other work
+constexpr int kMostAccepted = 4;  // connections that are accepted before other work
 constexpr std::uint64_t kRefusalPause = 1'000'000'000;
 constexpr std::size_t kRead = std::size_t{64} << 10U;
 /// The most events of a program that are handled before events for programs here are read from the

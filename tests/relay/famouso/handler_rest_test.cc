@@ -35,7 +35,10 @@ class HandlerRest : public ::testing::Test {
     auto opened = EventChannelHandler::open(
         INADDR_LOOPBACK, 0, {}, "/nonexistent",
         {.log = [this](const std::string& text) { said_.push_back(text); },
-         .user_of = [](int) -> Result<uid_t> { return 1000; }});
+         .user_of = [this](int) -> Result<uid_t> {
+           ++asked_;
+           return 1000;
+         }});
     EXPECT_TRUE(opened) << opened.error().text;
     handler_ = std::move(*opened);
   }
@@ -69,7 +72,17 @@ class HandlerRest : public ::testing::Test {
   std::vector<std::string> said_;
   std::unique_ptr<EventChannelHandler> handler_;
   std::uint64_t now_ = 1;
+  int asked_ = 0;  ///< how often whose connection it is was asked
 };
+
+TEST_F(HandlerRest, WhoeverConnectsOtherWorkIsDoneInBetween) {
+  std::vector<Fd> all;
+  for (int i = 0; i < 20; ++i) all.push_back(connected_to(handler_->port()));
+  ASSERT_TRUE(is_ready(60'000));
+  handler_->turn(now_);
+  EXPECT_LE(asked_, 4);
+  EXPECT_TRUE(reaches(all.size()));
+}
 
 TEST_F(HandlerRest, WithoutDescriptorsItRestsAndTriesAgainAfterAWhile) {
   constexpr int most = 1000;
