@@ -76,7 +76,7 @@ inet_diag_sockid id_of(const TcpEnd& local, const TcpEnd& remote) {
 
 /// Whether both have the same ends. IPv6 sockets that speak IPv4 have them in the same form, or as
 /// ::ffff:a.b.c.d.
-bool is_same(const inet_diag_msg& found, const inet_diag_sockid& wanted) {
+bool has_ends_of(const inet_diag_msg& found, const inet_diag_sockid& wanted) {
   const std::size_t at = found.idiag_family == AF_INET6 ? 3 : 0;
   const inet_diag_sockid& id = found.id;
   return id.idiag_sport == wanted.idiag_sport && id.idiag_dport == wanted.idiag_dport &&
@@ -117,7 +117,7 @@ Result<std::optional<uid_t>> owner_by_diag(const TcpEnd& local, const TcpEnd& re
   std::memcpy(&found, &answer[NLMSG_HDRLEN], sizeof found);
   // Without such a connection the kernel finds the socket that listens at its local end. A closed
   // socket has no inode, and root as its owner.
-  if (!is_same(found, ask.body.id) || found.idiag_inode == 0) return std::optional<uid_t>();
+  if (!has_ends_of(found, ask.body.id) || found.idiag_inode == 0) return std::optional<uid_t>();
   return std::optional<uid_t>(found.idiag_uid);
 }
 
