@@ -86,7 +86,10 @@ std::string notes_on(const control::Audit& audit) {
         "others: frames of more kinds than are counted one by one; identifier, subject and sender "
         "are not known\n";
   if (has_others(true))
-    out += "others as the sender: more senders of a delivery than are counted one by one\n";
+    out +=
+        "others as the sender: more senders of a delivery than are counted one by one, or the "
+        "granted "
+        "sender where its frames are not admitted\n";
   if (audit.left_out != 0)
     out += many(audit.left_out, "further one had fewer frames: they are in others\n",
                 "further ones had fewer frames: they are in others\n");

@@ -167,12 +167,21 @@ class Additions {
       out +=
           fmt::format(", in the busiest second one every {}", time_words(nominal(f.busy_gap_ns)));
     if (channel.is_described)
-      return out + fmt::format(". The description has its channel {}, and lacks {}.",
+      return out + fmt::format(". The description has its channel {}, and lacks {}.{}",
                                in_comment(channel.name),
-                               f.egress && !is_of_sender(f) ? "this delivery" : "this publisher");
+                               f.egress && !is_of_sender(f) ? "this delivery" : "this publisher",
+                               is_of_sender(f) ? warning(f) : "");
     if (channel.stands) return out + fmt::format("; of {}, see above.", in_comment(channel.name));
     if (channel.period == 0) return out + "; the Period is assumed.";
     return out + (nominal(f.busy_gap_ns) == channel.period ? ": the Period is that." : ".");
+  }
+
+  /// Others may send what only the granted publisher should, and a person may copy the addition.
+  static std::string warning(const control::Finding& f) {
+    return fmt::format(
+        " This is a fault or an attack, unless you know {}: whoever sends can forge identifiers "
+        "and addresses.",
+        in_comment(sender_of(f)));
   }
 
   static std::string draft(const Channel& channel, const Elements& elements) {

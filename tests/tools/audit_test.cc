@@ -288,7 +288,8 @@ TEST_F(AuditReportOfSenders, ANodeThatSendsForAnotherIsAPublisherToAdd) {
   EXPECT_EQ(
       addition_for(node()),
       "<!-- 0cf00417 on can1: 1 frame since 2023-11-14 22:13:22. The description has its "
-      "channel speed, and lacks this publisher. -->\n"
+      "channel speed, and lacks this publisher. This is a fault or an attack, unless you know node "
+      "23: whoever sends can forge identifiers and addresses. -->\n"
       "<Publisher name=\"truck-pgn-F004\" channel=\"speed\" network=\"truck\" node=\"23\"/>\n");
   const std::string table = table_of(node());
   EXPECT_TRUE(table.contains("0cf00417           node 23 ")) << table;
@@ -370,6 +371,13 @@ TEST_F(AuditReportOfSenders, FramesOfFurtherSendersAreARowOfTheirDelivery) {
       "<!-- 12 frames on can1 (not from the granted source) since 2023-11-14 22:13:25 of further "
       "senders of emergency-switch: what they need is not known. -->\n"))
       << additions(audit_);
+}
+
+TEST_F(AuditReportOfSenders, AnAdditionWarnsOfWhoSendsInPlaceOfAnother) {
+  EXPECT_TRUE(addition_for(station()).contains("unless you know 192.0.2.7 (02:00:5e:10:00:01):"));
+  control::Finding unknown = audit_.findings[2];
+  unknown.described = "door";
+  EXPECT_FALSE(addition_for(unknown).contains("attack")) << addition_for(unknown);
 }
 
 TEST_F(AuditReportOfSenders, AreInJson) {
