@@ -64,12 +64,14 @@ void GateEvents::on_sample(const gate_sample& sample) {
     if (parts_.gates.interface_name(p) != interface) continue;
     const std::string& network = parts_.gates.network_of(p);
     const UnknownFrames unknown = parts_.gates.unknown_frames(p);
+    // The program reports a frame before it counts it.
+    const std::uint64_t so_far =
+        std::max<std::uint64_t>(sample.audit != 0 ? unknown.would_drop : unknown.dropped, 1);
     parts_.log.warning(
         Kind::dropping,
         fmt::format("a frame that names no known subject {} {} ({}): {}, {}; {} so far",
                     sample.audit != 0 ? "would be dropped on" : "was dropped on", interface,
-                    network, frame_name(sample), many(sample.len, "byte"),
-                    sample.audit != 0 ? unknown.would_drop : unknown.dropped),
+                    network, frame_name(sample), many(sample.len, "byte"), so_far),
         {.network = network});
     return;
   }
