@@ -23,24 +23,16 @@ T load(const T& word, int order = __ATOMIC_RELAXED) {
   return __atomic_load_n(&word, order);
 }
 
-void read_words(const gate_seen& seen, UnknownFrame& frame) {
-  frame.can_id = load(seen.can_id);
-  frame.format = load(seen.format);
-}
-void read_words(const ether_seen& seen, UnknownFrame& frame) {
-  frame.subject = load(seen.subject);
-  frame.station = load(seen.station);
-  for (std::size_t i = 0; i < frame.mac.size(); ++i) frame.mac.at(i) = load(seen.mac[i]);
-}
-
-void read_words(const gate_sender& seen, UnknownFrame& frame) {
-  frame.can_id = load(seen.can_id);
-  frame.format = load(seen.format);
-}
-void read_words(const ether_sender& seen, UnknownFrame& frame) {
-  frame.subject = load(seen.subject);
-  frame.station = load(seen.station);
-  for (std::size_t i = 0; i < frame.mac.size(); ++i) frame.mac.at(i) = load(seen.mac[i]);
+/// What tells frames of an entry from others: of CAN, or of Ethernet.
+void read_words(const auto& seen, UnknownFrame& frame) {
+  if constexpr (requires { seen.can_id; }) {
+    frame.can_id = load(seen.can_id);
+    frame.format = load(seen.format);
+  } else {
+    frame.subject = load(seen.subject);
+    frame.station = load(seen.station);
+    for (std::size_t i = 0; i < frame.mac.size(); ++i) frame.mac.at(i) = load(seen.mac[i]);
+  }
 }
 
 /// nullopt if the entry is empty, or was overwritten while it was read.
