@@ -240,8 +240,8 @@ Result<void> Client::Data::use_endpoints(const PartOf& part,
   });
   part->endpoints = std::move(endpoints);
   if (publishes && std::ranges::any_of(part->endpoints, is_local)) publishers_.push_back(part);
-  close_unused_senders();
-  return done;
+  const auto kept = close_unused_senders();
+  return done ? kept : done;
 }
 
 /// Takes the endpoints of programs on the gateway. The supervision of a user that is already known
@@ -264,13 +264,16 @@ void Client::Data::use_local(const PartOf& part, const std::vector<SharedEndpoin
   }
 }
 
-void Client::Data::close_unused_senders() {
-  std::set<std::string> used;
+Result<void> Client::Data::close_unused_senders() {
+  std::set<LocalSenders::Receiver> used;
   for (const auto& weak : publishers_)
     if (const auto part = weak.lock())
       for (const SharedEndpoint& endpoint : part->endpoints)
-        if (is_local(endpoint)) used.insert(endpoint->local);
+        if (is_local(endpoint)) used.insert(LocalSenders::receiver_of(*endpoint));
   senders_.keep_only(used);
+  if (used.size() <= LocalSenders::kMost) return {};
+  return fail("programs on this gateway: there are " + std::to_string(used.size()) +
+              " receivers, and a program sends to at most " + std::to_string(LocalSenders::kMost));
 }
 
 // --- events --------------------------------------------------------------------------------------
@@ -293,7 +296,7 @@ Published Client::Data::publish(const Channel::Part& part, Octets event) {
 Sent Client::Data::send_to(const control::Endpoint& endpoint, std::uint64_t subject, Octets event) {
   if (!endpoint.local.empty()) {
     if (endpoint.frame_bytes != 0 && event.size() > endpoint.frame_bytes) return Sent::too_long;
-    return send_local(endpoint.local, subject, event) ? Sent::sent : Sent::dropped;
+    return send_local(endpoint, subject, event) ? Sent::sent : Sent::dropped;
   }
   const auto layer = layer_of(endpoint);
   if (!layer) return Sent::failed;
@@ -304,10 +307,10 @@ Sent Client::Data::send_to(const control::Endpoint& endpoint, std::uint64_t subj
 }
 
 /// Returns false if the event is lost to that receiver.
-bool Client::Data::send_local(const std::string& address, std::uint64_t subject, Octets event) {
+bool Client::Data::send_local(const control::Endpoint& to, std::uint64_t subject, Octets event) {
   const auto own = std::ranges::find_if(
-      receivers_, [&](const auto& one) { return one.second->address() == address; });
-  return own == receivers_.end() ? senders_.send(address, subject, event)
+      receivers_, [&](const auto& one) { return one.second->address() == to.local; });
+  return own == receivers_.end() ? senders_.send(to, subject, event)
                                  : own->second->send_to_itself(subject, event);
 }
 

@@ -99,8 +99,8 @@ class Client::Data {
   std::vector<Following> close(std::uint32_t ifindex);
   void renew(std::uint32_t ifindex);
   relay::Sent send_to(const control::Endpoint& endpoint, std::uint64_t subject, Octets event);
-  [[nodiscard]] bool send_local(const std::string& address, std::uint64_t subject, Octets event);
-  void close_unused_senders();
+  [[nodiscard]] bool send_local(const control::Endpoint& to, std::uint64_t subject, Octets event);
+  Result<void> close_unused_senders();
   void share_receiver(const PartOf& part);
   void hold_publishers(const PartOf& part, std::vector<std::string> granted);
   void use_local(const PartOf& part, const std::vector<SharedEndpoint>& endpoints);

@@ -5,34 +5,68 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <optional>
+#include <tuple>
 #include <utility>
 
 namespace mlcca::client {
 
-/// A receiver keeps its name when its key changes, so its sender is found by the name and goes on
-/// counting.
-bool LocalSenders::send(const std::string& address, std::uint64_t subject, Octets event) {
-  const auto at = control::local_address_in(address);
+LocalSenders::Receiver LocalSenders::receiver_of(const control::Endpoint& to) {
+  return {to.local.substr(0, control::LocalAddress::kNameDigits), to.local_user};
+}
+
+bool LocalSenders::send(const control::Endpoint& to, std::uint64_t subject, Octets event) {
+  const auto at = control::local_address_in(to.local);
   if (!at) return false;
-  auto to = by_name_.find(at->name);
-  if (to == by_name_.end()) {
-    auto sender = LocalSender::open(*at);
-    if (!sender) return false;
-    if (by_name_.size() >= kMost) by_name_.erase(by_name_.begin());
-    to = by_name_.emplace(at->name, std::move(*sender)).first;
+  auto one = senders_.find({at->name, to.local_user});
+  if (one == senders_.end()) one = add({at->name, to.local_user}, at->key);
+  if (one == senders_.end()) return false;
+  one->second.used = ++turn_;
+  LocalSender& sender = one->second.sender;
+  sender.use_key(at->key);
+  const bool is_open = sender.fd() >= 0 || open(one);
+  const auto sent = is_open ? sender.send(subject, event) : sender.lose(subject);
+  one->second.owes = sent != LocalSender::Sent::sent;
+  if (sent == LocalSender::Sent::full && is_open) wait_for_room(sender);
+  if (sent == LocalSender::Sent::gone) {
+    open_ -= is_open ? 1 : 0;
+    senders_.erase(one);
   }
-  to->second.use_key(at->key);
-  const auto sent = to->second.send(subject, event);
-  if (sent == LocalSender::Sent::full) wait_for_room(to->second);
-  if (sent == LocalSender::Sent::gone) by_name_.erase(to);
   return sent == LocalSender::Sent::sent;
 }
 
-void LocalSenders::keep_only(const std::set<std::string>& addresses) {
-  std::erase_if(by_name_, [&](const auto& one) {
-    const auto next = addresses.lower_bound(one.first);  // an address begins with the name
-    return next == addresses.end() || !next->starts_with(one.first);
+/// Returns the end if there are too many, or if no random number can be had.
+LocalSenders::Senders::iterator LocalSenders::add(const Receiver& receiver, std::uint64_t key) {
+  if (senders_.size() >= kMost) return senders_.end();
+  auto sender = LocalSender::to({.name = receiver.first, .key = key});
+  if (!sender) return senders_.end();
+  return senders_.emplace(receiver, One{.sender = std::move(*sender)}).first;
+}
+
+bool LocalSenders::open(Senders::iterator one) {
+  make_room();
+  if (!one->second.sender.open()) return false;
+  ++open_;
+  return true;
+}
+
+/// Closes the socket that was used longest ago; rather one that owes no report, for which nothing
+/// is waited.
+void LocalSenders::make_room() {
+  if (open_ < kMostOpen) return;
+  const auto order = [](const auto& one) {
+    const auto& [sender, owes, used] = one.second;
+    return std::tuple(sender.fd() < 0, owes, used);
+  };
+  const auto oldest = std::ranges::min_element(senders_, {}, order);
+  oldest->second.sender.close();
+  --open_;
+}
+
+void LocalSenders::keep_only(const std::set<Receiver>& receivers) {
+  std::erase_if(senders_, [&](const auto& one) {
+    if (receivers.contains(one.first)) return false;
+    open_ -= one.second.sender.fd() >= 0 ? 1 : 0;
+    return true;
   });
 }
 
@@ -42,14 +76,35 @@ void LocalSenders::wait_for_room(const LocalSender& sender) const {
     ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, sender.fd(), &event);
 }
 
+/// Reports what was lost to a receiver, by an open socket. Returns false if it has to wait.
+bool LocalSenders::report(Senders::iterator one) {
+  const auto sent = one->second.sender.send_notice();
+  one->second.owes = sent == LocalSender::Sent::full;
+  if (one->second.owes) wait_for_room(one->second.sender);
+  if (sent == LocalSender::Sent::gone) {
+    --open_;
+    senders_.erase(one);
+  }
+  return sent != LocalSender::Sent::full;
+}
+
+/// A socket that need not wait any more makes room for the reports of those that were closed.
 bool LocalSenders::on_room(int fd) {
-  const auto found =
-      std::ranges::find_if(by_name_, [fd](const auto& one) { return one.second.fd() == fd; });
-  if (found == by_name_.end()) return false;
-  const auto sent = found->second.send_notice();
-  if (sent == LocalSender::Sent::full) wait_for_room(found->second);
-  if (sent == LocalSender::Sent::gone) by_name_.erase(found);
-  return true;
+  const auto found = std::ranges::find_if(
+      senders_, [fd](const auto& one) { return one.second.sender.fd() == fd; });
+  if (found == senders_.end()) return false;
+  if (!report(found)) return true;
+  for (;;) {
+    const auto next = std::ranges::find_if(
+        senders_, [](const auto& one) { return one.second.owes && one.second.sender.fd() < 0; });
+    if (next == senders_.end()) return true;
+    if (!open(next)) {
+      if (!next->second.sender.is_gone()) return true;  // no descriptors are left
+      senders_.erase(next);
+    } else if (!report(next)) {
+      return true;
+    }
+  }
 }
 
 }  // namespace mlcca::client

@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The senders of a program to the receivers on the gateway.
 #pragma once
+#include <sys/types.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "base/handle.hpp"
 #include "client/local_socket.hpp"
+#include "control/messages.hpp"
 
 namespace mlcca::client {
 
@@ -18,27 +23,50 @@ namespace mlcca::client {
 class LocalSenders {
  public:
   using Octets = std::span<const std::uint8_t>;
-  /// Senders that are open at a time; if more are needed, one is closed for each that is opened.
-  /// The daemon accepts at most 32 receivers of one user for a channel.
-  static constexpr std::size_t kMost = 256;
+  /// Receivers to which a program sends; events to others are lost. The daemon accepts at most 64
+  /// for a channel.
+  static constexpr std::size_t kMost = 4096;
+  /// Sockets that are open at a time; if more are needed, the one that was used longest ago is
+  /// closed for each that is opened. The count of its receiver goes on when it is opened again.
+  static constexpr std::size_t kMostOpen = 256;
+
+  /// A receiver: the name of its socket and the user that has stated it. It keeps both when its key
+  /// changes, and then goes on counting. The user belongs to it, because any user can state the
+  /// name of another program's socket with a key of its own: what is sent there must not count as
+  /// sent to that program.
+  using Receiver = std::pair<std::string, std::optional<uid_t>>;
+  /// The receiver at a local endpoint.
+  [[nodiscard]] static Receiver receiver_of(const control::Endpoint& to);
 
   /// Senders are added to `epoll` while they wait for room. It must outlive this object.
   explicit LocalSenders(const Fd& epoll) : epoll_(epoll) {}
 
-  /// Sends an event to the address of a receiver (control::LocalAddress as text). Returns false if
-  /// the event is lost.
-  [[nodiscard]] bool send(const std::string& address, std::uint64_t subject, Octets event);
-  /// Closes the senders to all other addresses. A receiver may have ended without notice, and the
-  /// kernel may have given its name to another one.
-  void keep_only(const std::set<std::string>& addresses);
+  /// Sends an event to a local endpoint. Returns false if the event is lost.
+  [[nodiscard]] bool send(const control::Endpoint& to, std::uint64_t subject, Octets event);
+  /// Forgets all other receivers. A receiver may have ended without notice, and the kernel may have
+  /// given its name to another one.
+  void keep_only(const std::set<Receiver>& receivers);
   /// Handles room in the queue behind the descriptor. Returns false if no sender has it.
   [[nodiscard]] bool on_room(int fd);
 
  private:
+  struct One {
+    LocalSender sender;
+    bool owes = false;  ///< events were lost that the receiver does not know of
+    std::uint64_t used = 0;
+  };
+  using Senders = std::map<Receiver, One>;
+
+  Senders::iterator add(const Receiver& receiver, std::uint64_t key);
+  bool open(Senders::iterator one);
+  void make_room();
+  bool report(Senders::iterator one);
   void wait_for_room(const LocalSender& sender) const;
 
   const Fd& epoll_;
-  std::map<std::string, LocalSender, std::less<>> by_name_;
+  Senders senders_;
+  std::size_t open_ = 0;  ///< how many of them have an open socket
+  std::uint64_t turn_ = 0;
 };
 
 }  // namespace mlcca::client

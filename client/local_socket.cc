@@ -200,21 +200,41 @@ void LocalReceiver::change_key() {
   address_.clear();
 }
 
-Result<LocalSender> LocalSender::open(const control::LocalAddress& to) {
+Result<LocalSender> LocalSender::to(const control::LocalAddress& to) {
   const auto count = LocalCount::begin();
   if (!count) return std::unexpected(count.error());
+  return LocalSender(to, *count);
+}
+
+Result<LocalSender> LocalSender::open(const control::LocalAddress& to) {
+  auto sender = LocalSender::to(to);
+  if (!sender) return sender;
+  if (const auto opened = sender->open(); !opened) return std::unexpected(opened.error());
+  return sender;
+}
+
+Result<void> LocalSender::open() {
   Fd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!socket) return system_error("socket");
-  const Address receiver = address_of(to.name);
-  if (::connect(socket.get(), generic(receiver.name), receiver.size) != 0)
+  const Address receiver = address_of(to_.name);
+  if (::connect(socket.get(), generic(receiver.name), receiver.size) != 0) {
+    is_gone_ = errno == ECONNREFUSED;
     return system_error("connect");
-  return LocalSender(std::move(socket), to.key, *count);
+  }
+  socket_ = std::move(socket);
+  return {};
+}
+
+LocalSender::Sent LocalSender::lose(std::uint64_t subject) {
+  subject_ = subject;
+  ++count_.next;
+  return is_gone_ ? Sent::gone : Sent::full;
 }
 
 LocalSender::Sent LocalSender::send(std::uint64_t subject, Octets event) {
   subject_ = subject;
-  const bool sent =
-      send_event(socket_, {.key = key_, .subject = subject, .count = count_}, event, nullptr) >= 0;
+  const bool sent = send_event(socket_, {.key = to_.key, .subject = subject, .count = count_},
+                               event, nullptr) >= 0;
   const Sent how = sent ? Sent::sent : why_not();
   ++count_.next;
   return how;
@@ -224,7 +244,7 @@ LocalSender::Sent LocalSender::send_notice() {
   LocalCount count = count_;
   count.sender |= LocalCount::kNotice;
   const bool sent =
-      send_event(socket_, {.key = key_, .subject = subject_, .count = count}, {}, nullptr) >= 0;
+      send_event(socket_, {.key = to_.key, .subject = subject_, .count = count}, {}, nullptr) >= 0;
   return sent ? Sent::sent : why_not();
 }
 

@@ -101,23 +101,33 @@ class LocalSender {
     gone,  ///< no socket receives at this address any more
   };
 
-  /// Connects to a receiver. Fails if nothing receives there.
+  /// A sender without a socket, which counts from 0.
+  static Result<LocalSender> to(const control::LocalAddress& to);
+  /// As to(), connected to the receiver. Fails if nothing receives there.
   static Result<LocalSender> open(const control::LocalAddress& to);
-  [[nodiscard]] int fd() const { return socket_.get(); }
+  /// Connects to the receiver. Fails if nothing receives there, or if no descriptors are left.
+  Result<void> open();
+  /// Closes the socket. The count goes on when it is opened again.
+  void close() { socket_.reset(); }
+  [[nodiscard]] int fd() const { return socket_.get(); }  ///< -1: no socket is open
+  /// Whether open() found that nothing receives there.
+  [[nodiscard]] bool is_gone() const { return is_gone_; }
   /// Uses the new key of the receiver.
-  void use_key(std::uint64_t key) { key_ = key; }
+  void use_key(std::uint64_t key) { to_.key = key; }
   [[nodiscard]] Sent send(std::uint64_t subject, Octets event);
+  /// Counts an event for which no socket could be opened.
+  Sent lose(std::uint64_t subject);
   /// Reports to the receiver how many events were sent so far, so that it can count losses. If the
   /// result is `full`, the receiver does not know them yet.
   [[nodiscard]] Sent send_notice();
 
  private:
-  LocalSender(Fd socket, std::uint64_t key, LocalCount count)
-      : socket_(std::move(socket)), key_(key), count_(count) {}
+  LocalSender(control::LocalAddress to, LocalCount count) : to_(std::move(to)), count_(count) {}
 
   Fd socket_;
-  std::uint64_t key_;
+  control::LocalAddress to_;
   LocalCount count_;
+  bool is_gone_ = false;       ///< nothing received there when it was opened
   std::uint64_t subject_ = 0;  ///< of the latest event
 };
 

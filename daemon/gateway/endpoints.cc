@@ -133,10 +133,11 @@ std::vector<control::Endpoint> Endpoints::of_publisher(std::size_t channel,
       add_once(out, endpoint(channel, *passage.out, event_bytes(passage)));
       continue;
     }
-    for (std::string& address :
-         local_ends_.addresses(scene_.state->system().channels[channel].subject)) {
+    for (auto& [user, address] :
+         local_ends_.all(scene_.state->system().channels[channel].subject)) {
       control::Endpoint here;
       here.local = std::move(address);
+      here.local_user = user;
       here.frame_bytes = event_bytes(passage);
       add_once(out, std::move(here));
     }

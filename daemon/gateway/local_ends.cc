@@ -46,12 +46,12 @@ void LocalEnds::session_closed(std::uint64_t session) {
   }
 }
 
-std::vector<std::string> LocalEnds::addresses(core::Subject subject) const {
-  std::vector<std::string> out;
+std::vector<LocalEnds::End> LocalEnds::all(core::Subject subject) const {
+  std::vector<End> out;
   const auto known = ends_.find(subject);
   if (known == ends_.end()) return out;
   for (const auto& [session, end] : known->second.by_session)
-    if (std::ranges::find(out, end.address) == out.end()) out.push_back(end.address);
+    if (std::ranges::find(out, end) == out.end()) out.push_back(end);
   return out;
 }
 

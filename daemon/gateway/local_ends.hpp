@@ -34,15 +34,17 @@ class LocalEnds {
   [[nodiscard]] Result<void> add(const core::EventChannel& channel, uid_t user,
                                  std::uint64_t session, const std::string& address);
   void session_closed(std::uint64_t session);
-  /// The addresses with their keys, which only programs may learn that are granted on this channel
-  /// as publishers.
-  [[nodiscard]] std::vector<std::string> addresses(core::Subject subject) const;
-
- private:
+  /// An address, and the user that stated it.
   struct End {
     uid_t user = 0;
     std::string address;
+    friend bool operator==(const End&, const End&) = default;
   };
+  /// The addresses with their keys, which only programs may learn that are granted on this channel
+  /// as publishers.
+  [[nodiscard]] std::vector<End> all(core::Subject subject) const;
+
+ private:
   struct Ends {
     std::string channel;
     std::map<std::uint64_t, End> by_session;

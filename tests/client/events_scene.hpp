@@ -34,9 +34,10 @@ inline std::string reply_with(const std::vector<control::Endpoint>& endpoints) {
   return encode(control::Reply{.id = 1, .body = std::move(channels)});
 }
 
-inline control::Endpoint to_program(const std::string& address) {
+inline control::Endpoint to_program(const std::string& address, std::uint32_t user = ::getuid()) {
   control::Endpoint out;
   out.local = address;
+  out.local_user = user;
   return out;
 }
 inline control::Endpoint from_programs_of(std::uint32_t user) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Whoever is granted a channel sends to that one alone, as long as it is granted. What its
 // subscribers do not read is lost, bounded, and counted.
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <unistd.h>
@@ -15,6 +16,7 @@
 #include <vector>
 
 #include "client/local_numbers.hpp"
+#include "client/local_senders.hpp"
 #include "client/local_socket.hpp"
 #include "control/codec.hpp"
 #include "tests/client/events_scene.hpp"
@@ -149,6 +151,62 @@ TEST_F(LocalQueue, WhoHasLostItsGrantSendsInVain) {
   EXPECT_EQ(publish("button"), MLCCA_SENT);
   EXPECT_EQ(came(), std::vector<std::string>{"3 button"});
   EXPECT_EQ(missed(), 1U) << "what was sent meanwhile is counted";
+}
+
+/// The names of all sockets are in /proc/net/unix; the keys are not.
+TEST_F(LocalQueue, WhoStatesTheNameOfAnotherUsersReceiverCountsNothingForIt) {
+  const std::string own = address(3);
+  follow(3, kStop);
+  auto strange = control::local_address_in(own).value();
+  strange.key = ~strange.key;
+  const std::vector both{to_program(control::to_text(strange), ::getuid() + 1), to_program(own)};
+  ASSERT_EQ(use(publisher_, 7, MLCCA_PUBLISHER, reply_of(kStop, {}, both)), "");
+  for (int i = 0; i < 3; ++i) ASSERT_EQ(publish("go"), MLCCA_SENT);
+  EXPECT_EQ(came(), (std::vector<std::string>{"3 go", "3 go", "3 go"}));
+  EXPECT_EQ(mlcca_events_lost(subscriber_.get()), 0U);
+}
+
+/// Sockets are closed and opened again, because there are more receivers than it keeps open.
+TEST_F(LocalQueue, LossesAreCountedOfMoreReceiversThanSocketsAreOpen) {
+  constexpr std::size_t receivers = LocalSenders::kMostOpen + 44;
+  constexpr unsigned events = 700;
+  std::vector<LocalReceiver> all;
+  std::vector<control::Endpoint> to;
+  for (std::size_t i = 0; i < receivers; ++i) {
+    all.push_back(LocalReceiver::open().value());
+    to.push_back(to_program(all.back().address()));
+  }
+  ASSERT_EQ(use(publisher_, 7, MLCCA_PUBLISHER, reply_of(kStop, {}, to)), "");
+  for (unsigned i = 0; i < events; ++i) static_cast<void>(publish_of(7));
+  std::vector<std::uint8_t> buffer(LocalReceiver::kBuffer);
+  std::vector<std::uint64_t> counted(receivers);
+  const auto read_all = [&] {
+    for (std::size_t i = 0; i < receivers; ++i)
+      all[i].receive(events, buffer, [&counted, i](const LocalEvent& event) {
+        counted[i] += event.missed + (event.is_notice ? 0 : 1);
+      });
+  };
+  read_all();
+  // No event follows: the publisher reports what was lost where there is room again.
+  Came none;
+  pollfd waits{.fd = mlcca_events_fd(publisher_.get()), .events = POLLIN, .revents = 0};
+  while (std::ranges::any_of(counted, [](std::uint64_t one) { return one != events; }) &&
+         ::poll(&waits, 1, 10'000) == 1) {
+    mlcca_events_process(publisher_.get(), Came::take, &none);
+    read_all();
+  }
+  EXPECT_EQ(std::ranges::count(counted, events), receivers);
+}
+
+TEST_F(LocalQueue, MoreReceiversThanAreCountedAreRefused) {
+  std::vector<control::Endpoint> to;
+  for (std::size_t i = 0; i <= LocalSenders::kMost; ++i)
+    to.push_back(to_program(control::to_text({.name = fmt::format("{:05x}", i), .key = i})));
+  EXPECT_EQ(use(publisher_, 7, MLCCA_PUBLISHER, reply_of(kStop, {}, to)),
+            "programs on this gateway: there are 4097 receivers, and a program sends to at most "
+            "4096");
+  to.pop_back();
+  EXPECT_EQ(use(publisher_, 7, MLCCA_PUBLISHER, reply_of(kStop, {}, to)), "");
 }
 
 TEST_F(LocalQueue, AChannelThatIsGoneHasAnotherKeyAsWell) {

@@ -117,6 +117,7 @@ TEST_F(Endpoints, ProgramsOnTheGatewayReachEachOtherWithoutANetwork) {
   const auto to = of_publisher();
   ASSERT_EQ(to.size(), 2U);
   EXPECT_EQ(to[0].local, kLocal);
+  EXPECT_EQ(to[0].local_user, 4711U) << "who stated it";
   EXPECT_EQ(to[0].frame_bytes, 8U);
   EXPECT_EQ(to[1].interface, "can1");
 
