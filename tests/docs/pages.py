@@ -82,3 +82,20 @@ def named_paths(page):
         for path in re.findall(rf"`((?:{folders})/[\w./*-]+)`", line):
             if "NAME" not in path:
                 yield number, path.rstrip("/.")
+
+
+def test_cases():
+    """{suite: its cases} of all test programs, as their sources name them."""
+    suites = {}
+    for file in sorted((ROOT / "tests").rglob("*.cc")):
+        text = file.read_text(encoding="utf-8", errors="replace")
+        for suite, case in re.findall(r"^(?:TYPED_)?TEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)\)", text, re.M):
+            suites.setdefault(suite, set()).add(case)
+    return suites
+
+
+def named_cases(page):
+    """(line, suite, case) of each test that a text names as `PROGRAM: SUITE.CASE`; case may be *."""
+    text = "\n".join(line for _, line in page.text)
+    for found in re.finditer(r"`[a-z_0-9]+_test:\s+(\w+)\.(\w+|\*)`", text):
+        yield page.text[text.count("\n", 0, found.start())][0], found[1], found[2]
