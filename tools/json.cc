@@ -47,6 +47,7 @@ Json of(const control::Unknown& u) {
     out["subject"] = core::format_subject(u.subject);
     out["address"] = u.address;
     out["mac"] = u.mac;
+    out["channel"] = u.channel.empty() ? Json() : Json(u.channel);
     return out;
   }
   out["can_id"] = u.can_id;

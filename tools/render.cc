@@ -35,6 +35,10 @@ Cell frames(std::uint64_t count, Style style = Style::plain) {
 /// The first trouble of a channel now, and how many more there are.
 Cell now_cell(const control::Channel& channel) {
   if (channel.withdrawn) return {"WITHDRAWN", Style::bad};
+  if (!channel.carried_by.empty())
+    return {fmt::format("{} forwards it",
+                        printable(fmt::format("{}", fmt::join(channel.carried_by, ", ")))),
+            Style::plain};
   if (channel.troubles.empty()) return {};
   const auto more = channel.troubles.size() - 1;
   return {channel.troubles.front() + (more == 0 ? "" : fmt::format(" (and {} more)", more)),
@@ -139,6 +143,9 @@ std::string subscribers_of(const control::Channel& channel) {
 
 /// "in all 7 passed, 0 dropped; 2 would have been dropped, audit mode let them through"
 std::string frames_of(const control::Channel& channel) {
+  if (!channel.carried_by.empty())
+    return fmt::format("not counted: {} forwards it, and not this gateway",
+                       printable(fmt::format("{}", fmt::join(channel.carried_by, ", "))));
   if (channel.crosses_no_gate) return "not counted: they cross no gate of this gateway";
   auto text = fmt::format("in all {} passed, {} dropped", channel.passed, channel.dropped);
   if (channel.would_drop != 0)

@@ -134,7 +134,8 @@ std::string unknown_frames(const std::vector<control::Interface>& all, Color col
                {"FORMAT"},
                {"LENGTH", Align::right},
                {"SEEN", Align::right},
-               {"SENDER"}});
+               {"SENDER"},
+               {"CHANNEL"}});
   for (const auto& one : all)
     for (const auto& frame : one.unknown)
       table.add({{one.name},
@@ -143,7 +144,8 @@ std::string unknown_frames(const std::vector<control::Interface>& all, Color col
                  {format_of_unknown(frame)},
                  number(frame.length),
                  number(frame.frames),
-                 {print_sender(frame)}});
+                 {print_sender(frame)},
+                 {printable(frame.channel)}});
   return table.empty() ? "" : "\nunknown frames, last seen first\n" + table.text(color, "  ");
 }
 

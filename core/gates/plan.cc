@@ -349,6 +349,10 @@ void add_channel(Planner& planner, const Members& members, std::size_t channel,
 
 }  // namespace
 
+bool goes_elsewhere(const Verdict& verdict, const GateState& rules) {
+  return verdict.granted && !rules.empty() && std::ranges::none_of(rules, &GateRule::pass);
+}
+
 GateState gate_state(const System& system, const Members& members, std::size_t channel,
                      const std::vector<Verdict>& verdicts, std::size_t gateway,
                      AdmissionId without) {

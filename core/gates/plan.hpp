@@ -111,6 +111,10 @@ struct GateChanges {
 /// so a Jitter that is not stated counts as 0.
 [[nodiscard]] Value silence_here(const Verdict& verdict);
 
+/// Whether a granted delivery goes another way than over the gateway that has these rules for it:
+/// the publisher is known there, and its frames do not pass.
+[[nodiscard]] bool goes_elsewhere(const Verdict& verdict, const GateState& rules);
+
 /// Granted events of a publisher at one gateway: the entries by which their frames arrive and
 /// leave.
 struct Passage {

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "core/model/text.hpp"
 #include "daemon/gateway/pace.hpp"
 #include "daemon/gateway/report.hpp"
 #include "daemon/gateway/report_size.hpp"
@@ -13,6 +14,13 @@ namespace mlcca {
 namespace {
 
 constexpr std::size_t kChannelRow = 1024;  // typical bytes on the wire
+
+std::vector<std::string> gateways_on(const core::System& system, const core::Route& route) {
+  std::vector<std::string> out;
+  for (const core::Place& hop : route)
+    if (hop.kind == core::Place::Kind::gateway) out.push_back(core::name_of(system, hop));
+  return out;
+}
 
 }  // namespace
 
@@ -25,14 +33,20 @@ std::vector<control::Channel> ChannelReports::report(
   for (const core::Verdict* v : verdicts) {
     const auto rules =
         core::gate_state(scene_.state->system(), scene_.state->members(), *v, scene_.self);
-    control::Channel& channel =
-        out.emplace_back(channel_report(*scene_.state, *v, gates_.frames(rules, entries)));
+    control::Channel& channel = out.emplace_back(
+        channel_report(*scene_.state, *v,
+                       core::goes_elsewhere(*v, rules) ? Frames{} : gates_.frames(rules, entries)));
     channel.counts_shared = std::ranges::any_of(rules, [&](const core::GateRule& rule) {
       return std::ranges::find(entries, rule.entry) != entries.end();
     });
     // A refused delivery may have no rules because it has no tag yet, or no route.
     channel.crosses_no_gate = v->granted && rules.empty();
     if (!v->granted) continue;
+    if (core::goes_elsewhere(*v, rules)) {
+      channel.crosses_no_gate = true;
+      channel.carried_by = gateways_on(scene_.state->system(), v->route);
+      continue;
+    }
     auto supervision = health_.supervision_of(*v, rules, shared);
     channel.troubles = health_.troubles_of(*v, rules, shared, supervision);
     channel.watch = std::move(supervision.watch);

@@ -101,6 +101,7 @@ std::vector<std::string> DeliveryHealth::troubles_of(const core::Verdict& v,
                                                      const core::GateState& rules,
                                                      const Shared& shared,
                                                      const Supervision& supervision) const {
+  if (core::goes_elsewhere(v, rules)) return {};
   Observed seen;
   seen.watch = supervision.watch;
   seen.not_supervised = supervision.lacking;

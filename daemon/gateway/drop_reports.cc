@@ -144,25 +144,40 @@ void DropReports::begin_round() {
   senders_.begin_round();
 }
 
+bool DropReports::goes_elsewhere(const core::Verdict& verdict) const {
+  const core::State& state = *scene_.state;
+  return core::goes_elsewhere(
+      verdict, core::gate_state(state.system(), state.members(), verdict, scene_.self));
+}
+
 void DropReports::verdicts_changed(const core::Change& change) {
   const core::State& state = *scene_.state;
-  const std::int64_t now = clock_.monotonic_s();
   Dropped sum;
   std::set<core::GateEntry> seen;
   for (const core::Verdict& v : state.decisions()[change.channel].verdicts) {
     const core::Verdict* const old = core::same_delivery(change.before, v);
-    if (!v.granted || (old != nullptr && old->granted)) continue;
+    const bool was_elsewhere = old != nullptr && old->granted && goes_elsewhere(*old);
+    if (!v.granted || (old != nullptr && old->granted && !was_elsewhere)) continue;
     for (const core::GateRule& rule :
          core::gate_state(state.system(), state.members(), v, scene_.self)) {
       if (!seen.insert(rule.entry).second) continue;
-      const Frames frames = gates_.frames({rule});
-      sum.dropped += of_entries_.close({rule.entry, Drop::misfit}, misfits(frames), now);
-      sum.would_drop +=
-          of_entries_.close({rule.entry, Drop::would_be_misfit}, would_be_misfits(frames), now);
+      const Dropped before = pass_over(rule);
+      if (was_elsewhere) continue;
+      sum.dropped += before.dropped;
+      sum.would_drop += before.would_drop;
     }
   }
   if (sum.dropped != 0) deliveries_.dropped_before(change.channel, Fate::dropped, sum.dropped);
   if (sum.would_drop != 0) deliveries_.dropped_before(change.channel, Fate::passed, sum.would_drop);
+}
+
+/// Reports nothing of the frames that an entry has dropped so far: another gateway forwards them.
+DropReports::Dropped DropReports::pass_over(const core::GateRule& rule) {
+  const Frames frames = gates_.frames({rule});
+  const std::int64_t now = clock_.monotonic_s();
+  return {.dropped = of_entries_.close({rule.entry, Drop::misfit}, misfits(frames), now),
+          .would_drop = of_entries_.close({rule.entry, Drop::would_be_misfit},
+                                          would_be_misfits(frames), now)};
 }
 
 /// Samples each entry once, for the first verdict whose events come or leave by it; granted
@@ -178,12 +193,17 @@ void DropReports::poll(const core::Decision& decision, Reporting reporting) {
   for (const core::Verdict* v : polled.verdicts) {
     polled.rules.push_back(
         core::gate_state(scene_.state->system(), scene_.state->members(), *v, scene_.self));
+    if (core::goes_elsewhere(*v, polled.rules.back())) continue;
     for (const core::GateRule& rule : polled.rules.back()) {
       auto& of_entry = users[rule.entry];
       if (of_entry.empty()) first_to_use[v].push_back(rule);
       of_entry.push_back(v);
     }
   }
+  for (std::size_t i = 0; i < polled.verdicts.size(); ++i)
+    if (core::goes_elsewhere(*polled.verdicts[i], polled.rules[i]))
+      for (const core::GateRule& rule : polled.rules[i])
+        if (!users.contains(rule.entry)) pass_over(rule);
   for (const auto& [v, rules] : first_to_use) {
     Dropped sum;
     for (const core::GateRule& rule : rules) sample_entry(rule, users[rule.entry], reporting, sum);

@@ -101,6 +101,8 @@ class DropReports {
   void note_misfits(const core::GateEntry& entry, const core::Verdict& user, Fate fate,
                     std::uint64_t frames, const std::string& latest);
   void begin_round();
+  Dropped pass_over(const core::GateRule& rule);
+  [[nodiscard]] bool goes_elsewhere(const core::Verdict& verdict) const;
   void poll(const core::Decision& decision, Reporting reporting);
   void poll_unknown(std::size_t port, Reporting reporting);
 

@@ -45,13 +45,13 @@ void GateEvents::on_event(const gate_event& event) {
   if (!channel) return;
   std::vector<const core::Verdict*> concerned;
   std::vector<std::size_t> publishers;
-  for (const core::Verdict& v : state.decisions()[*channel].verdicts)
-    if (v.granted && parts_.gates.is_of(event, core::gate_state(state.system(), state.members(), v,
-                                                                parts_.scene.self))) {
-      concerned.push_back(&v);
-      if (std::ranges::find(publishers, v.publisher) == publishers.end())
-        publishers.push_back(v.publisher);
-    }
+  for (const core::Verdict& v : state.decisions()[*channel].verdicts) {
+    const auto rules = core::gate_state(state.system(), state.members(), v, parts_.scene.self);
+    if (!v.granted || core::goes_elsewhere(v, rules) || !parts_.gates.is_of(event, rules)) continue;
+    concerned.push_back(&v);
+    if (std::ranges::find(publishers, v.publisher) == publishers.end())
+      publishers.push_back(v.publisher);
+  }
   if (concerned.empty()) return;
   if (event.kind == GATE_E_MISSING) parts_.health.note_missing(*channel);
   const std::string names = core::names_of(state.members(), publishers);

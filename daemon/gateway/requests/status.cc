@@ -35,6 +35,11 @@ control::Status status_of(const Context& c) {
   s.last_error = c.reloads.last_error();
   if (const auto problems = c.health.problems(); !problems.empty()) s.problem = problems.front();
   s.interfaces = c.gates.report();
+  for (control::Interface& interface : s.interfaces)
+    for (control::Unknown& frame : interface.unknown)
+      if (const auto channel = c.scene.state->channel_of(frame.subject);
+          frame.subject != 0 && channel)
+        frame.channel = c.scene.state->system().channels[*channel].name;
   s.health = c.health.health(s.interfaces);
   return s;
 }

@@ -305,5 +305,68 @@ TEST_F(OnTheBench, WhatWasDroppedWhileAChannelWasRefusedIsNoReasonAfterIt) {
     EXPECT_TRUE(reason.contains("2 frames on ")) << reason << ": those that came since";
 }
 
+/// Two gateways "a" and "b" that join the same networks: a forwards the channel, this one is b.
+TEST(StandBy, WhatAnotherGatewayForwardsIsNoTroubleOfThisOne) {
+  core::System system = small_system();
+  system.gateways.push_back(system.gateways[0]);
+  system.gateways[0].name = "a";
+  system.gateways[1].name = "b";
+  for (core::Network& network : system.networks)
+    network.subscriptions.accept = core::Subscribing::gateways;
+  for (core::Gateway& gateway : system.gateways) {
+    gateway.presence = 500 * kMs;
+    for (core::Port& port : gateway.ports) port.control_uid = member().uid;
+  }
+  Bench bench(system);
+  bench.self = 1;
+  ASSERT_FALSE(bench.start());
+  const auto status = [&] {
+    return std::get<control::Status>(bench.ask(control::StatusRequest{}).reply.body);
+  };
+  const auto channel = [&] {
+    return std::get<control::Channels>(bench.ask(control::ExplainRequest{"c0"}).reply.body)
+        .channels.at(0);
+  };
+  bench.round();
+  bench.events.clear();
+  bench.gates().watched = control::Watch{.period_ns = 50 * kMs, .since_last_ns = 9'000 * kMs};
+  bench.gates().counted[1] = {.dropped = 61, .last_reason = "refused"};
+  for (int second = 0; second < 3; ++second) {
+    bench.clock.monotonic += 1'000'000'000;
+    bench.gates().counted[1].dropped += 20;
+    bench.round();
+  }
+  EXPECT_TRUE(channel().granted);
+  EXPECT_EQ(channel().carried_by, std::vector<std::string>{"a"});
+  EXPECT_EQ(channel().troubles, std::vector<std::string>{});
+  EXPECT_TRUE(channel().crosses_no_gate);
+  EXPECT_EQ(channel().dropped, 0U);
+  EXPECT_EQ(status().health.state, control::HealthState::healthy);
+  EXPECT_EQ(status().health.reasons, std::vector<std::string>{});
+  EXPECT_EQ(std::ranges::count(bench.events, "dropping"), 0);
+
+  gate_event missing{};
+  missing.kind = GATE_E_MISSING;
+  missing.subject = 1;
+  missing.silent = 9'000 * kMs;
+  bench.control().events.push_back(missing);
+  bench.daemon().gates_reported();
+  EXPECT_EQ(std::ranges::count(bench.events, "missing"), 0) << "a supervises it";
+
+  // It takes over: what was dropped until then does not differ from its grant.
+  bench.gates().watched.reset();
+  for (int step = 0; step < 300 && channel().carried_by == std::vector<std::string>{"a"}; ++step) {
+    bench.clock.monotonic += 100'000'000;
+    ASSERT_TRUE(std::holds_alternative<control::Presence>(
+        bench.ask(control::PresenceRequest{}).reply.body));
+    bench.act();
+  }
+  bench.round();
+  EXPECT_EQ(channel().carried_by, std::vector<std::string>{});
+  EXPECT_TRUE(channel().granted);
+  EXPECT_EQ(channel().troubles, std::vector<std::string>{});
+  EXPECT_EQ(std::ranges::count(bench.events, "dropping"), 0);
+}
+
 }  // namespace
 }  // namespace mlcca::test
