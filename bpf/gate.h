@@ -136,7 +136,7 @@ enum gate_mode {
  */
 enum gate_reason {
 	GATE_R_PASSED = 0,
-	GATE_R_UNKNOWN,	    /* no slot */
+	GATE_R_UNKNOWN,	    /* no slot, or (J1939) none to this destination */
 	GATE_R_IDENTIFIER,  /* priority, node, fragment or RTR differ from the grant */
 	GATE_R_SOURCE,	    /* not the granted station; egress: not the granted interface or user */
 	GATE_R_FORMAT,	    /* classic, FD or XL is not granted */

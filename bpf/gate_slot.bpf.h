@@ -8,16 +8,29 @@
 #define OF_CONTEXT skb,
 #include "bpf/decide.bpf.h"
 
+/* Whether a J1939 frame has another destination than the one that the slot states. */
+static __always_inline bool is_elsewhere(const struct gate_slot *slot, __u32 can_id)
+{
+	return profile == GATE_PROFILE_J1939 &&
+	       ((slot->id ^ can_id) & slot->mask & GATE_TP_DESTINATION);
+}
+
 /*
  * The reason for an identifier that does not fit. A slot's mask covers its key, so only such a
  * frame needs to know whether the key was the slot's. For a masked slot, the part that the mask
- * covers is the key.
+ * covers is the key. A frame with another destination is none of the slot's subject. Only a
+ * transported message keeps the slot then, because without one it would be control traffic.
  */
-static __always_inline __u32 misfit_identifier(const struct gate_slot *slot, __u32 can_id)
+static __always_inline __u32 misfit_identifier(const struct gate_slot *slot,
+					       const struct frame *frame)
 {
 	__u32 key = slot->mask & gate_key_mask(profile, slot->id);
 
-	return (slot->id ^ can_id) & key ? GATE_R_UNKNOWN : GATE_R_IDENTIFIER;
+	if ((slot->id ^ frame->can_id) & key)
+		return GATE_R_UNKNOWN;
+	return frame->format != GATE_TRANSPORT && is_elsewhere(slot, frame->can_id)
+		   ? GATE_R_UNKNOWN
+		   : GATE_R_IDENTIFIER;
 }
 
 static __always_inline __u32 fit(struct __sk_buff *skb, __u32 direction,
@@ -26,7 +39,7 @@ static __always_inline __u32 fit(struct __sk_buff *skb, __u32 direction,
 	__u32 source = frame->source, reason;
 
 	if ((frame->can_id & slot->mask) != slot->id)
-		return misfit_identifier(slot, frame->can_id);
+		return misfit_identifier(slot, frame);
 	if (direction == GATE_EGRESS) {
 		if (source != slot->source)
 			return GATE_R_SOURCE;

@@ -141,6 +141,9 @@ __noinline __u64 judge_transport(struct __sk_buff *skb, struct frame *frame, __u
 	/* A sender that is not the granted one is reported with the message's identifier. */
 	if (found >> 32 == GATE_R_IDENTIFIER || found >> 32 == GATE_R_SOURCE)
 		frame->can_id = frame->message;
+	if (found >> 32 == GATE_R_IDENTIFIER &&
+	    is_elsewhere(&table.slots[found & (GATE_SLOTS - 1)], frame->message))
+		return packed(GATE_R_UNKNOWN, direction);
 	if (found >> 32 != GATE_R_UNKNOWN)
 		return found;
 	own = decide_again(skb, frame, direction);

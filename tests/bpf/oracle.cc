@@ -96,6 +96,11 @@ bool vouched(const SlotSpec& s, std::uint32_t mark) {
   return s.source == GATE_NO_SOURCE || mark == gate_ingress_token(kToken, s.source, s.origin);
 }
 
+/// The destination of a J1939 frame is part of what a slot is for, if the slot states one.
+bool is_elsewhere(std::uint32_t profile, const SlotSpec& s, const Parsed& f) {
+  return profile == GATE_PROFILE_J1939 && bits((s.id ^ f.can_id) & s.mask, 8, 15) != 0;
+}
+
 gate_reason misfit(const SlotSpec& s, const Parsed& f, std::int64_t from, std::uint32_t mark) {
   if ((f.can_id & s.mask) != s.id) return GATE_R_IDENTIFIER;
   if (s.direction == Direction::egress) {
@@ -138,6 +143,7 @@ void decide_by_key(const World& world, Direction direction, const Parsed& f, std
       if (s.direction != direction || is_masked(world.profile, s) != masked) continue;
       if (!masked && key(world.profile, s.id) != name) continue;
       if (is_plain(world.profile) && !fits_mask(s, f.can_id)) continue;
+      if (is_elsewhere(world.profile, s, f)) continue;
       const auto reason = misfit(s, f, from, mark);
       if (reason == GATE_R_PASSED || reason > j.reason) {
         j.reason = reason;

@@ -136,6 +136,24 @@ TEST_F(GateSenders, OneThatComesBackBeginsAgain) {
   EXPECT_EQ(again->frame.count, 1U);
 }
 
+/// A PGN that is granted to one destination, sent by another node to another one (J1939-21, PDU1).
+TEST(GateSendersOfDestinations, AFrameToAnotherDestinationIsNotSentInPlaceOfTheGrantedSender) {
+  LoadedGate& gate = LoadedGate::with({.profile = GATE_PROFILE_J1939});
+  SlotSpec granted;
+  granted.pass = true;
+  granted.id = kEff | 0x00ef2105U;
+  granted.mask = kForm | 0x03ffffffU;
+  granted.subject = 1;
+  gate.admit({granted});
+  gate.run(Direction::ingress, frame(kEff | 0x18ef4433U, 8));
+  EXPECT_TRUE(enforce::refused_senders(gate.cpus()).empty());
+  const auto unknown = enforce::unknown_frames(gate.cpus());
+  ASSERT_EQ(unknown.size(), 1U);
+  EXPECT_EQ(unknown[0].can_id, kEff | 0x18ef4433U);
+  gate.run(Direction::ingress, frame(kEff | 0x18ef2133U, 8));
+  EXPECT_EQ(enforce::refused_senders(gate.cpus()).size(), 1U) << "the same destination";
+}
+
 /// A message of the transport protocol is reported as itself.
 TEST(GateSendersOfMessages, ATransportedMessageOfAnotherNodeHasItsOwnIdentifier) {
   LoadedGate& gate = LoadedGate::with({.profile = GATE_PROFILE_J1939});

@@ -128,7 +128,7 @@ std::vector<Row> rows() {
        {.pgn = 0xfecb, .control = GATE_TP_RTS, .id = 0x18ec2105},
        GATE_R_UNKNOWN},
       {"AnnouncedToAll", {to_all}, {.pgn = kPdu1}, GATE_R_PASSED},
-      {"AnnouncedToAllAndMeantForOne", {to_one}, {.pgn = kPdu1}, GATE_R_IDENTIFIER},
+      {"AnnouncedToAllAndMeantForOne", {to_one}, {.pgn = kPdu1}, GATE_R_UNKNOWN},
       {"AnnouncedToAllNodes", {to_any}, {.pgn = kPdu1}, GATE_R_PASSED},
       {"DestinationInThePgn", {to_any}, {.pgn = kPdu1 | 0x21}, GATE_R_MALFORMED},
       {"AnotherPage", {dm1}, {.id = 0x19ecff05}, GATE_R_UNKNOWN},
@@ -414,6 +414,23 @@ TEST_F(Transport, WhatIsNoChannelsIsControlTraffic) {
   EXPECT_TRUE(passes(announce({.pgn = 0xfecc})));
   EXPECT_TRUE(passes(packet(2)));
   EXPECT_EQ(counters(dm1_).passed, 2U) << "another message has begun";
+}
+
+/// The number is a channel's, whatever the destination. The frame is not said to be sent in place
+/// of the granted one.
+TEST_F(Transport, AMessageToAnotherDestinationOfAChannelsNumberIsNoControlTraffic) {
+  auto slots = control(true);
+  slots.push_back(slot(0x18122105));
+  admit(slots);
+  EXPECT_FALSE(passes(announce({.pgn = kPdu1})));
+  EXPECT_FALSE(passes(announce({.pgn = kPdu1, .control = GATE_TP_RTS, .id = 0x18ec2205})));
+  EXPECT_TRUE(enforce::refused_senders(gate_.cpus()).empty());
+  const auto unknown = enforce::unknown_frames(gate_.cpus());
+  ASSERT_EQ(unknown.size(), 2U);
+  EXPECT_EQ(unknown[0].can_id, kEff | 0x18122205);
+  EXPECT_EQ(unknown[1].can_id, kEff | 0x1812ff05);
+  EXPECT_FALSE(passes(announce({.pgn = kPdu1, .control = GATE_TP_RTS, .id = 0x18ec2106})));
+  EXPECT_EQ(enforce::refused_senders(gate_.cpus()).size(), 1U) << "another node, the same place";
 }
 
 TEST_F(Transport, WithoutControlTrafficThePgnIsReported) {
