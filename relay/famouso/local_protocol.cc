@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "relay/famouso/local_protocol.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -67,6 +69,11 @@ bool LocalSession::take_event(std::vector<Event>& events) {
     return false;
   }
   if (in_.size() < kHead) return false;
+  if (const std::uint64_t subject = from_big_endian(Octets(in_).subspan(1, kSubject));
+      subject != subject_) {
+    end(fmt::format("an event of 0x{:016x}: 0x{:016x} is announced", subject, subject_));
+    return false;
+  }
   const std::uint64_t length = from_big_endian(Octets(in_).subspan(kOpening, kHead - kOpening));
   if (length > kMostOctets) {
     end("an event of " + std::to_string(length) + " octets: at most " +

@@ -7,7 +7,7 @@
 //   52 subject[8] length[4] data[length] an event, in either direction
 //
 // The protocol has no answers. A client ends its channel by closing the connection, or by sending
-// anything that is not an event.
+// anything that is not an event of its channel.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -37,8 +37,9 @@ class LocalSession {
   /// Octets that wait for a subscriber that does not read; further events are lost.
   static constexpr std::size_t kMostWaiting = 100'000;
 
-  /// Takes received octets and adds the events of a publisher to `events`. All are events of the
-  /// connection's own channel: the subject in front of an event has no meaning, as in FAMOUSO.
+  /// Takes received octets and adds the events of a publisher to `events`. An event of another
+  /// subject than the announced one ends the connection. FAMOUSO's own handler ignores the subject
+  /// in front of an event, and sends it as one of the announced channel.
   void take(Octets octets, std::vector<Event>& events);
 
   /// Octets that are missing until the client's role is known; 0: it is known. Read no more than

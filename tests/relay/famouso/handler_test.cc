@@ -168,18 +168,16 @@ TEST_F(HandlerTest, AnEventGoesFromOneProgramToTheOthers) {
   until(*handler, [&] { return handler->channels() == 0; });
 }
 
-TEST_F(HandlerTest, TheSubjectInFrontOfAnEventMeansNothing) {
+TEST_F(HandlerTest, AnEventOfAnotherSubjectEndsTheConnection) {
   const auto handler = open();
   Tcp display(handler->port());
   take_up(*handler, display, kSubscribe);
   Tcp sonar(handler->port());
   take_up(*handler, sonar, kAnnounce);
   sonar.say("\x52XXXXXXXX\0\0\0\1z"sv);
-  until(*handler, [&] {
-    return display.heard() ==
-           "\x52"
-           "Distance\0\0\0\1z"sv;
-  });
+  until(*handler, [&] { return sonar.is_closed(); });
+  EXPECT_TRUE(has_said("an event of 0x5858585858585858: 0x44697374616e6365 is announced"));
+  EXPECT_EQ(display.heard(), "");
 }
 
 TEST_F(HandlerTest, WhatIsRefusedIsDroppedAndSaidOnce) {

@@ -50,11 +50,21 @@ TEST_F(LocalProtocol, AnEventGoesFromAPublisherToASubscriberAsInFamouso) {
                                  from_hex("52 44 69 73 74 61 6E 63 65 00 00 00 03 61 62 63")));
 }
 
-TEST_F(LocalProtocol, TheSubjectOfAnEventMeansNothingAndItMayBeEmpty) {
-  take("56 44 69 73 74 61 6E 63 65 52 58 58 58 58 58 58 58 58 00 00 00 00");
+TEST_F(LocalProtocol, AnEventMayBeEmpty) {
+  take("56 44 69 73 74 61 6E 63 65 52 44 69 73 74 61 6E 63 65 00 00 00 00");
   ASSERT_EQ(events_.size(), 1U);
   EXPECT_TRUE(events_[0].empty());
-  EXPECT_EQ(session_.subject(), kDistance);
+}
+
+/// FAMOUSO's handler sends it as an event of the announced channel.
+TEST_F(LocalProtocol, AnEventOfAnotherSubjectEndsTheChannelAndGoesNowhere) {
+  take("56 44 69 73 74 61 6E 63 65 52 44 69 73 74 61 6E 63 65 00 00 00 01 61");
+  take("52 44 69 73 74 61 6E 63 66 00 00 00 01 62 52 44 69 73 74 61 6E 63 65 00 00 00 01 63");
+  ASSERT_EQ(events_.size(), 1U);
+  EXPECT_EQ(text_of(events_[0]), "a");
+  EXPECT_EQ(session_.role(), Role::ended);
+  EXPECT_EQ(session_.why(), "an event of 0x44697374616e6366: 0x44697374616e6365 is announced");
+  EXPECT_EQ(session_.kept(), 0U);
 }
 
 TEST_F(LocalProtocol, MessagesComeInAnyPieces) {
