@@ -92,6 +92,7 @@ Client::~Client() = default;
 
 int Client::fd() const { return connection_->fd(); }
 bool Client::is_connected() const { return connection_->is_connected(); }
+std::uint64_t Client::lost() const { return connection_->data().lost(); }
 
 void Client::process() {
   const auto connection = connection_;  // keeps it alive: a handler may destroy this client
@@ -134,7 +135,7 @@ void Channel::receive(std::function<void(const Event&)> handler) {
 
 std::uint64_t Channel::losses() const {
   const auto connection = part_->connection.lock();
-  return connection ? connection->data().lost() : 0;
+  return connection ? connection->data().lost(part_) : part_->lost_events;
 }
 
 std::shared_ptr<const Answer> Channel::take_up() {

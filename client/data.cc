@@ -140,7 +140,25 @@ Result<relay::Layer*> Client::Data::renewed_layer_of(const control::Endpoint& en
 
 // --- who sends and receives where ----------------------------------------------------------------
 
+/// An interface from which a channel receives by several endpoints counts once.
+std::uint64_t Client::Data::lost_on_networks(const std::weak_ptr<Channel::Part>& part,
+                                             std::optional<std::uint32_t> only) const {
+  std::map<std::uint32_t, std::uint64_t> before;  // by interface
+  for (const auto& [follower, one] : following_) {
+    const std::uint32_t ifindex = one.endpoint->ifindex;
+    if (!is_same(one.part, part) || ifindex != only.value_or(ifindex)) continue;
+    const auto at = before.try_emplace(ifindex, one.lost_before).first;
+    at->second = std::min(at->second, one.lost_before);
+  }
+  std::uint64_t all = 0;
+  for (const auto& [ifindex, lost] : before)
+    if (const auto layer = layers_.find(ifindex); layer != layers_.end())
+      all += layer->second.layer->losses().all() - lost;
+  return all;
+}
+
 void Client::Data::leave(const std::weak_ptr<Channel::Part>& part) {
+  if (const auto left = part.lock()) left->lost_events += lost_on_networks(part);
   std::erase_if(following_, [&](const auto& one) {
     const auto& [follower, following] = one;
     if (!is_same(following.part, part)) return false;
@@ -166,6 +184,11 @@ std::vector<Client::Data::Following> Client::Data::close(std::uint32_t ifindex) 
   const auto known = layers_.find(ifindex);
   if (known == layers_.end()) return former;
   other_losses_ += known->second.layer->losses().all();
+  std::set<PartOf> concerned;
+  for (const auto& [follower, one] : following_)
+    if (auto part = one.part.lock(); part && one.endpoint->ifindex == ifindex)
+      concerned.insert(std::move(part));
+  for (const PartOf& part : concerned) part->lost_events += lost_on_networks(part, ifindex);
   layers_.erase(known);
   std::erase_if(following_, [&](auto& one) {
     if (one.second.endpoint->ifindex != ifindex) return false;
@@ -182,10 +205,12 @@ void Client::Data::renew(std::uint32_t ifindex) {
     const auto part = one.part.lock();
     if (!part) continue;
     const auto layer = layer_of(*one.endpoint);
-    if (layer && (*layer)->follow(++last_, *one.endpoint, one.subject, kMostLocalBytes))
+    if (layer && (*layer)->follow(++last_, *one.endpoint, one.subject, kMostLocalBytes)) {
+      one.lost_before = (*layer)->losses().all();
       following_.emplace(last_, std::move(one));
-    else
+    } else {
       part->endpoints.clear();
+    }
   }
 }
 
@@ -212,7 +237,8 @@ Result<void> Client::Data::use_endpoint(const PartOf& part, const SharedEndpoint
   if (!layer) return std::unexpected(layer.error());
   if (part->request.role == control::Role::publisher) return {};
   auto followed = (*layer)->follow(++last_, *endpoint, part->subject, kMostLocalBytes);
-  if (followed) following_.emplace(last_, Following{part, endpoint, part->subject});
+  if (followed)
+    following_.emplace(last_, Following{part, endpoint, part->subject, (*layer)->losses().all()});
   return followed;
 }
 
@@ -334,11 +360,14 @@ void Client::Data::take_local(const LocalReceiver& receiver, const LocalEvent& e
     is_known = true;
     one.source.miss(event.missed, now);
     if (!event.is_notice) {
-      if (one.source.takes(event.octets.size(), when, now))
+      if (one.source.takes(event.octets.size(), when, now)) {
         arrived_.push_back({one.part, {}, {event.octets.begin(), event.octets.end()}, when});
-      else
+      } else {
         ++other_losses_;
+        ++part->lost_events;
+      }
     }
+    part->lost_events += event.missed;
     if (const auto due = one.source.due()) supervise_at(*due, now);
   }
   if (is_known) other_losses_ += event.missed;
@@ -379,7 +408,7 @@ std::vector<Client::Data::Happened> Client::Data::take_happened() {
 void Client::Data::take(const relay::Layer::Arrival& arrival) {
   const auto known = following_.find(arrival.follower);
   if (known == following_.end()) return;
-  const auto& [part, endpoint, subject] = known->second;
+  const auto& [part, endpoint, subject, lost_before] = known->second;
   arrived_.push_back({part,
                       endpoint->network,
                       {arrival.event.begin(), arrival.event.end()},
@@ -449,6 +478,10 @@ void Client::Data::call_handlers() {
       throw;
     }
   }
+}
+
+std::uint64_t Client::Data::lost(const PartOf& part) const {
+  return part->lost_events + lost_on_networks(part);
 }
 
 std::uint64_t Client::Data::lost() const {

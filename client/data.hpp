@@ -58,6 +58,9 @@ class Client::Data {
   [[nodiscard]] bool has_waiting() const { return !arrived_.empty(); }
   /// Losses of all interfaces and local deliveries since this object was made.
   [[nodiscard]] std::uint64_t lost() const;
+  /// Losses of a subscriber: of programs on the gateway those of its own channel; of the interfaces
+  /// from which it receives all of them while it does, since they may be of any channel there.
+  [[nodiscard]] std::uint64_t lost(const PartOf& part) const;
 
  private:
   using Follower = relay::Layer::Follower;
@@ -66,6 +69,7 @@ class Client::Data {
     std::weak_ptr<Channel::Part> part;
     SharedEndpoint endpoint;
     std::uint64_t subject = 0;
+    std::uint64_t lost_before = 0;  ///< losses of the interface when the channel began to receive
   };
 
   /// A subscriber and the programs of one user on the gateway that it receives from.
@@ -94,6 +98,9 @@ class Client::Data {
   Result<relay::Layer*> renewed_layer_of(const control::Endpoint& endpoint);
   Result<void> use_endpoint(const PartOf& part, const SharedEndpoint& endpoint);
   Result<void> use_endpoints(const PartOf& part, std::vector<control::Endpoint> stated);
+  /// What interfaces have lost since the channel receives from them.
+  [[nodiscard]] std::uint64_t lost_on_networks(const std::weak_ptr<Channel::Part>& part,
+                                               std::optional<std::uint32_t> only = {}) const;
   void leave(const std::weak_ptr<Channel::Part>& part);
   void leave_expired();
   std::vector<Following> close(std::uint32_t ifindex);

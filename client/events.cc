@@ -165,6 +165,11 @@ size_t mlcca_events_happened(mlcca_events* events, uint64_t* end, void* reply, s
   return 0;
 }
 
+uint64_t mlcca_events_lost_of(const mlcca_events* events, uint64_t end) {
+  const auto known = events->ends.find(end);
+  return known == events->ends.end() ? 0 : events->data.lost(known->second);
+}
+
 uint64_t mlcca_events_lost(const mlcca_events* events) {
   return events->data.lost() + events->without_memory;
 }

@@ -29,7 +29,9 @@ struct Channel::Part {
   /// Subscriber: receives from programs on the gateway. Subscribers of the same channel share it.
   std::shared_ptr<LocalReceiver> local;
   std::vector<std::string> local_publishers;  ///< publishers on this gateway that are granted
-  std::uint64_t asked = 0;                    ///< id of the pending request; 0: none
+  std::uint64_t lost_events = 0;  ///< of programs on the gateway, and those of networks from which
+                                  ///< it does not receive any more
+  std::uint64_t asked = 0;        ///< id of the pending request; 0: none
   bool outdated = false;  ///< something has changed since the pending request was sent: ask again
   bool failed = false;    ///< the daemon could not answer, or its answer could not be applied: ask
                           ///< again later

@@ -104,6 +104,14 @@ TEST_F(LocalQueue, AFloodOfOneChannelTakesNothingFromAnother) {
   while (is_readable())
     for (std::string& one : came()) all.push_back(std::move(one));
   EXPECT_EQ(std::ranges::count(all, "4 go"), 1);
+  Came none;
+  mlcca_events_process(publisher_.get(), Came::take, &none);  // it reports what was lost
+  static_cast<void>(came());
+  const std::uint64_t lost = mlcca_events_lost(subscriber_.get());
+  EXPECT_GT(lost, 0U);
+  EXPECT_EQ(mlcca_events_lost_of(subscriber_.get(), 3), lost);
+  EXPECT_EQ(mlcca_events_lost_of(subscriber_.get(), 4), 0U) << "each channel has its own count";
+  EXPECT_EQ(mlcca_events_lost_of(subscriber_.get(), 5), 0U);
 }
 
 TEST_F(LocalQueue, WhatABurstLosesIsReportedThoughNothingFollows) {

@@ -180,6 +180,8 @@ TEST(LocalEvents, WhatIsTooLongOrTooMuchIsCounted) {
   EXPECT_EQ(causes(all), std::vector<std::string>{"policed"});
   EXPECT_EQ(all[0].frames, 1U);
   EXPECT_EQ(program.subscriber.lost(), 2U);
+  EXPECT_EQ(program.client.lost(), 2U);
+  EXPECT_EQ(SubscriberChannel(program.client, "other").lost(), 0U);
   EXPECT_EQ(program.came, std::vector<std::string>{"go"});
 }
 

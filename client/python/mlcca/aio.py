@@ -63,7 +63,7 @@ class SubscriberChannel(Channel):
     @property
     def lost(self) -> int:
         """How much was lost, including events that were not taken in time; see mlcca.SubscriberChannel.lost."""
-        return self._client._session.sockets.lost() + self._part.untaken
+        return self._client._session.sockets.lost_of(self._part.number) + self._part.untaken
 
 
 class Client:

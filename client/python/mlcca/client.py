@@ -69,10 +69,11 @@ class SubscriberChannel(Channel):
 
     @property
     def lost(self) -> int:
-        """How much was lost on the way to this client: frames and events that were incomplete, malformed or lost in a socket;
-        events of programs on the gateway that were longer than the channel's MaxPayload, exceeded what is admitted, or were
-        missed; and events of this channel that the program did not take."""
-        return self._client._session.sockets.lost() + self._part.untaken
+        """How much was lost on the way to this channel. From programs on the gateway: its events that were longer than its
+        MaxPayload, exceeded what is admitted, or were missed. From the networks that it receives from: frames and events that
+        were incomplete, malformed or lost in a socket; the channels of a client on one network share its socket, so each of
+        them counts all that was lost there. And events of this channel that the program did not take."""
+        return self._client._session.sockets.lost_of(self._part.number) + self._part.untaken
 
 
 class Client:

@@ -32,6 +32,7 @@ def _load() -> ctypes.CDLL:
                                     ("publish", ctypes.c_int, (events, end, data, size)),
                                     ("process", None, (events, _OnEvent, ctypes.c_void_p)),
                                     ("happened", size, (events, ctypes.POINTER(end), data, size)),
+                                    ("lost_of", ctypes.c_uint64, (events, end)),
                                     ("lost", ctypes.c_uint64, (events,))):
         function = getattr(library, f"mlcca_events_{name}")
         function.restype, function.argtypes = result, arguments
@@ -126,6 +127,9 @@ class Events:
                 continue
             head = next(i for i, byte in enumerate(reply.raw) if byte < 128) + 1
             out.append((end.value, control_pb2.Reply.FromString(reply.raw[head:size]).event))
+
+    def lost_of(self, end: int) -> int:
+        return int(self._library.mlcca_events_lost_of(self._events, end)) if self._events else 0
 
     def lost(self) -> int:
         return int(self._library.mlcca_events_lost(self._events)) if self._events else 0

@@ -183,6 +183,9 @@ class MLCCA_API Client {
   void wait(std::chrono::milliseconds time);
   /// Whether there is a connection to the daemon at present.
   [[nodiscard]] bool is_connected() const;
+  /// How much was lost on the way to or from all channels of this Client, each loss counted once;
+  /// see SubscriberChannel::lost(). Counts also J1939 messages that could not be sent completely.
+  [[nodiscard]] std::uint64_t lost() const;
 
  private:
   friend class Channel;
@@ -269,10 +272,11 @@ class MLCCA_API SubscriberChannel : public Channel {
   /// Client::process() and wait() call it for each event, in the order in which they arrived from a
   /// network. It may destroy the channel.
   void on_event(EventHandler handler) { receive(std::move(handler)); }
-  /// How much was lost on the way to any channel of this Client, since the Client was made. From
-  /// networks: frames and events that were incomplete, malformed or lost in a socket of this
-  /// process. From programs on the gateway: events that were longer than the channel's MaxPayload,
-  /// exceeded what is admitted, or were missed.
+  /// How much was lost on the way to this channel. From programs on the gateway: its events that
+  /// were longer than its MaxPayload, exceeded what is admitted, or were missed. From the networks
+  /// that it receives from: frames and events that were incomplete, malformed or lost in a socket
+  /// of this process. The channels of this Client on one network share its socket, so that each of
+  /// them counts all that was lost there while it was granted.
   [[nodiscard]] std::uint64_t lost() const { return losses(); }
 };
 

@@ -85,10 +85,14 @@ MLCCA_API void mlcca_events_process(struct mlcca_events* events, mlcca_on_event 
 MLCCA_API size_t mlcca_events_happened(struct mlcca_events* events, uint64_t* end, void* reply,
                                        size_t size);
 
-/* How much was lost since `events` was made: frames and events that were incomplete, malformed or
- * lost in a socket; events of programs on the gateway that were longer than the channel's
- * MaxPayload, exceeded what is admitted, or were missed; and one for each call that ran out of
- * memory. */
+/* How much was lost on the way to one endpoint: its own events of programs on the gateway, and
+ * everything that was lost on the networks from which it receives while it does, because the
+ * endpoints of a network share a socket. 0 for an unknown endpoint. */
+MLCCA_API uint64_t mlcca_events_lost_of(const struct mlcca_events* events, uint64_t end);
+/* How much was lost since `events` was made, of all endpoints, each loss counted once: frames and
+ * events that were incomplete, malformed or lost in a socket; events of programs on the gateway
+ * that were longer than the channel's MaxPayload, exceeded what is admitted, or were missed; and
+ * one for each call that ran out of memory. */
 MLCCA_API uint64_t mlcca_events_lost(const struct mlcca_events* events);
 
 #ifdef __cplusplus
