@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
+#include <sys/random.h>
 #include <sys/socket.h>
 #include <sys/timerfd.h>
 
@@ -36,6 +37,20 @@ constexpr std::size_t kMostOfTurn = std::size_t{1} << 20;
 constexpr std::size_t kMostRows = std::size_t{1} << 18;
 /// The longest wait. It fits poll(2) and does not overflow the clock.
 constexpr milliseconds kLongest(std::chrono::hours(24));
+
+/// What cannot be used, such as a port that another program holds, is tried again after so many
+/// times the longest delay of a connection.
+constexpr int kLonger = 5;
+/// How many pings fit into the time within which the daemon must answer.
+constexpr int kPingsOfTime = 5;
+
+/// Shortens a delay by up to a quarter at random.
+milliseconds shortened(milliseconds delay) {
+  std::uint32_t random = 0;
+  if (::getrandom(&random, sizeof random, GRND_NONBLOCK) != sizeof random) return delay;
+  const milliseconds by = delay / 4 * (random % 1024) / 1024;
+  return std::max(delay - by, milliseconds(1));
+}
 
 std::string text_of(int error) { return std::strerror(error); }  // NOLINT(concurrency-mt-unsafe)
 
@@ -70,12 +85,14 @@ Client::Connection::Connection(Options options)
     : options_(std::move(options)),
       epoll_(::epoll_create1(EPOLL_CLOEXEC)),
       timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)),
+      supervision_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)),
       noticed_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-  if (!epoll_ || !timer_ || !noticed_ || !add_to(epoll_, timer_, EPOLLIN) ||
-      !add_to(epoll_, noticed_, EPOLLIN))
+  if (!epoll_ || !timer_ || !supervision_ || !noticed_ || !add_to(epoll_, timer_, EPOLLIN) ||
+      !add_to(epoll_, supervision_, EPOLLIN) || !add_to(epoll_, noticed_, EPOLLIN))
     throw std::system_error(errno, std::system_category(), "a connection to mlccad");
   options_.first_retry = std::clamp(options_.first_retry, milliseconds(1), kLongest);
   options_.longest_retry = std::clamp(options_.longest_retry, options_.first_retry, kLongest);
+  options_.answers_within = std::min(options_.answers_within, kLongest);
   retry_ = options_.first_retry;
 }
 
@@ -96,12 +113,14 @@ void Client::Connection::connect(Try why) {
   }
   socket_ = std::move(socket);
   start_timer(timer_, milliseconds(0));
+  heard_ = Clock::now();
+  supervise();
   for (const PartOf& part : parts()) ask(part);
   flush();
 }
 
 void Client::Connection::retry_later(Try after) {
-  start_timer(timer_, retry_);
+  start_timer(timer_, shortened(retry_));
   if (after == Try::planned) retry_ = std::min(retry_ * 2, options_.longest_retry);
 }
 
@@ -112,15 +131,57 @@ void Client::Connection::lose(const std::string& why, Try after) {
   out_.clear();
   asked_.clear();
   retry_later(after);
+  start_timer(supervision_, milliseconds(0));
+  ping_ = 0;
+  hangs_ = false;
   for (const PartOf& part : parts()) {
-    const State before = part->answer.state();
     part->asked = 0;
     part->outdated = part->failed = false;
+  }
+  note_gone(why);
+}
+
+void Client::Connection::note_gone(const std::string& why) {
+  for (const PartOf& part : parts()) {
+    const State before = part->answer.state();
     part->lost = true;
     part->answer = KeptAnswer(no_daemon(why));
     if (before == State::no_daemon || before == State::unannounced) continue;
     part->note(Cause::daemon_gone, why);
   }
+}
+
+// --- a daemon that hangs -------------------------------------------------------------------------
+
+/// Octets have come from the daemon. If it had hung, the decisions may have changed.
+void Client::Connection::hear() {
+  heard_ = Clock::now();
+  if (!std::exchange(hangs_, false)) return;
+  for (const PartOf& part : parts()) ask_again(part);
+  supervise();
+}
+
+/// Asks the daemon if it was silent for a while, and gives it up if it does not answer. The
+/// connection stays, and no further ping is sent: the daemon answers when it runs again. Everything
+/// that has come must have been received, because this program may have slept itself.
+void Client::Connection::supervise() {
+  if (!socket_ || !is_supervised() || !knows_pings_ || hangs_) return;
+  const auto now = Clock::now();
+  const auto pause = std::max(options_.answers_within / kPingsOfTime, milliseconds(1));
+  if (ping_ == 0 && now - heard_ >= pause) {
+    ping_ = ++last_id_;
+    pinged_ = now;
+    out_ += control::encode(control::Request{ping_, control::PingRequest{}, false});
+  }
+  const auto silent_since = ping_ == 0 ? heard_ : std::max(heard_, pinged_);
+  const auto due = silent_since + (ping_ == 0 ? pause : options_.answers_within);
+  if (ping_ != 0 && now >= due) {
+    hangs_ = true;
+    note_gone("mlccad does not answer: nothing has come from it for " +
+              std::to_string(options_.answers_within.count()) + " ms");
+    return;
+  }
+  start_timer(supervision_, std::chrono::ceil<milliseconds>(due - now));
 }
 
 // --- channels ------------------------------------------------------------------------------------
@@ -195,8 +256,11 @@ void Client::Connection::turn() {
   if (socket_ && due)
     for (const PartOf& part : parts())
       if (part->failed) ask(part);
+  const bool is_to_supervise =
+      ::read(supervision_.get(), &expired, sizeof expired) == sizeof expired;
   if (socket_) flush();
   if (socket_) receive();
+  if (socket_ && is_to_supervise) supervise();
   if (socket_) flush();
   if (has_exceptions()) wake();
 }
@@ -210,6 +274,7 @@ void Client::Connection::receive() {
     if (n > 0) {
       received += static_cast<std::size_t>(n);
       in_.commit(static_cast<std::size_t>(n));
+      hear();
       take_replies();
     } else {
       lose(n == 0 ? "mlccad closed the connection" : text_of(errno));
@@ -288,7 +353,12 @@ void Client::Connection::on_reply(control::Reply reply) {
     on_event(*event);
     return;
   }
+  if (ping_ != 0 && reply.id == ping_) {
+    ping_ = 0;
+    return;
+  }
   if (reply.id == 0) {
+    if (ping_ != 0) knows_pings_ = false;
     const auto* error = std::get_if<control::Error>(&reply.body);
     lose(error == nullptr ? "mlccad sent a reply without a request" : error->message);
     return;
@@ -349,7 +419,7 @@ void Client::Connection::carry(const PartOf& part, const control::Reply& reply) 
     part->outdated = true;
   if (!done) {
     part->failed = true;
-    start_timer(timer_, options_.longest_retry);
+    start_timer(timer_, kLonger * options_.longest_retry);
   }
   if (part->problem == problem) return;
   part->problem = problem;

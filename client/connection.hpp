@@ -58,6 +58,10 @@ class Client::Connection {
   void connect(Try why);
   void lose(const std::string& why, Try after = Try::planned);
   void retry_later(Try after);
+  void note_gone(const std::string& why);
+  void hear();
+  void supervise();
+  [[nodiscard]] bool is_supervised() const { return options_.answers_within.count() > 0; }
   void ask(const PartOf& part);
   void receive();
   void take_replies();
@@ -80,8 +84,9 @@ class Client::Connection {
 
   Options options_;
   Fd epoll_;
-  Fd timer_;    ///< expires when it is time to connect, or to ask again for channels that failed
-  Fd noticed_;  ///< eventfd, readable while exceptions wait for handlers
+  Fd timer_;  ///< expires when it is time to connect, or to ask again for channels that failed
+  Fd supervision_;  ///< timer: it is time to ask whether the daemon answers, or to give it up
+  Fd noticed_;      ///< eventfd, readable while exceptions wait for handlers
   Fd socket_;
   /// Delay before the next attempt to connect.
   std::chrono::milliseconds retry_;
@@ -90,6 +95,12 @@ class Client::Connection {
   /// Encoded requests that are not sent yet.
   std::string out_;
   std::uint64_t last_id_ = 0;
+  std::uint64_t ping_ = 0;  ///< id of the pending ping; 0: none
+  /// When the latest octets came from the daemon, and when the ping was sent.
+  Clock::time_point heard_;
+  Clock::time_point pinged_;
+  bool hangs_ = false;       ///< it has not answered the ping in time
+  bool knows_pings_ = true;  ///< false: an older daemon, which closes the connection instead
   /// Pending requests by their ids.
   std::map<std::uint64_t, Asked> asked_;
   std::vector<std::weak_ptr<Channel::Part>> parts_;

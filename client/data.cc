@@ -69,7 +69,9 @@ bool Client::Data::watch(int fd) const {
 std::string Client::Data::address(const PartOf& part) {
   if (!part->local || part->local->address().empty()) {
     auto receiver = LocalReceiver::open();
-    if (!receiver || !watch(receiver->fd())) return {};
+    const bool is_watched = receiver && watch(receiver->fd());
+    why_no_receiver_ = receiver ? "epoll" : receiver.error().text;
+    if (!is_watched) return {};
     part->local = std::make_shared<LocalReceiver>(std::move(*receiver));
     receivers_[part->local->fd()] = part->local;
     if (part->subject != 0) share_receiver(part);
@@ -227,7 +229,7 @@ Result<void> Client::Data::use(const PartOf& part, const control::Reply& reply) 
   hold_publishers(part, granted_here(channels->channels));
   auto done = use_endpoints(part, channels->endpoints);
   if (done && !part->local && std::ranges::any_of(part->endpoints, is_of_programs))
-    return fail("programs on this gateway: there are no file descriptors left");
+    return fail("programs on this gateway: " + why_no_receiver_);
   return done;
 }
 

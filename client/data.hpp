@@ -125,7 +125,8 @@ class Client::Data {
   /// The receivers by their descriptors. They stay open as long as the client exists, because the
   /// daemon knows their addresses.
   std::map<int, std::shared_ptr<LocalReceiver>> receivers_;
-  std::vector<std::uint8_t> buffer_;  ///< receive buffer, shared by all receivers
+  std::string why_no_receiver_ = "no socket";  ///< why the latest one could not be opened
+  std::vector<std::uint8_t> buffer_;           ///< receive buffer, shared by all receivers
   LocalSenders senders_;
   std::map<std::uint32_t, relay::OpenedLayer> layers_;  ///< by interface index
   std::uint64_t other_losses_ = 0;  ///< losses of layers that were closed, and of local deliveries

@@ -3,6 +3,7 @@
 
 #include <linux/filter.h>
 #include <sys/random.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 
@@ -10,6 +11,7 @@
 #include <cerrno>
 #include <cstring>
 #include <ctime>
+#include <string>
 #include <utility>
 
 #include "base/big_endian.hpp"
@@ -52,6 +54,15 @@ Result<void> accept_only(const Fd& socket, std::uint64_t key) {
   if (::setsockopt(socket.get(), SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) != 0)
     return system_error("SO_ATTACH_FILTER");
   return {};
+}
+
+std::unexpected<Error> no_socket(int error) {
+  auto why = system_error("socket", error);
+  rlimit most{};
+  if (error != EMFILE || ::getrlimit(RLIMIT_NOFILE, &most) != 0) return why;
+  return fail(why.error().text +
+              " (each subscribed channel takes a file descriptor, and this process may have " +
+              std::to_string(most.rlim_cur) + ")");
 }
 
 /// The user that sent a message; -1 if the kernel does not state it.
@@ -120,7 +131,7 @@ ssize_t send_event(const Fd& socket, const Header& header, std::span<const std::
 
 Result<LocalReceiver> LocalReceiver::open() {
   Fd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (!socket) return system_error("socket");
+  if (!socket) return no_socket(errno);
   const int on = 1;
   for (const int option : {SO_PASSCRED, SO_TIMESTAMPNS})
     if (::setsockopt(socket.get(), SOL_SOCKET, option, &on, sizeof on) != 0)

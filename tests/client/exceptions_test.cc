@@ -232,6 +232,27 @@ TEST(Exceptions, AnnouncingInVainPutsNothingOff) {
   EXPECT_EQ(causes(exceptions(client, stop, 1)), Texts{"daemon back"});
 }
 
+/// Its connections stay, and its gates too, until the grace is over.
+TEST(Exceptions, ADaemonThatHangsIsGoneAndIsBackWhenItAnswersAgain) {
+  Scene scene(
+      {{{channels({delivery("robot-can", true)})}}, {{channels({delivery("robot-can", false)})}}});
+  Options options = scene.options();
+  options.answers_within = milliseconds(200);
+  Client client(options);
+  PublisherChannel stop(client, "stop");
+  ASSERT_EQ(stop.announce()->state, State::granted);
+  scene.hang(true);
+  const auto gone = exceptions(client, stop, 1);
+  EXPECT_EQ(causes(gone), Texts{"daemon gone"});
+  EXPECT_EQ(gone[0].text, "mlccad does not answer: nothing has come from it for 200 ms");
+  EXPECT_EQ(stop.answer()->state, State::no_daemon);
+  EXPECT_TRUE(client.is_connected()) << "it would fill the queue of its socket otherwise";
+  scene.hang(false);
+  const auto back = exceptions(client, stop, 1);
+  EXPECT_EQ(causes(back), Texts{"daemon back"});
+  EXPECT_EQ(back[0].answer->state, State::refused) << "the decision may be another one";
+}
+
 TEST(Exceptions, WhatADaemonCannotAnswerIsAskedForLater) {
   Scene scene({{{error(control::ErrorKind::world, "no memory")}},
                {{channels({delivery("robot-can", true)})}}});

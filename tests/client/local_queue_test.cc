@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -204,6 +205,21 @@ TEST_F(LocalQueue, LossesAreCountedOfMoreReceiversThanSocketsAreOpen) {
     read_all();
   }
   EXPECT_EQ(std::ranges::count(counted, events), receivers);
+}
+
+TEST_F(LocalQueue, WithoutADescriptorTheLimitIsNamed) {
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit few{.rlim_cur = 3, .rlim_max = before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &few), 0);
+  EXPECT_EQ(address(9), "");
+  EXPECT_EQ(
+      use(subscriber_, 9, MLCCA_SUBSCRIBER,
+          reply_of(kOther, {"lever"}, {from_programs_of(::getuid())})),
+      "programs on this gateway: socket: Too many open files (each subscribed channel takes a "
+      "file descriptor, and this process may have 3)");
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_NE(address(9), "");
 }
 
 TEST_F(LocalQueue, MoreReceiversThanAreCountedAreRefused) {

@@ -58,6 +58,9 @@ class Daemon:
         self.path = path or os.path.join(self.folder.name, "control.sock")
         self.answers = list(answers)
         self.requests = []
+        self.pings, self.knows_pings = 0, True
+        self.runs = threading.Event()  # cleared: it hangs
+        self.runs.set()
         self.listener = socket.socket(socket.AF_UNIX)
         self.listener.bind(self.path)
         self.listener.listen()
@@ -77,6 +80,14 @@ class Daemon:
     def serve(self, stream):
         while head := stream.read(1):
             request = control_pb2.Request.FromString(stream.read(head[0]))
+            self.runs.wait()
+            if request.HasField("ping"):
+                self.pings += 1
+                if not self.knows_pings:
+                    self.connection.sendall(encode(error("this request is unknown")))
+                    return
+                self.connection.sendall(encode(control_pb2.Reply(id=request.id, done=control_pb2.Done())))
+                continue
             self.requests.append(request)
             answer = self.answers.pop(0) if len(self.answers) > 1 else self.answers[0]
             for reply in answer:
@@ -89,6 +100,7 @@ class Daemon:
                 self.connection.sendall(reply)
 
     def close(self):
+        self.runs.set()
         self.listener.shutdown(socket.SHUT_RDWR)
         if self.connection:
             try:
@@ -124,7 +136,8 @@ class Chatty(Daemon):
 class Clients:
     """The same program with either client: announces "stop" and takes so many exceptions."""
 
-    longest_retry = 5
+    longest_retry = 1
+    answers_within = 5
 
     def publisher(self, path, done, announcements=1, **stated):
         """The answer, and the exceptions until `done` says so of them."""
@@ -257,6 +270,32 @@ class Clients:
     def test_a_daemon_that_is_lost_is_reported_and_the_channel_announced_again(self):
         _, all_of_them = self.both([channels(True)], [HANG_UP], [channels(False)], last=Cause.DAEMON_BACK, announcements=2)
         self.assertEqual(all_of_them[-1].answer.state, State.REFUSED)
+
+    def test_a_daemon_that_hangs_is_gone_and_is_back_when_it_answers_again(self):
+        self.answers_within = 0.2
+        daemon = Daemon([channels(True)], [channels(False)])
+        self.addCleanup(daemon.close)
+
+        def done(exceptions):
+            if not exceptions:
+                daemon.runs.clear()
+            elif len(exceptions) == 1:
+                daemon.runs.set()
+            return len(exceptions) >= 2
+        given, exceptions = self.publisher(daemon.path, done)
+        self.assertEqual(given.state, State.GRANTED)
+        self.assertEqual([e.cause for e in exceptions[:2]], [Cause.DAEMON_GONE, Cause.DAEMON_BACK])
+        self.assertEqual(exceptions[0].text, "mlccad does not answer: nothing has come from it for 0.2 s")
+        self.assertEqual(exceptions[1].answer.state, State.REFUSED)
+
+    def test_a_daemon_that_does_not_know_pings_is_not_asked_again(self):
+        self.answers_within = 0.1
+        daemon = Daemon([channels(True)])
+        daemon.knows_pings = False
+        self.addCleanup(daemon.close)
+        _, exceptions = self.publisher(daemon.path, lambda exceptions: len(exceptions) >= 2)
+        self.assertEqual([e.cause for e in exceptions], [Cause.DAEMON_GONE, Cause.DAEMON_BACK])
+        self.assertEqual(daemon.pings, 1)
 
     def test_what_is_no_reply_ends_the_connection(self):
         for garbage in (b"\x05\xff\xff\xff\xff\xff", b"\xff\xff\xff\xff\x7f", b"\xff" * 9, b"\x00"):
@@ -416,7 +455,8 @@ class Blocking(Clients, unittest.TestCase):
                 call()
 
     def publisher(self, path, done, announcements=1, **stated):
-        with mlcca.Client(path, patience=60, first_retry=0.001, longest_retry=self.longest_retry) as client:
+        with mlcca.Client(path, patience=60, first_retry=0.001, longest_retry=self.longest_retry,
+                          answers_within=self.answers_within) as client:
             stop = client.publisher("stop", "lever", **stated)
             exceptions = []
             stop.on_exception = exceptions.append
@@ -483,7 +523,8 @@ class Asyncio(Clients, unittest.TestCase):
 
     def publisher(self, path, done, announcements=1, **stated):
         async def program():
-            async with mlcca.aio.Client(path, patience=60, first_retry=0.001, longest_retry=self.longest_retry) as client:
+            async with mlcca.aio.Client(path, patience=60, first_retry=0.001, longest_retry=self.longest_retry,
+                                        answers_within=self.answers_within) as client:
                 stop = client.publisher("stop", "lever", **stated)
                 exceptions = []
                 for _ in range(announcements):

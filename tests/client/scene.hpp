@@ -83,6 +83,7 @@ class Scene {
             .longest_retry = milliseconds(1)};
   }
   std::vector<control::Request> requests() { return server_.requests(); }
+  void hang(bool hangs) { server_.hang(hangs); }
 
  private:
   Script script_;

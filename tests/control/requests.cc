@@ -86,6 +86,7 @@ std::vector<NamedRequest> all_requests() {
                          .late = 4,
                          .longest_ns = 9'800'000}}},
       {"Subscriptions", {11, SubscriptionsRequest{}}},
+      {"Ping", {11, PingRequest{}}},
       {"Subscribe",
        {12,
         SubscribeRequest{

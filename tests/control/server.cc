@@ -39,6 +39,7 @@ Server::Server(Handler handler)
     : listener_(listen_at(path())), handler_(std::move(handler)), thread_([this] { run(); }) {}
 
 Server::~Server() {
+  hang(false);
   ::shutdown(listener_.get(), SHUT_RDWR);  // wakes accept()
   thread_.join();
 }
@@ -66,6 +67,12 @@ void Server::serve(int connection) {
     for (;;) {
       auto request = control::decode_request(buffer);
       if (!request || !*request) break;
+      hangs_.wait(true);
+      if (std::holds_alternative<control::PingRequest>((*request)->body)) {
+        const auto bytes = control::encode(control::Reply{(*request)->id, control::Done{}});
+        ::send(connection, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+        continue;
+      }
       {
         const std::scoped_lock lock(mutex_);
         requests_.push_back({(*request)->id, (*request)->body});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // A daemon that answers what a test wants, on a socket in a directory of its own.
 #pragma once
+#include <atomic>
 #include <functional>
 #include <mutex>
 #include <string>
@@ -46,7 +47,13 @@ class Server {
 
   [[nodiscard]] std::string path() const { return directory_.path("control.sock"); }
 
-  /// Every request so far, without the flag for slices.
+  /// Lets it hang: it keeps its connections and answers nothing any more.
+  void hang(bool hangs) {
+    hangs_ = hangs;
+    hangs_.notify_all();
+  }
+
+  /// Every request so far except pings, without the flag for slices.
   [[nodiscard]] std::vector<control::Request> requests();
 
  private:
@@ -56,6 +63,7 @@ class Server {
   TempDir directory_;
   Fd listener_;
   Handler handler_;
+  std::atomic<bool> hangs_ = false;
   std::mutex mutex_;
   std::vector<control::Request> requests_;
   std::thread thread_;

@@ -248,7 +248,7 @@ control::Request some_request(Octets& from) {
       break;
     }
     default: {
-      const unsigned which = from.next() % 14;
+      const unsigned which = from.next() % 15;
       if (which == 0)
         out.body = control::WithdrawRequest{from.one_of(kChannels)};
       else if (which == 1)
@@ -276,6 +276,8 @@ control::Request some_request(Octets& from) {
         out.body = control::RolloutStateRequest{};
       else if (which == 13)
         out.body = some_of_a_cluster(from);
+      else if (which == 14)
+        out.body = control::PingRequest{};
       else if (which == 7)
         out.body = some_subscription(from);
       else if (which == 8)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from typing import AsyncIterator, Optional
 
 from mlcca.client import SOCKET
-from mlcca.session import Part, ProtocolError, Role, Session
+from mlcca.session import LONGER, Part, ProtocolError, Role, Session, shortened
 from mlcca.types import Answer, ChannelException, Event, EventData, Published, State
+
+LATE = 0.2  # s; a loop that calls a timer later than this was blocked
 
 
 class Channel:
@@ -72,16 +75,18 @@ class Client:
     The arguments have the same meaning as for mlcca.Client.
     """
 
-    def __init__(self, path: str = SOCKET, patience: float = 10, first_retry: float = 0.1, longest_retry: float = 5) -> None:
+    def __init__(self, path: str = SOCKET, patience: float = 10, first_retry: float = 0.1, longest_retry: float = 1,
+                 answers_within: float = 5) -> None:
         self._path, self._patience = path, patience
         self._first_retry, self._longest_retry = first_retry, max(first_retry, longest_retry)
-        self._session = Session()
+        self._session = Session(answers_within)
         self._writer: Optional[asyncio.StreamWriter] = None
         self._task: Optional[asyncio.Task[None]] = None
         self._change = asyncio.Event()
         self._wanted = asyncio.Event()  # set when something is announced
         self._hurry = asyncio.Event()   # set when somebody waits for a connection
         self._again: Optional[asyncio.TimerHandle] = None  # timer to ask again for channels that failed
+        self._supervision: Optional[asyncio.TimerHandle] = None
         self._losses = 0
 
     def publisher(self, channel: str, name: str = "", **stated: int | str) -> PublisherChannel:
@@ -157,6 +162,26 @@ class Client:
             self._again.cancel()
         self._again = loop.call_later(seconds, self._ask_failed)
 
+    def _supervise_later(self) -> None:
+        due = self._session.due
+        if due is not None and self._supervision is None:
+            self._supervision = asyncio.get_running_loop().call_later(max(due - time.monotonic(), 0), self._supervise, due)
+
+    def _supervise(self, due: float) -> None:
+        self._supervision = None
+        if time.monotonic() - due > LATE:  # the loop was late itself: what has come is received first
+            self._supervision = asyncio.get_running_loop().call_later(LATE / 2, self._supervise, time.monotonic() + LATE / 2)
+            return
+        if self._session.supervise():
+            self._wake()
+        self._send()
+        self._supervise_later()
+
+    def _supervise_no_more(self) -> None:
+        if self._supervision is not None:
+            self._supervision.cancel()
+        self._supervision = None
+
     async def _pause(self, seconds: float) -> None:
         try:
             async with asyncio.timeout(seconds):
@@ -173,19 +198,22 @@ class Client:
                 reader, self._writer = await asyncio.open_unix_connection(self._path)
                 self._session.connected()
                 self._send()
+                self._supervise_later()
                 while data := await reader.read(1 << 16):
                     retry = self._first_retry
                     self._session.receive(data)
                     self._send()
+                    self._supervise_later()
                     self._wake()
                     if any(part.failed for part in self._session.parts):
-                        self._ask_failed_in(retry if self._session.retry_soon else self._longest_retry)
+                        self._ask_failed_in(retry if self._session.retry_soon else LONGER * self._longest_retry)
             except ProtocolError as wrong:
                 why = str(wrong)
             except OSError as error:
                 cause = error.strerror or str(error)
                 why = cause if self._writer else f"no daemon: {self._path}: {cause}"
             finally:
+                self._supervise_no_more()
                 if self._writer:
                     self._writer.close()
                 self._writer = None
@@ -193,5 +221,5 @@ class Client:
             self._losses += 1
             self._hurry.clear()
             self._wake()
-            await self._pause(retry)
+            await self._pause(shortened(retry))
             retry = min(retry * 2, self._longest_retry)

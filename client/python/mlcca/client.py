@@ -8,7 +8,7 @@ import socket
 import time
 from typing import Callable, Mapping, Optional
 
-from mlcca.session import Part, ProtocolError, Role, Session
+from mlcca.session import LONGER, Part, ProtocolError, Role, Session, shortened
 from mlcca.timer import Timer
 from mlcca.types import Answer, ChannelException, Event, EventData, Published, State
 
@@ -83,14 +83,18 @@ class Client:
     also when it is time to look for a daemon that was lost. Or call wait(). A client is not thread-safe.
 
     `path`: the daemon's control socket. The other arguments are in seconds. `patience`: how long announce() and subscribe()
-    wait for an answer. `first_retry`: the delay before connecting again, which is doubled up to `longest_retry`.
+    wait for an answer. `first_retry`: the delay before connecting again, which is doubled up to `longest_retry`; each delay is
+    shortened by up to a quarter at random. `answers_within`: how long a daemon may leave a question unanswered before it counts
+    as gone, although the connection exists; it is asked if nothing came from it for a fifth of this time. 0: never. State less
+    than the grace period of the gateway.
     """
 
-    def __init__(self, path: str = SOCKET, patience: float = 10, first_retry: float = 0.1, longest_retry: float = 5) -> None:
+    def __init__(self, path: str = SOCKET, patience: float = 10, first_retry: float = 0.1, longest_retry: float = 1,
+                 answers_within: float = 5) -> None:
         self._path, self._patience = path, patience
         self._first_retry, self._longest_retry = first_retry, max(first_retry, longest_retry)
         self._retry, self._retry_at = first_retry, 0.0
-        self._session = Session()
+        self._session = Session(answers_within)
         self._epoll = select.epoll()
         self._epoll.register(self._session.sockets, select.EPOLLIN)
         self._wakes = os.eventfd(0, os.EFD_CLOEXEC | os.EFD_NONBLOCK)  # readable while something waits for handlers
@@ -236,7 +240,7 @@ class Client:
 
     def _retry_later(self, planned: bool) -> None:
         """Sets the time of the next try. Only the failure of a planned try doubles the delay."""
-        self._retry_at = time.monotonic() + self._retry
+        self._retry_at = time.monotonic() + shortened(self._retry)
         if planned:
             self._retry = min(self._retry * 2, self._longest_retry)
 
@@ -259,6 +263,7 @@ class Client:
         try:
             self._send()
             self._receive()
+            self._session.supervise()
             self._send()
         except ProtocolError as wrong:
             self._lose(str(wrong))
@@ -266,7 +271,10 @@ class Client:
             self._lose(error.strerror or str(error))
         if self._socket:
             self._epoll.modify(self._socket, select.EPOLLIN | (select.EPOLLOUT if self._session.out else 0))
-        self._timer.expire_at(self._retry_at if self._is_to_retry() else None)
+        times = [self._retry_at] if self._is_to_retry() else []
+        if (due := self._session.due) is not None:
+            times.append(due)
+        self._timer.expire_at(min(times, default=None))
 
     def _send(self) -> None:
         while self._socket and self._session.out:
@@ -293,7 +301,7 @@ class Client:
             self._retry = self._first_retry
             if any(part.failed for part in self._session.parts):
                 now = time.monotonic()
-                due = now + (self._retry if self._session.retry_soon else self._longest_retry)
+                due = now + (self._retry if self._session.retry_soon else LONGER * self._longest_retry)
                 # A later reply must not delay it.
                 self._retry_at = min(self._retry_at, due) if self._retry_at > now else due
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import enum
 import operator
+import random
 import re
+import time
 from collections import deque
 from dataclasses import replace
 from typing import Deque, Mapping, Optional
@@ -20,6 +22,8 @@ MOST_REQUEST = 64 << 10
 MOST_WAITING = 256      # exceptions that are kept for a program that does not take them
 MOST_EVENTS = 1024      # events of a channel that are kept for a program that does not take them
 MOST_ROWS = 1 << 18     # deliveries accepted in one answer
+PINGS_OF_TIME = 5       # pings that fit into the time within which the daemon must answer
+LONGER = 5  # what cannot be used, such as a port that is taken, is tried again after so many times the longest delay of a connection
 
 # Units of the attributes; values are integers.
 UNITS = {"Latency": "ns", "Jitter": "ns", "Deadline": "ns", "Period": "ns", "Bandwidth": "bytes/s", "PacketLoss": "1e-9",
@@ -90,6 +94,11 @@ def answer_of(reply: control_pb2.Reply) -> Optional[Answer]:
     if reply.HasField("error") and reply.error.kind != control_pb2.ERROR_WORLD:
         return Answer(State.REJECTED, reply.error.message)
     return None
+
+
+def shortened(delay: float) -> float:
+    """The delay, shortened by up to a quarter at random, so that not all programs connect at once."""
+    return delay * random.uniform(0.75, 1)
 
 
 class Part:
@@ -198,7 +207,12 @@ class Part:
 class Session:
     """The state of the protocol, over one connection after another. `out` has the bytes to send."""
 
-    def __init__(self) -> None:
+    def __init__(self, answers_within: float = 0) -> None:
+        self._answers_within = answers_within
+        self._heard = self._pinged = 0.0  # time.monotonic() of the latest bytes of the daemon, and of the ping
+        self._ping = 0                    # id of the pending ping; 0: none
+        self._supervises = False          # there is a connection to a daemon that has answered so far
+        self._knows_pings = True          # False: an older daemon, which closes the connection instead
         self.parts: list[Part] = []
         self.sockets = Events()
         self.out = bytearray()
@@ -232,6 +246,8 @@ class Session:
                 self._on_happened(of_number[end], event)
 
     def connected(self) -> None:
+        self._heard, self._ping = time.monotonic(), 0
+        self._supervises = self._answers_within > 0 and self._knows_pings
         for part in self.parts:
             self.ask(part)
 
@@ -239,12 +255,50 @@ class Session:
         self.out.clear()
         self._in.clear()
         self._whole.clear()
+        self._supervises = False
+        for part in self.parts:
+            part.asked, part.outdated, part.failed = 0, False, False
+        self._note_gone(why)
+
+    def _note_gone(self, why: str) -> None:
         for part in self.parts:
             answered = part.answer.state not in (State.NO_DAEMON, State.UNANNOUNCED)
-            part.asked, part.lost, part.outdated, part.failed = 0, True, False, False
+            part.lost = True
             part.answer = Answer(State.NO_DAEMON, why)
             if answered:
                 part.note(Cause.DAEMON_GONE, why)
+
+    @property
+    def due(self) -> Optional[float]:
+        """When supervise() is to be called, a time of time.monotonic(); None: not before bytes have come."""
+        if not self._supervises:
+            return None
+        if self._ping == 0:
+            return self._heard + self._answers_within / PINGS_OF_TIME
+        return max(self._heard, self._pinged) + self._answers_within
+
+    def supervise(self) -> bool:
+        """Asks a daemon that was silent for a while whether it answers, and returns True if it has not answered in time. It
+        counts as gone then; its connection stays, for the time when it runs again. What has come must have been received."""
+        due, now = self.due, time.monotonic()
+        if due is None or now < due:
+            return False
+        if self._ping == 0:
+            self._last_id += 1
+            self._ping, self._pinged = self._last_id, now
+            self.out += encode(control_pb2.Request(id=self._ping, ping=control_pb2.PingRequest()))
+            return False
+        self._supervises = False
+        self._note_gone(f"mlccad does not answer: nothing has come from it for {self._answers_within:g} s")
+        return True
+
+    def _hear(self) -> None:
+        self._heard = time.monotonic()
+        if self._supervises or self._ping == 0:
+            return
+        self._supervises = True  # it had not answered; the decisions may have changed since
+        for part in self.parts:
+            self.ask_again(part)
 
     def ask(self, part: Part) -> None:
         if not part.publishes:
@@ -280,6 +334,7 @@ class Session:
     def receive(self, data: bytes) -> None:
         """Takes bytes from the daemon. Raises ProtocolError if they are no replies."""
         self._in += data
+        self._hear()
         while (reply := self._next_reply()) is not None:
             self._on_reply(reply)
 
@@ -314,7 +369,11 @@ class Session:
         if reply.HasField("event"):
             self._on_event(reply.event)
             return
+        if self._ping != 0 and reply.id == self._ping:
+            self._ping = 0
+            return
         if reply.id == 0:
+            self._knows_pings = self._knows_pings and self._ping == 0
             raise ProtocolError(reply.error.message or "mlccad sent a reply without a request")
         whole = self._whole.pop(reply.id, None)
         if whole is not None and not reply.HasField("error"):

@@ -31,6 +31,7 @@ Response subscriptions(Context& context, const Asker& asker,
                        const control::SubscriptionsRequest& request);
 Response subscribe(Context& context, const Asker& asker, const control::SubscribeRequest& request);
 Response refusal(Context& context, const Asker& asker, const control::RefusalRequest& request);
+Response ping(Context& context, const Asker& asker, const control::PingRequest& request);
 Response presence(Context& context, const Asker& asker, const control::PresenceRequest& request);
 Response rollout(Context& context, const Asker& asker, const control::RolloutRequest& request);
 Response rollout_state(Context& context, const Asker& asker,

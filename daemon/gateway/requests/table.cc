@@ -34,6 +34,7 @@ constexpr std::tuple kTable{
     Row{Privilege::anyone, Trace::none, subscriptions},
     Row{Privilege::anyone, Trace::history, subscribe},
     Row{Privilege::anyone, Trace::none, refusal},
+    Row{Privilege::anyone, Trace::none, ping},
     Row{Privilege::anyone, Trace::none, presence},
     Row{Privilege::anyone, Trace::none, reservations},
     Row{Privilege::anyone, Trace::none, what_if},

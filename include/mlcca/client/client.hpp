@@ -94,8 +94,8 @@ enum class Cause : std::uint8_t {
                  ///< them
   mode,          ///< the gateway has changed between the modes enforce and audit
   lagged,        ///< exceptions were lost, because this program called process() too seldom
-  daemon_gone,   ///< the connection to the daemon is lost; granted deliveries go on for the grace
-                 ///< period
+  daemon_gone,   ///< the connection to the daemon is lost, or the daemon does not answer; granted
+                 ///< deliveries go on for the grace period
   daemon_back,   ///< the daemon has answered the announcement again; `answer` has the present
                  ///< decision
   other,  ///< a kind that this library does not know, or a problem with the sockets; see the text
@@ -152,9 +152,17 @@ struct Options {
   /// waits without limit.
   std::chrono::milliseconds patience{10'000};
   /// The delay before the Client connects again after the connection is lost. It is doubled after
-  /// each failure, from `first_retry` up to `longest_retry`.
+  /// each failure, from `first_retry` up to `longest_retry`. Each delay is shortened by up to a
+  /// quarter at random, so that not all programs connect at once. What failed for another reason
+  /// than the connection, such as a port that another program holds, is tried again after five
+  /// times `longest_retry`.
   std::chrono::milliseconds first_retry{100};
-  std::chrono::milliseconds longest_retry{5'000};
+  std::chrono::milliseconds longest_retry{1'000};
+  /// How long the daemon may leave a question unanswered before it counts as gone, although the
+  /// connection exists: it may hang. If nothing came from the daemon for a fifth of this time, the
+  /// Client asks it. 0 or less: it is not supervised. State less than the grace period, so that the
+  /// program gets `daemon_gone` before the gates close.
+  std::chrono::milliseconds answers_within{5'000};
 };
 
 class Channel;

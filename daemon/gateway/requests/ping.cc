@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Ping: a client asks whether the daemon answers.
+#include "daemon/gateway/requests/handlers.hpp"
+
+namespace mlcca::requests {
+
+Response ping(Context& /*context*/, const Asker& /*asker*/,
+              const control::PingRequest& /*request*/) {
+  return control::Done{};
+}
+
+}  // namespace mlcca::requests
