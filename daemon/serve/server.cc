@@ -11,6 +11,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -29,6 +30,15 @@ constexpr std::uint64_t kSweepAccuracy = 1'000'000;  // µs
 bool has_hung_up(int fd) {
   pollfd socket{.fd = fd, .events = 0, .revents = 0};
   return ::poll(&socket, 1, 0) > 0 && (socket.revents & (POLLHUP | POLLERR)) != 0;
+}
+
+/// The network namespace that a socket was made in, as a number that is used once; nullopt: the
+/// kernel does not say. An accepted AF_UNIX socket is in the namespace of the one that connected.
+std::optional<std::uint64_t> namespace_of(int socket) {
+  std::uint64_t cookie = 0;
+  socklen_t size = sizeof cookie;
+  if (::getsockopt(socket, SOL_SOCKET, SO_NETNS_COOKIE, &cookie, &size) != 0) return std::nullopt;
+  return cookie;
 }
 
 Standing standing_of(const Peer& peer) {
@@ -78,6 +88,8 @@ Result<void> Server::add_sources() {
   };
   always_ = Fd(::eventfd(1, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!always_) return system_error("eventfd");
+  if (const Fd own(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)); own)
+    namespace_ = namespace_of(own.get());
   sd_event_source* raw = nullptr;
   int e = sd_event_add_io(loop_, &raw, listening_.get(), EPOLLIN, on_connection, this);
   source_.reset(std::exchange(raw, nullptr));
@@ -103,6 +115,8 @@ Result<Peer> Server::identify(int fd) const {
     return system_error("SO_PEERCRED");
   Peer peer{.pid = who.pid, .uid = who.uid, .may_change = who.uid == 0};
   peer.process = process_of(fd, who.pid, who.gid);
+  const auto its = namespace_of(fd);
+  peer.is_in_other_network = namespace_ && its && *its != *namespace_;
   if (!peer.may_change && group_ != static_cast<gid_t>(-1))
     peer.may_change = peer.process->is_in(group_);
   return peer;

@@ -27,6 +27,9 @@ struct Peer {
   bool may_change = false;                      ///< root, or a member of the control group
   std::uint64_t session = 0;                    ///< number of the connection, never used twice
   std::shared_ptr<const Process> process = {};  ///< nullptr: unknown
+  /// It has connected from another network namespace than that of the daemon. False as well if the
+  /// kernel does not say that (before Linux 5.14).
+  bool is_in_other_network = false;
 };
 
 /// A part of a reply; see Reply.more in control.proto.
@@ -144,6 +147,7 @@ class Server {
   sd_event* loop_;
   Fd listening_;
   gid_t group_;
+  std::optional<std::uint64_t> namespace_;  ///< network namespace of the daemon; nullopt: unknown
   AnswerTo answer_;
   Closed closed_;
   std::uint64_t last_session_ = 0;

@@ -173,6 +173,11 @@ class Ends {
 }  // namespace
 
 Response announce(Context& context, const Asker& asker, const control::AnnounceRequest& request) {
+  if (asker.peer.is_in_other_network)
+    return error_of(
+        control::ErrorKind::forbidden,
+        "this program is in another network namespace than mlccad, so its events do not "
+        "pass the gates of this gateway: run it in that of mlccad");
   const core::State& state = *context.scene.state;
   if (request.role != Role::publisher && request.role != Role::subscriber)
     return invalid("say the role: publisher or subscriber");

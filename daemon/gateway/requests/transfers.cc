@@ -8,6 +8,9 @@
 namespace mlcca::requests {
 
 Response transfers(Context& context, const Asker& asker, const control::TransfersRequest& request) {
+  if (request.user == asker.peer.uid && request.user != 0 && asker.peer.is_in_other_network)
+    return error_of(control::ErrorKind::forbidden,
+                    "a program that carries events must be in the network namespace of mlccad");
   // A program that asks for the transfers of its own user carries them, until its connection ends.
   if (request.user == asker.peer.uid) context.carriers.add(asker.peer.session, asker.peer.uid);
   if (request.channel.empty())

@@ -277,6 +277,17 @@ TEST_F(Announce, AWithdrawalNamesTheNetworkThatIsDown) {
   EXPECT_EQ(by_hand->network_down, "");
 }
 
+/// Its interfaces are others, and an abstract address there is another one.
+TEST_F(Announce, AProgramInAnotherNetworkNamespaceIsRefused) {
+  serve::Peer peer = program();
+  EXPECT_EQ(refusal({"c0", Role::publisher, "lever", {}}, peer), "");
+  peer.is_in_other_network = true;
+  for (const Role role : {Role::publisher, Role::subscriber})
+    EXPECT_EQ(refusal({"c0", role, "", {}}, peer),
+              "this program is in another network namespace than mlccad, so its events do not pass "
+              "the gates of this gateway: run it in that of mlccad");
+}
+
 TEST_F(Announce, OneUserHasAShareOfThePlacesOnTheGateway) {
   const auto subscribe = [&](uid_t user, std::uint64_t session) {
     AnnounceRequest request{"c0", Role::subscriber, "lamp", {}};
