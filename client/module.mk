@@ -51,6 +51,7 @@ install-python: ## the package mlcca for Python 3
 	$(Q)install -d $(DESTDIR)$(PYTHON_DIR)/mlcca
 	$(Q)install -m 644 client/python/mlcca/*.py client/python/mlcca/py.typed $(DESTDIR)$(PYTHON_DIR)/mlcca
 	$(Q)sed -i 's/@ABI@/$(CLIENT_ABI)/' $(DESTDIR)$(PYTHON_DIR)/mlcca/events.py
-	$(Q)$(PROTOC) -Iproto --python_out=$(DESTDIR)$(PYTHON_DIR) mlcca/v1/control.proto mlcca/v1/options.proto
+	$(Q)$(PROTOC) -Iproto --python_out=$(DESTDIR)$(PYTHON_DIR) --pyi_out=$(DESTDIR)$(PYTHON_DIR) \
+		mlcca/v1/control.proto mlcca/v1/options.proto
 PARTS += install-python
 .PHONY: install-python

@@ -11,6 +11,12 @@ check-client: $O/mlccad $O/mlccactl $O/mlcca-design $(CLIENT_LIBRARY) ## libmlcc
 		LD_LIBRARY_PATH=$O PYTHONPATH=$O/client-installed/usr/lib/python3/dist-packages PYTHONDONTWRITEBYTECODE=1 \
 			/usr/bin/python3 -W ignore tests/client/$$test.py 2>$O/$$test.log || { cat $O/$$test.log; exit 1; }; \
 		tail -n 3 $O/$$test.log | head -n 1; done
+	$(Q)cd tests/client && MYPYPATH=$(abspath $O)/client-installed/usr/lib/python3/dist-packages \
+		mypy --no-error-summary --cache-dir=$(abspath $O)/mypy-cache --config-file mypy.ini -p mlcca
+	$(Q)for example in lever motor camera logger; do \
+		MYPYPATH=$(abspath $O)/client-installed/usr/lib/python3/dist-packages mypy --no-error-summary \
+			--cache-dir=$(abspath $O)/mypy-cache --config-file tests/client/mypy-example.ini examples/applications/$$example.py \
+			|| exit 1; done
 	$(Q)tests/client/run $O $O/client-installed
 .PHONY: check-client
 $(eval $(call program,tests/speak,tests/client/speak.cc,$O/libclient.a $O/librelay.a $O/libcontrol.a,-lfmt))

@@ -75,7 +75,7 @@ class Client:
     The arguments have the same meaning as for mlcca.Client.
     """
 
-    def __init__(self, path: str = SOCKET, patience: float = 10, first_retry: float = 0.1, longest_retry: float = 1,
+    def __init__(self, path: str = SOCKET, *, patience: float = 10, first_retry: float = 0.1, longest_retry: float = 1,
                  answers_within: float = 5) -> None:
         self._path, self._patience = path, patience
         self._first_retry, self._longest_retry = first_retry, max(first_retry, longest_retry)

@@ -89,7 +89,7 @@ class Client:
     than the grace period of the gateway.
     """
 
-    def __init__(self, path: str = SOCKET, patience: float = 10, first_retry: float = 0.1, longest_retry: float = 1,
+    def __init__(self, path: str = SOCKET, *, patience: float = 10, first_retry: float = 0.1, longest_retry: float = 1,
                  answers_within: float = 5) -> None:
         self._path, self._patience = path, patience
         self._first_retry, self._longest_retry = first_retry, max(first_retry, longest_retry)
@@ -97,7 +97,8 @@ class Client:
         self._session = Session(answers_within)
         self._epoll = select.epoll()
         self._epoll.register(self._session.sockets, select.EPOLLIN)
-        self._wakes = os.eventfd(0, os.EFD_CLOEXEC | os.EFD_NONBLOCK)  # readable while something waits for handlers
+        # Readable while something waits for handlers. Older types of os do not have it.
+        self._wakes: int = os.eventfd(0, os.EFD_CLOEXEC | os.EFD_NONBLOCK)  # type: ignore[attr-defined]
         self._epoll.register(self._wakes, select.EPOLLIN)
         self._timer = Timer()  # expires when it is time to connect, or to ask again for channels that failed
         self._epoll.register(self._timer, select.EPOLLIN)
@@ -205,9 +206,9 @@ class Client:
             return
         try:
             if self._has_waiting():
-                os.eventfd_write(self._wakes, 1)
+                os.eventfd_write(self._wakes, 1)  # type: ignore[attr-defined]
             else:
-                os.eventfd_read(self._wakes)
+                os.eventfd_read(self._wakes)  # type: ignore[attr-defined]
         except BlockingIOError:
             pass
 
@@ -272,8 +273,8 @@ class Client:
         if self._socket:
             self._epoll.modify(self._socket, select.EPOLLIN | (select.EPOLLOUT if self._session.out else 0))
         times = [self._retry_at] if self._is_to_retry() else []
-        if (due := self._session.due) is not None:
-            times.append(due)
+        if (supervised := self._session.due) is not None:
+            times.append(supervised)
         self._timer.expire_at(min(times, default=None))
 
     def _send(self) -> None:

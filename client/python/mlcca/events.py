@@ -41,7 +41,7 @@ def _load() -> ctypes.CDLL:
 
 def encode(message: control_pb2.Request | control_pb2.Reply) -> bytes:
     """The encoded message, preceded by its length as a varint."""
-    body = message.SerializeToString()
+    body: bytes = message.SerializeToString()
     head = bytearray()
     size = len(body)
     while size > 127:
@@ -116,7 +116,8 @@ class Events:
 
     def happened(self) -> list[tuple[int, control_pb2.Event]]:
         """What happened to events of programs on the gateway, which pass no gate: the end and an event as of the daemon."""
-        out, end, room = [], ctypes.c_uint64(), HAPPENED_SIZE
+        out: list[tuple[int, control_pb2.Event]] = []
+        end, room = ctypes.c_uint64(), HAPPENED_SIZE
         while True:
             reply = ctypes.create_string_buffer(room)
             size = int(self._library.mlcca_events_happened(self._events, ctypes.byref(end), reply, room))

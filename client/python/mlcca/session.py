@@ -57,10 +57,12 @@ def value_of(name: str, value: int | str) -> int:
     if name not in UNITS:
         raise ValueError(f"there is no attribute '{name}' (there are: {', '.join(UNITS)})")
     match = re.fullmatch(r"(\d+)\s*(ns|us|ms|s)", value) if isinstance(value, str) and UNITS[name] == "ns" else None
+    number: Optional[int] = int(match[1]) * NANOSECONDS[match[2]] if match else None
     try:
-        number = int(match[1]) * NANOSECONDS[match[2]] if match else operator.index(value)
+        if not isinstance(value, str):
+            number = operator.index(value)
     except TypeError:
-        number = None
+        pass
     if number is None or isinstance(value, bool):
         raise ValueError(f"{name} {value!r}: must be a whole number of {UNITS[name]}"
                          + (', or text like "50ms" with ns, us, ms or s' if UNITS[name] == "ns" else ""))
