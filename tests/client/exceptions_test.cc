@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -96,9 +97,40 @@ struct GeneratedSpec {
     unknown,
     known
   };
-  static void exception(Why why) { last = why; }
+  static void exception(Why why) {
+    last = why;
+    numbers = exception_of<GeneratedSpec>();
+    missing = numbers == nullptr ? 0 : numbers->missing_events;
+    if (throws) throw std::runtime_error("of the user");
+  }
+  static void notify(const std::uint8_t* /*data*/, std::size_t /*size*/) {
+    network = event_of<GeneratedSpec>()->network;
+  }
   static inline std::optional<Why> last;
+  static inline const Exception* numbers = nullptr;
+  static inline std::uint64_t missing = 0;
+  static inline bool throws = false;
+  static inline std::string network;
 };
+
+TEST(Exceptions, GeneratedHandlersCanReadTheNumbers) {
+  Exception missing;
+  missing.cause = Cause::missing;
+  missing.missing_events = 84;
+  detail::call_handler<GeneratedSpec>(missing);
+  EXPECT_EQ(GeneratedSpec::numbers, &missing);
+  EXPECT_EQ(GeneratedSpec::missing, 84U);
+  EXPECT_EQ(exception_of<GeneratedSpec>(), nullptr) << "it is over";
+  GeneratedSpec::throws = true;
+  EXPECT_THROW(detail::call_handler<GeneratedSpec>(missing), std::runtime_error);
+  GeneratedSpec::throws = false;
+  EXPECT_EQ(exception_of<GeneratedSpec>(), nullptr);
+  Event event;
+  event.network = "field";
+  detail::call_event_handler<GeneratedSpec>(event);
+  EXPECT_EQ(GeneratedSpec::network, "field");
+  EXPECT_EQ(event_of<GeneratedSpec>(), nullptr);
+}
 
 TEST(Exceptions, ANetworkThatIsDownIsAWithdrawalToGeneratedHandlers) {
   Exception down;

@@ -32,11 +32,40 @@ inline std::string subject_text(std::uint64_t subject) {
   return out;
 }
 
+/// What the handlers of a specification are called for now, in this thread; null outside of them.
+template <class Spec>
+inline thread_local const Exception* handled_exception = nullptr;
+template <class Spec>
+inline thread_local const Event* handled_event = nullptr;
+
+/// Sets one of these as long as a handler runs, also if it throws.
+template <class What>
+class Handled {
+ public:
+  Handled(const What*& place, const What& what) : place_(place), before_(place) { place = &what; }
+  Handled(const Handled&) = delete;
+  Handled& operator=(const Handled&) = delete;
+  Handled(Handled&&) = delete;
+  Handled& operator=(Handled&&) = delete;
+  ~Handled() { place_ = before_; }
+
+ private:
+  const What*& place_;
+  const What* before_;
+};
+
+template <class Spec>
+void call_event_handler(const Event& event) {
+  const Handled<Event> handled(handled_event<Spec>, event);
+  Spec::notify(event.data, event.size);
+}
+
 /// Calls the exception handler of a specification with the generated reason that corresponds to the
 /// cause. The causes mode, lagged and other have no such reason and are ignored.
 template <class Spec>
 void call_handler(const Exception& exception) {
   using Why = WhyOf<Spec>;
+  const Handled<Exception> handled(handled_exception<Spec>, exception);
   switch (exception.cause) {
     case Cause::refused:
     case Cause::rejected:
@@ -79,6 +108,18 @@ void call_handler(const Exception& exception) {
 
 }  // namespace detail
 
+/// The exception with its cause and numbers, for the code in Spec::exception(). Null if this thread
+/// runs no such handler.
+template <class Spec>
+const Exception* exception_of() {
+  return detail::handled_exception<Spec>;
+}
+/// The event with its network and time, for the code in Spec::notify(). Null outside of it.
+template <class Spec>
+const Event* event_of() {
+  return detail::handled_event<Spec>;
+}
+
 /// A publisher for a specification with exception(). `name`: the publisher's name in the
 /// description; needed if the user that runs this program has several publishers of the channel.
 template <class Spec>
@@ -100,7 +141,7 @@ class GeneratedSubscriber : public SubscriberChannel {
       : SubscriberChannel(client, detail::subject_text(Spec::subject),
                           values_of<typename Spec::attributes>(), std::move(name)) {
     on_exception(detail::call_handler<Spec>);
-    on_event([](const Event& event) { Spec::notify(event.data, event.size); });
+    on_event(detail::call_event_handler<Spec>);
   }
 };
 
