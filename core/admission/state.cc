@@ -98,11 +98,13 @@ bool State::is_used(std::size_t channel) const {
          touched_.contains(channel);
 }
 
+/// One that has no name was decided since it had one: nothing of it is granted, even if all
+/// channels are about to be decided again.
 std::optional<std::size_t> State::free_unlisted() const {
   for (std::size_t end = system_.channels.size(); end > 0; --end) {
     const std::size_t c = end - 1;
     if (!system_.channels[c].unlisted) break;
-    if (!is_used(c)) return c;
+    if (system_.channels[c].name.empty() || !is_used(c)) return c;
   }
   return std::nullopt;
 }

@@ -82,20 +82,50 @@ std::optional<control::LeftOutAdmission> Admissions::restore_one(core::State& st
       .reason = asked ? "the description has it now" : asked.error().text};
 }
 
+bool Admissions::needs_agreement(core::AdmissionId id) const {
+  return needs_agreements_ && recorder_.contents().admissions.through_others().contains(id);
+}
+
+control::LeftOutAdmission Admissions::waits_for_agreement(core::AdmissionId id,
+                                                          const std::string& channel) const {
+  const auto before = left_out_.find(id);
+  if (before != left_out_.end() && waits(id)) return before->second;
+  return {.admission = id,
+          .channel = channel,
+          .reason =
+              fmt::format("it waits for gateway {}", recorder_.contents().admissions.through(id))};
+}
+
+/// Without an agreement, nothing takes the place of what is granted: after a start it is not known
+/// yet what other gateways agree to.
 Admissions::LeftOut Admissions::restore_into(core::State& state) const {
   LeftOut left_out;
-  for (const control::Request& request : recorder_.contents().admissions)
-    if (auto why = restore_one(state, request.id)) left_out.emplace(request.id, std::move(*why));
+  const auto is_in_force = [this](core::AdmissionId id) {
+    return scene_.state && scene_.state->admissions().contains(id);
+  };
+  for (const bool in_force : {true, false})
+    for (const control::Request& request : recorder_.contents().admissions) {
+      if (is_in_force(request.id) != in_force) continue;
+      const auto* const admit = std::get_if<control::Admit>(&request.body);
+      if (!in_force && admit != nullptr && needs_agreement(request.id))
+        left_out.emplace(request.id, waits_for_agreement(request.id, admit->channel));
+      else if (auto why = restore_one(state, request.id))
+        left_out.emplace(request.id, std::move(*why));
+    }
   for (const std::string& subject : recorder_.contents().released)
     if (const auto channel = state.find_channel(subject)) state.set_withdrawn(*channel, true);
   return left_out;
 }
 
+/// Others may have begun or ended to wait since restore_into().
 void Admissions::set_left_out(LeftOut left_out) {
-  std::erase_if(waiting_, [&](const auto& one) { return left_out.contains(one.first); });
+  std::erase_if(left_out,
+                [this](const auto& one) { return scene_.state->admissions().contains(one.first); });
+  for (const auto& [id, why] : left_out)
+    if (needs_agreement(id)) waiting_.try_emplace(id);
   for (const auto& [id, said] : waiting_)
     if (const auto why = left_out_.find(id); why != left_out_.end())
-      left_out.emplace(id, why->second);
+      left_out.insert_or_assign(id, why->second);
   left_out_ = std::move(left_out);
 }
 
@@ -133,15 +163,16 @@ core::FormerRules Admissions::let_wait(const std::vector<Waiting>& all) {
   return left;
 }
 
-bool Admissions::end_wait(const std::vector<core::AdmissionId>& all) {
+bool Admissions::end_wait(const std::vector<core::AdmissionId>& all, bool is_in_force) {
   bool complete = true;
   for (const core::AdmissionId id : all) {
     const control::Admit* const admit = recorded(recorder_, id);
     std::optional<control::LeftOutAdmission> why;
     if (admit != nullptr) {
-      if (admit->unlisted) tags_.claim();
+      const bool has_tags = admit->unlisted && is_in_force;
+      if (has_tags) tags_.claim();
       why = restore_one(*scene_.state, id);
-      if (admit->unlisted) tags_.leave_unused();
+      if (has_tags) tags_.leave_unused();
     }
     complete = complete && !why;
     if (why)

@@ -47,12 +47,16 @@ class Admissions {
   /// Called once after the start: takes keys and leases from the journal. No client is connected
   /// yet, so every lease starts again with its full length.
   void remember();
-  /// Adds the recorded admissions to `state`, the state of a description that is not in force yet.
-  /// Returns those for which that description has no place.
+  /// From now on, what another gateway makes for this one waits until that gateway agrees to it.
+  void need_agreements() { needs_agreements_ = true; }
+  /// Adds the recorded admissions to `state`, the state of a description that is not in force yet:
+  /// first those that are in force, so that no other one takes their place. Returns those for which
+  /// that description has no place, and those that wait for another gateway.
   [[nodiscard]] LeftOut restore_into(core::State& state) const;
 
   [[nodiscard]] const LeftOut& left_out() const { return left_out_; }
-  /// Those for which the description in force has no place, which do not wait any more. Others do.
+  /// What restore_into() has returned, when that state is in force. Of these, those that need the
+  /// agreement of another gateway wait.
   void set_left_out(LeftOut left_out);
   /// Logs a warning for each left-out admission whose reason was not reported before.
   void report_left_out();
@@ -86,14 +90,20 @@ class Admissions {
   /// admission begins to wait, and later at most once a minute, if it is another one. Returns the
   /// rules that the gates had for their channels; Turn::settle() has to follow.
   [[nodiscard]] core::FormerRules let_wait(const std::vector<Waiting>& all);
-  /// Takes them into the state again; Turn::settle() has to follow. Those for which there is no
+  /// Takes them into the state again; Turn::settle() has to follow if the state is in force,
+  /// otherwise TagBindings::take_up() and a decision of everything. Those for which there is no
   /// place now go on waiting, with that reason. True if there are none of these.
-  bool end_wait(const std::vector<core::AdmissionId>& all);
+  bool end_wait(const std::vector<core::AdmissionId>& all, bool is_in_force);
   /// It does not wait any more: the state of another description has it.
   void forget_wait(core::AdmissionId id) {
     if (waiting_.erase(id) != 0) left_out_.erase(id);
   }
   [[nodiscard]] bool waits(core::AdmissionId id) const { return waiting_.contains(id); }
+  /// Whether the log has why it waits.
+  [[nodiscard]] bool has_said(core::AdmissionId id) const {
+    const auto said = waiting_.find(id);
+    return said != waiting_.end() && !said->second.why.empty();
+  }
 
   /// Whether a peer on a network made this admission by a subscription.
   [[nodiscard]] bool came_over_a_network(core::AdmissionId id) const;
@@ -140,6 +150,9 @@ class Admissions {
   void remove_from_state(core::AdmissionId id, core::FormerRules& left) const;
   [[nodiscard]] std::optional<control::LeftOutAdmission> restore_one(core::State& state,
                                                                      core::AdmissionId id) const;
+  [[nodiscard]] bool needs_agreement(core::AdmissionId id) const;
+  [[nodiscard]] control::LeftOutAdmission waits_for_agreement(core::AdmissionId id,
+                                                              const std::string& channel) const;
 
   Scene& scene_;
   Recorder& recorder_;
@@ -150,6 +163,7 @@ class Admissions {
   Keys keys_;
   Leases leases_;
   LeftOut left_out_;
+  bool needs_agreements_ = false;
   LeftOut reported_;  ///< as of the latest report_left_out()
   struct Said {
     std::string why;

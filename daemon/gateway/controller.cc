@@ -62,8 +62,10 @@ Controller::Controller(Options options, Outside outside)
   turn_.add(tags_);
   turn_.on_lost([this](const auto& lost) { admissions_.take_back(lost); });
   on_commit([](const auto&) {});
-  if (membership_)
+  if (membership_) {
     admissions_.on_gone([this](const auto& gone) { membership_->admissions_gone(gone); });
+    admissions_.need_agreements();
+  }
   turn_.on_changed([this](const core::Change& change) {
     drops_.verdicts_changed(change);
     delivery_health_.restart(change.channel);

@@ -410,7 +410,7 @@ void Membership::poll() {
   std::erase_if(wish_again_, [this](const auto& entry) { return entry.second <= now(); });
   enforce_again();
   reserving_->tidy();
-  if (std::exchange(agrees_again_, false)) reserving_->follow_agreements();
+  give_back_without_place();
 }
 
 /// Writes to disk what was taken from the store, before anything is sent that depends on it. False

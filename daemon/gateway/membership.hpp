@@ -196,6 +196,7 @@ class Membership final : private core::Holdings {
   void ask_again(core::AdmissionId id, std::size_t gateway);
   [[nodiscard]] core::FormerRules follow_agreements(bool is_in_force);
   [[nodiscard]] core::FormerRules take_up_state(bool is_in_force);
+  void give_back_without_place();
   void note_lost(const std::string& why);
   void forget_waits(const std::vector<core::AdmissionId>& gone);
   void note_refusal(core::AdmissionId id, const std::string& why);
@@ -253,8 +254,9 @@ class Membership final : private core::Holdings {
   bool drained_ = false;        ///< an operator has drained this gateway
   bool until_restart_ = false;  ///< the drain ends with this daemon
   bool looks_for_wishes_ = true;
-  bool agrees_again_ = false;  ///< what was agreed to had no place in the state
-  bool asked_again_ = false;   ///< the latest turn was one of ask_again_some() or the like
+  /// Since when something that was agreed to has had no place in the state.
+  std::optional<Value> without_place_since_;
+  bool asked_again_ = false;  ///< the latest turn was one of ask_again_some() or the like
   Value leave_until_ = 0;
   std::optional<std::uint64_t> until_;  ///< as it was last set in the kernel
   Value until_retry_ = 0;  ///< the kernel has refused: no further attempt before this time

@@ -106,18 +106,36 @@ core::FormerRules Membership::follow_agreements(bool is_in_force) {
   for (const auto& [id, gateway] : through) {
     const bool is_held = held.contains(id);
     const bool is_there = state().admissions().contains(id);
+    const bool waits = parts_.admissions.waits(id);
     if (is_held) why_waits_.erase(id);
-    if (!is_held && is_there)
-      lost.push_back({.id = id, .why = why_waits(id, gateway), .log = !withdrawn_.contains(id)});
-    else if (is_held && !is_there && is_in_force && parts_.admissions.waits(id))
-      agreed.push_back(id);
-    else if (is_held && is_there)
+    if (is_held && is_there)
       parts_.admissions.forget_wait(id);
-    else if (!is_held && parts_.admissions.waits(id))
-      lost.push_back({.id = id, .why = why_waits(id, gateway), .log = false});
+    else if (is_held && (waits || !is_in_force))
+      agreed.push_back(id);
+    else if (!is_held && (is_there || waits))
+      lost.push_back(
+          {.id = id,
+           .why = why_waits(id, gateway),
+           .log = (is_there || !parts_.admissions.has_said(id)) && !withdrawn_.contains(id)});
   }
-  agrees_again_ = !parts_.admissions.end_wait(agreed);
+  if (parts_.admissions.end_wait(agreed, is_in_force))
+    without_place_since_.reset();
+  else if (!without_place_since_)
+    without_place_since_ = now();
   return lost.empty() ? core::FormerRules() : parts_.admissions.let_wait(lost);
+}
+
+/// What was agreed to has had no place for a while. It may have one again, but until then other
+/// gateways may use what is held for it: it is asked for again later.
+void Membership::give_back_without_place() {
+  if (!without_place_since_) return;
+  reserving_->follow_agreements();
+  if (now() < add_saturating(*without_place_since_, kLongestPause)) return;
+  without_place_since_.reset();
+  std::vector<core::AdmissionId> gone;
+  for (const core::AdmissionId id : reserving_->agreed_admissions())
+    if (parts_.admissions.waits(id) && !is_taken_in(id)) gone.push_back(id);
+  reserving_->admissions_gone(gone);
 }
 
 std::string Membership::why_waits(core::AdmissionId id, const std::string& gateway) const {
@@ -286,8 +304,10 @@ bool Membership::is_known(const cluster::Asked& asked) const {
     const auto* const there = parts_.recorder.contents().admissions.find(request.id);
     return there != nullptr && *there == request;
   };
-  return state().find_channel(asked.channel) && std::ranges::all_of(asked.requests, known) &&
-         std::ranges::all_of(asked.also, known);
+  // What another gateway was asked for is not in the state yet, and so is its channel if it is not
+  // described.
+  return (asked.on_behalf || state().find_channel(asked.channel)) &&
+         std::ranges::all_of(asked.requests, known) && std::ranges::all_of(asked.also, known);
 }
 
 /// Without its former journal, this gateway would give numbers again that the store still has for

@@ -72,6 +72,73 @@ TEST_F(MembersPlaces, WhatHasNoPlaceForAWhileGoesOnWaiting) {
   EXPECT_EQ(at(1).state().admissions().size(), 1U);
 }
 
+/// The second one has been granted the place for which the first one waits.
+class MembersPlacesTaken : public MembersPlaces {
+ protected:
+  static control::Admit second() {
+    auto request = not_described(wanted(kSecond, "own1", "own1"), {{"own1", 0x44}});
+    request.key = "second";
+    return request;
+  }
+  void take_the_place() {
+    start_both();
+    ASSERT_EQ(asked(0, not_described(wanted(kFirst, "own0", "shared"),
+                                     {{"own0", 0x41}, {"shared", 0x42}, {"own1", 0x43}})),
+              "granted");
+    ASSERT_EQ(asked(1, first_subscriber()), "granted");
+    at(0).end();
+    beat_of_g0();
+    refuse("own1");
+    ASSERT_EQ(asked(1, second()), "granted");
+  }
+  void expect_that_the_first_one_waits() {
+    EXPECT_EQ(asked(1, second()), "granted");
+    EXPECT_NE(asked(1, first_subscriber()), "granted");
+    EXPECT_EQ(journalled(1), 2U);
+    agree_for(30 * kSecondNs);
+    EXPECT_EQ(asked(1, second()), "granted");
+    at(1).ask(control::ReleaseRequest{.channel = {}, .admission = 0, .key = "second"});
+    agree_for(60 * kSecondNs);
+    EXPECT_EQ(asked(1, first_subscriber()).find("left out"), std::string::npos)
+        << asked(1, first_subscriber());
+    EXPECT_EQ(at(1).state().admissions().size(), 1U);
+  }
+};
+
+TEST_F(MembersPlacesTaken, ByWhatIsGrantedStaysSoOverARestart) {
+  take_the_place();
+  at(1).end();
+  beat_of_g0();
+  start(1);
+  for (int n = 0; n < 40; ++n) {
+    beat_of_g0();
+    pass(kStepNs);
+  }
+  expect_that_the_first_one_waits();
+}
+
+TEST_F(MembersPlacesTaken, ByWhatIsGrantedStaysSoOverAReload) {
+  finish_reading = true;
+  take_the_place();
+  at(1).ask(control::ReloadRequest{});
+  run();
+  EXPECT_EQ(said(1, "reloaded: "), 1U);
+  expect_that_the_first_one_waits();
+}
+
+/// Both were granted, and are after a restart: what g0 has agreed to is in the store.
+TEST_F(MembersPlaces, WhatIsAgreedToIsThereAtOnceAfterARestart) {
+  start_both();
+  ASSERT_EQ(asked(0, not_described(wanted(kFirst, "own0", "shared"),
+                                   {{"own0", 0x41}, {"shared", 0x42}, {"own1", 0x43}})),
+            "granted");
+  ASSERT_EQ(asked(1, first_subscriber()), "granted");
+  at(1).end();
+  start(1);
+  EXPECT_EQ(at(1).state().admissions().size(), 1U);
+  EXPECT_EQ(said(1, "admission 1 of"), 0U) << all_said(1);
+}
+
 /// By the description in force g0 has another name, and the next one may have g0 again.
 TEST_F(MembersPassing, WhatAGatewayOfTheNextDescriptionMayAdmitGoesOnWaiting) {
   admit_both();
