@@ -10,6 +10,9 @@ namespace {
 
 /// The most deletes of one transaction.
 constexpr std::size_t kMostDeletes = 64;
+/// The most votes of one transaction. After a conflict, the store returns as many entries.
+constexpr std::size_t kMostVotes = 8;
+static_assert(kMostVotes < kMostPuts);
 
 /// What was reserved for an admission on all networks.
 Footprint taken_for(const View& view, const Records::AskedKey& key) {
@@ -46,6 +49,7 @@ void Adoptions::take_up(const Records::AskedKey& key, View& view, std::vector<Ev
         Ended{.origin = {.gateway = key.first, .id = key.second, .asked = it->second.asked},
               .why = "the gateway that asked for it has ended it or is not there"});
     adopted_.erase(it);
+    to_send_.remove(key.first, key.second);
     view.adopt(key.first, key.second, false);
   }
   if (record == nullptr) return;
@@ -83,39 +87,58 @@ void Adoptions::vote(const Origin& origin, Vote vote, View& view, std::vector<Ev
   if (!vote.ok) it->second.opened = false;
   if (it->second.vote != vote) ++it->second.number;
   it->second.vote = std::move(vote);
+  if (it->second.stored != it->second.number) to_send_.add(key.first, key.second);
   open(key, view, events);
 }
 
-void Adoptions::on_done(const Done& done) {
-  if (done.work.kind != Work::Kind::vote) return;
-  const auto it = adopted_.find({done.work.gateway, done.work.id});
-  if (it == adopted_.end()) return;
-  // After a conflict the admission has changed or is gone; the view will show that.
-  if (done.fate == Done::Fate::done || done.fate == Done::Fate::conflict)
-    it->second.stored = done.work.number;
+void Adoptions::note_stored(const Work::Answer& answer, std::size_t gateway) {
+  const auto it = adopted_.find({gateway, answer.id});
+  // Another admission may have this number since.
+  if (it == adopted_.end() || it->second.asked != answer.asked) return;
+  it->second.stored = answer.number;
+  if (it->second.stored == it->second.number) to_send_.remove(gateway, answer.id);
+}
+
+/// After a conflict, one of the admissions has changed or is gone, which the view will show. The
+/// votes on the others are sent again.
+void Adoptions::on_done(const Done& done, const View& view) {
+  const bool conflict = done.fate == Done::Fate::conflict;
+  if (done.work.kind != Work::Kind::vote || (!conflict && done.fate != Done::Fate::done)) return;
+  for (const Work::Answer& answer : done.work.answers) {
+    const std::string key = view.keys().asked(done.work.gateway, answer.id);
+    const auto there = std::ranges::find(done.read, key, &Entry::key);
+    const bool unchanged =
+        there != done.read.end() && !there->gone && there->create == answer.asked;
+    if (!conflict || !unchanged) note_stored(answer, done.work.gateway);
+  }
 }
 
 void Adoptions::lose(View& view) {
   for (const auto& key : std::views::keys(adopted_)) view.adopt(key.first, key.second, false);
   adopted_.clear();
+  to_send_.clear();
   view.touch_asked();
 }
 
-std::optional<Work> Adoptions::next_work(const View& view, const Codec& codec) const {
+std::optional<Work> Adoptions::next_work(const View& view, const Codec& codec) {
   const Keys& keys = view.keys();
-  for (const auto& [key, adopted] : adopted_)
-    if (adopted.stored != adopted.number)
-      return Work{
-          .kind = Work::Kind::vote,
-          .id = key.second,
-          .gateway = key.first,
-          .number = adopted.number,
-          .compares = {{.what = Compare::What::create,
-                        .key = keys.asked(key.first, key.second),
-                        .revision = adopted.asked}},
-          .puts = {{.key = keys.vote(self_, key.first, key.second),
-                    .value = codec.write(VoteOf{.asked = adopted.asked, .vote = *adopted.vote})}}};
-  return std::nullopt;
+  const auto gateway = to_send_.next();
+  if (!gateway) return std::nullopt;
+  to_send_.took(*gateway);
+  Work work{.kind = Work::Kind::vote, .gateway = *gateway};
+  for (const std::uint64_t id : to_send_.of(*gateway)) {
+    if (work.answers.size() == kMostVotes) break;
+    const Adopted& adopted = adopted_.at({*gateway, id});
+    work.answers.push_back({.id = id, .asked = adopted.asked, .number = adopted.number});
+    work.compares.push_back({.what = Compare::What::create,
+                             .key = keys.asked(*gateway, id),
+                             .revision = adopted.asked});
+    work.puts.push_back(
+        {.key = keys.vote(self_, *gateway, id),
+         .value = codec.write(VoteOf{.asked = adopted.asked, .vote = *adopted.vote})});
+    work.reads.push_back(keys.asked(*gateway, id));
+  }
+  return work;
 }
 
 std::optional<Work> Adoptions::clean_up(const View& view) const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/cluster/chain.hpp"
+#include "core/cluster/turns.hpp"
 #include "core/cluster/view.hpp"
 
 namespace mlcca::core::cluster {
@@ -23,11 +24,13 @@ class Adoptions {
   /// Changes the vote on an adopted admission: this gateway cannot keep it any more, or now can.
   void vote(const Origin& origin, Vote vote, View& view, std::vector<Event>& events);
   /// Takes the result of a transaction with a vote.
-  void on_done(const Done& done);
+  void on_done(const Done& done, const View& view);
   /// The membership is lost; the caller has closed everything.
   void lose(View& view);
-  /// The next vote that the store does not contain yet; nullopt if there is none.
-  [[nodiscard]] std::optional<Work> next_work(const View& view, const Codec& codec) const;
+  /// The next votes that the store does not contain yet, all on admissions of one gateway, so that
+  /// only that gateway can make the transaction conflict. Gateways take turns. Nullopt: there are
+  /// none. What is returned is taken as sent.
+  [[nodiscard]] std::optional<Work> next_work(const View& view, const Codec& codec);
   /// Deletes own votes on admissions that no longer exist. The view must contain all own
   /// transactions.
   [[nodiscard]] std::optional<Work> clean_up(const View& view) const;
@@ -35,7 +38,7 @@ class Adoptions {
   /// Visits all state that affects its behaviour, for the model checker.
   template <class Visit>
   void visit_state(Visit&& visit) const {
-    visit(adopted_);
+    visit(adopted_, to_send_);
   }
 
  private:
@@ -54,9 +57,11 @@ class Adoptions {
   [[nodiscard]] const AskedRecord* live(const View& view, const Records::AskedKey& key) const;
   void take_up(const Records::AskedKey& key, View& view, std::vector<Event>& events);
   void open(const Records::AskedKey& key, const View& view, std::vector<Event>& events);
+  void note_stored(const Work::Answer& answer, std::size_t gateway);
 
   std::size_t self_;
   std::map<Records::AskedKey, Adopted> adopted_;
+  Turns to_send_;  ///< those with a vote that the store does not contain yet
 };
 
 }  // namespace mlcca::core::cluster

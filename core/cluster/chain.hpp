@@ -44,6 +44,17 @@ struct Work {
   std::vector<Put> puts = {};
   std::vector<std::string> deletes = {};
   std::vector<std::string> reads = {};
+  /// A vote in it, on an admission of `gateway`.
+  struct Answer {
+    std::uint64_t id = 0;
+    std::int64_t asked = 0;    ///< see Origin
+    std::uint64_t number = 0;  ///< as `number` above, of this vote
+    template <class Visit>
+    void visit_state(Visit&& visit) const {
+      visit(id, asked, number);
+    }
+  };
+  std::vector<Answer> answers = {};
   Role role = Role::standby;  ///< that the beat states
 };
 
@@ -125,7 +136,8 @@ class Chain {
     Work work;
     template <class Visit>
     void visit_state(Visit&& visit) const {
-      visit(seq, at, lease, base, seen, work.kind, work.id, work.gateway, work.number, work.role);
+      visit(seq, at, lease, base, seen, work.kind, work.id, work.gateway, work.number, work.answers,
+            work.role);
     }
   };
 

@@ -15,18 +15,12 @@ namespace {
 /// Gateways do not fence at the same time. Each has its own time within 1 / kFenceSpread of a
 /// lease.
 constexpr Value kFenceSpread = 8;
+/// When the store has refused a fence. Meanwhile other transactions do not wait behind it.
+constexpr Value kFenceAgain = 2'000'000'000;
 
-/// The most keys that one transaction deletes, and the time after which a refused one is tried
-/// again.
-constexpr std::size_t kMostCleaned = 64;
-constexpr Value kCleanAgain = 60'000'000'000;
-
-/// Whether only the fence and votes of the gateway are left.
-bool has_nothing_itself(const LeftRecord& left) {
-  return std::ranges::all_of(std::views::values(left.keys), [](const LeftRecord::Key& key) {
-    return key.voter || key.kind == Key::Kind::fence || key.kind == Key::Kind::rollout_vote;
-  });
-}
+/// The most transactions while the view lacks the latest one of this gateway. Then the view is
+/// waited for, but not for longer than until the next beat.
+constexpr std::size_t kMostPassedOver = 4;
 
 /// The store revision that the view must reach before it shows the entries that caused a conflict.
 std::int64_t newest_of(const std::vector<Entry>& entries) {
@@ -88,11 +82,13 @@ void Member::settle(const std::vector<Done>& all, Value now) {
     if (done.fate == Done::Fate::done) election_.on_committed(done.work.role, done.revision);
     if (!done.read.empty()) wait_for_ = newest_of(done.read);
     if (done.work.kind == Work::Kind::vote)
-      adoptions_.on_done(done);
+      adoptions_.on_done(done, view_);
     else
       admissions_.on_done(done, view_, now, events_);
     rollouts_.on_done(done, now, events_);
     on_cleaned(done, now);
+    if (done.work.kind == Work::Kind::fence && done.fate == Done::Fate::refused)
+      fence_again_ = add_saturating(now, kFenceAgain);
     if (done.fate == Done::Fate::done && done.work.kind == Work::Kind::reserve)
       journal_.seen_revision = done.revision;
     if (done.fate == Done::Fate::done && done.work.kind == Work::Kind::leave) {
@@ -115,12 +111,6 @@ void Member::settle(const std::vector<Done>& all, Value now) {
       go_back(now);
       break;
   }
-}
-
-/// If the store refuses to delete entries, the role of this user in etcd may lack the right.
-void Member::on_cleaned(const Done& done, Value now) {
-  if (done.work.kind == Work::Kind::clean && done.fate != Done::Fate::done)
-    clean_from_.at(done.work.number) = add_saturating(now, kCleanAgain);
 }
 
 void Member::on_joined(std::int64_t revision, Value now) {
@@ -375,6 +365,7 @@ Value Member::fence_time(std::size_t gateway, Value from) const {
 }
 
 std::optional<Work> Member::fence(Value now) const {
+  if (now < fence_again_) return std::nullopt;
   for (std::size_t g = 0; g < keys_->gateways(); ++g) {
     const auto from = view_.fence_from(g);
     if (!from || now < fence_time(g, *from)) continue;
@@ -387,74 +378,42 @@ std::optional<Work> Member::fence(Value now) const {
   return std::nullopt;
 }
 
-/// Entries are deleted only after all gateways have left the former description.
-std::optional<Work> Member::clean_up(Value now) const {
-  if (!digest_in_force()) return std::nullopt;
-  for (std::size_t kind = 0; kind < kUnused; ++kind) {
-    if (now < clean_from_[kind]) continue;
-    Work clean{.kind = Work::Kind::clean,
-               .number = kind,
-               .compares = {{.key = keys_->current(), .revision = view_.records().current.mod}}};
-    add_unused(static_cast<Unused>(kind), now, clean);
-    if (clean.deletes.size() > kMostCleaned) clean.deletes.resize(kMostCleaned);
-    if (!clean.deletes.empty()) return clean;
+std::optional<Work> Member::work_for(For whom, Value now) {
+  const bool may_take = now >= view_.leases_end() && !draining_ && digest_in_force();
+  switch (whom) {
+    case For::own:
+      return admissions_.next_work(view_, *codec_, may_take, now);
+    case For::others:
+      return adoptions_.next_work(view_, *codec_);
+    case For::all:
+      return caught_up() ? work_for_all(now) : std::nullopt;
   }
   return std::nullopt;
 }
 
-void Member::add_unused(Unused kind, Value now, Work& clean) const {
-  if (kind == Unused::own)
-    for (const auto& key : std::views::keys(view_.records().strange))
-      if (keys_->is_of_removed_network(key, identity_.gateway)) clean.deletes.push_back(key);
-  for (const auto& [gateway, left] : view_.records().left) {
-    // One gateway at a time, because the compares of the transaction are about that gateway.
-    if (kind == Unused::left && clean.deletes.empty()) add_left(gateway, left, now, clean);
-    const bool gone = left.member.mod == 0 || view_.is_over(gateway, now);
-    for (const auto& [name, key] : left.keys) {
-      const bool own = key.kind == Key::Kind::vote && key.voter == identity_.gateway;
-      const bool ballot = key.kind == Key::Kind::rollout_vote && gone;
-      const bool last = key.kind == Key::Kind::fence && has_nothing_itself(left);
-      if ((kind == Unused::own && own) || (kind == Unused::ballots && ballot) ||
-          (kind == Unused::fences && last))
-        clean.deletes.push_back(name);
-    }
-  }
-}
-
-/// Deletes the beat after all other entries, because beat and fence say that the gateway is dead.
-/// The fence is deleted after the beat.
-void Member::add_left(const std::string& gateway, const LeftRecord& left, Value now,
-                      Work& clean) const {
-  if (!view_.is_over(gateway, now)) return;
-  std::vector<std::string> others;
-  std::vector<std::string> beat;
-  std::vector<Compare> compares;
-  for (const auto& [name, key] : left.keys) {
-    if (key.voter || key.kind == Key::Kind::rollout_vote) continue;
-    const bool is_beat = key.kind == Key::Kind::member;
-    if (is_beat || key.kind == Key::Kind::fence)
-      compares.push_back({.key = name, .revision = key.mod});
-    else
-      others.push_back(name);
-    if (is_beat) beat.push_back(name);
-  }
-  clean.deletes = others.empty() ? std::move(beat) : std::move(others);
-  if (!clean.deletes.empty())
-    clean.compares.insert(clean.compares.end(), compares.begin(), compares.end());
-}
-
-std::optional<Work> Member::next_work(Value now) {
-  const bool may_take = now >= view_.leases_end() && !draining_ && digest_in_force();
-  if (!found_ || view_.revision() < wait_for_) return std::nullopt;
-  if (auto work = admissions_.next_work(view_, *codec_, may_take, now)) return work;
-  if (auto work = adoptions_.next_work(view_, *codec_)) return work;
-  if (!caught_up()) return std::nullopt;
+std::optional<Work> Member::work_for_all(Value now) {
   if (auto work = adoptions_.clean_up(view_)) return work;
   if (auto work = clean_up(now)) return work;
   if (auto work = fence(now)) return work;
   if (draining_ && said_draining_ && admissions_.empty())
     return Work{.kind = Work::Kind::leave, .deletes = {keys_->member(identity_.gateway)}};
   return rollouts_.next_work(view_, *codec_, now);
+}
+
+/// A gateway that has much to do for some is there for the others too.
+std::optional<Work> Member::next_work(Value now) {
+  if (!found_ || view_.revision() < wait_for_) return std::nullopt;
+  if (caught_up() || now >= chain_.beat_due()) passed_over_ = 0;
+  if (passed_over_ >= kMostPassedOver) return std::nullopt;
+  for (std::size_t n = 1; n <= kFor; ++n) {
+    const auto whom = static_cast<For>((static_cast<std::size_t>(latest_) + n) % kFor);
+    auto work = work_for(whom, now);
+    if (!work) continue;
+    latest_ = whom;
+    if (!caught_up()) ++passed_over_;
+    return work;
+  }
+  return std::nullopt;
 }
 
 std::vector<Txn> Member::take_txns(Value now) {
@@ -492,6 +451,7 @@ Value Member::next_time(Value now) const {
   if (phase_ != Phase::joined) return next;
   at(chain_.valid_until());
   at(chain_.beat_due());
+  at(fence_again_);
   for (std::size_t g = 0; g < keys_->gateways(); ++g)
     if (const auto from = view_.fence_from(g)) at(fence_time(g, *from));
   return next;

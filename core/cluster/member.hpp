@@ -114,7 +114,7 @@ class Member {
   void visit_state(Visit&& visit) const {
     visit(journal_, view_, chain_, admissions_, adoptions_, election_, rollouts_, phase_,
           reachable_, draining_, goes_on_, found_, wait_for_, applied_, said_applied_, ask_applied_,
-          said_draining_);
+          said_draining_, latest_, passed_over_, fence_again_);
   }
 
  private:
@@ -129,6 +129,13 @@ class Member {
            ///< they should be
   };
   static constexpr std::size_t kUnused = 4;
+  /// What the transactions are for. Each kind has its turn.
+  enum class For : std::uint8_t {
+    own,     ///< the admissions of this gateway
+    others,  ///< votes on those of other gateways
+    all,     ///< fences, rollouts, and entries that nobody uses: the view must be up to date
+  };
+  static constexpr std::size_t kFor = 3;
 
   /// As the public function, but `id` itself may be the reservation that is being decided.
   [[nodiscard]] std::string why_not(std::uint64_t id, Value now) const;
@@ -152,6 +159,8 @@ class Member {
   [[nodiscard]] Beat beat(Value now) const;
   [[nodiscard]] bool beat_wanted(Value now) const;
   [[nodiscard]] std::optional<Work> next_work(Value now);
+  [[nodiscard]] std::optional<Work> work_for(For whom, Value now);
+  [[nodiscard]] std::optional<Work> work_for_all(Value now);
   [[nodiscard]] std::optional<Work> fence(Value now) const;
   [[nodiscard]] std::optional<Work> clean_up(Value now) const;
   void add_unused(Unused kind, Value now, Work& clean) const;
@@ -178,6 +187,9 @@ class Member {
   std::int64_t applied_ = 0, said_applied_ = 0;
   /// Other gateways wait until this revision is reported as applied.
   std::int64_t ask_applied_ = 0;
+  For latest_ = For::all;        ///< of the latest transaction
+  Value fence_again_ = 0;        ///< the store has refused a fence: no other one before this time
+  std::size_t passed_over_ = 0;  ///< transactions since For::all could have its turn
   Role said_role_ = Role::standby;
   bool said_draining_ = false;
   std::vector<Event> events_;
