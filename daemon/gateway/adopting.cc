@@ -19,6 +19,10 @@ namespace {
 
 constexpr const char* kUnwanted = "what was asked for has ended";
 constexpr const char* kReplaced = "its number is that of another admission since";
+/// What is done in one turn of the loop, so that beats and answers are not late. Each admission
+/// counts as much as some requests.
+constexpr std::size_t kMostInTurn = 256;
+constexpr std::size_t kRequestsOfOne = 8;
 constexpr const char* kNotUnderstood = "what is asked for is not understood here";
 
 std::vector<core::AdmissionId> ids_in(const std::vector<control::Request>& requests) {
@@ -73,15 +77,15 @@ void Adopting::on(const core::cluster::Adopt& event) {
   Adopted& adopted = adopted_[{event.origin.gateway, event.origin.id}];
   adopted = {.origin = event.origin,
              .footprint = event.footprint,
-             .asked = cluster::asked_in(event.admission),
+             .text = event.admission,
+             .asked = {},
              .number = hands_.new_number(),
              .asks = {},
              .ours = {},
              .theirs = {}};
   set_due(adopted, Due::vote);
-  adopted.too_many = adopted.asked && adopted.asked->size() > cluster::Asked::kMostRequests;
-  if (adopted.too_many) adopted.asked.reset();
-  list(adopted);
+  // An earlier process may have made it for the other gateway.
+  if (!found_.empty()) read(adopted);
   networks_.count(adopted.number, adopted.footprint, event.origin.gateway);
   if (adopted.is_on_behalf()) resume(adopted);
 }
@@ -104,7 +108,8 @@ void Adopting::on(const core::cluster::Ended& event) {
   networks_.drop(it->second.number);
   unlist(it->second);
   hold_nothing(it->second);
-  due_.erase(it->first);
+  set_not_due(it->first);
+  to_check_.erase(it->first);
   adopted_.erase(it);
 }
 
@@ -124,19 +129,50 @@ void Adopting::forget() {
   holders_.clear();
   made_for_this_.clear();
   on_behalf_.clear();
-  due_.clear();
+  votes_.clear();
+  others_due_.clear();
+  to_check_.clear();
+  requests_of_.clear();
 }
 
 void Adopting::set_due(Adopted& adopted, Due due) {
+  const Key key = key_of(adopted);
+  set_not_due(key);
   adopted.due = due;
-  due_.insert(key_of(adopted));
+  (due == Due::vote ? votes_ : others_due_).add(key.first, key.second);
+}
+
+void Adopting::set_not_due(const Key& key) {
+  votes_.remove(key.first, key.second);
+  others_due_.remove(key.first, key.second);
+}
+
+/// Reads what is asked for, unless that has been done. It is read late, because there may be more
+/// of it than can be decided soon.
+void Adopting::read(Adopted& adopted) {
+  if (adopted.text.empty()) return;
+  adopted.asked = cluster::asked_in(std::exchange(adopted.text, {}));
+  if (!adopted.asked) return;
+  const std::size_t requests = adopted.asked->size();
+  const auto of = requests_of_.find(adopted.origin.gateway);
+  const std::size_t before = of == requests_of_.end() ? 0 : of->second;
+  if (requests > cluster::Asked::kMostRequests)
+    adopted.refusal = fmt::format("it has more than {} requests", cluster::Asked::kMostRequests);
+  else if (before + requests > kMostOfGateway)
+    adopted.refusal =
+        fmt::format("{} would have more than {} requests here",
+                    hands_.name_of(adopted.origin.gateway), std::size_t{kMostOfGateway});
+  if (adopted.refusal.empty())
+    list(adopted);
+  else
+    adopted.asked.reset();
 }
 
 void Adopting::list(Adopted& adopted) {
-  if (!adopted.asked) return;
   for (const auto* all : {&adopted.asked->also, &adopted.asked->requests})
     for (const control::Request& request : *all)
       adopted.asks.push_back(which_of(adopted.origin.gateway, request));
+  requests_of_[adopted.origin.gateway] += adopted.asks.size();
   if (is_made_for_this(adopted)) made_for_this_[adopted.asked->for_number].insert(key_of(adopted));
   if (adopted.is_on_behalf()) {
     on_behalf_.insert(key_of(adopted));
@@ -145,8 +181,10 @@ void Adopting::list(Adopted& adopted) {
   for (const WhichRequest& which : adopted.asks) requests_.ask(which, key_of(adopted));
 }
 
-void Adopting::unlist(const Adopted& adopted) {
+void Adopting::unlist(Adopted& adopted) {
   for (const WhichRequest& which : adopted.asks) requests_.ask_no_more(which, key_of(adopted));
+  if (!adopted.asks.empty()) requests_of_[adopted.origin.gateway] -= adopted.asks.size();
+  adopted.asks.clear();
   on_behalf_.erase(key_of(adopted));
   if (!is_made_for_this(adopted)) return;
   const auto made = made_for_this_.find(adopted.asked->for_number);
@@ -334,8 +372,7 @@ void Adopting::vote(Adopted& adopted, core::cluster::Member& member, Value now) 
     return;
   }
   std::string why = is_unwanted(adopted) ? kUnwanted : kNotUnderstood;
-  if (adopted.too_many)
-    why = fmt::format("it has more than {} requests", cluster::Asked::kMostRequests);
+  if (!adopted.refusal.empty()) why = adopted.refusal;
   if (adopted.asked && !is_unwanted(adopted)) {
     why = name_all(adopted);
     networks_.leave_out(adopted.number);
@@ -370,22 +407,37 @@ std::string Adopting::open(Adopted& adopted) {
   return why;
 }
 
+/// Opening comes first: votes alone do not make another gateway wait for this one.
+Adopting::Adopted* Adopting::next_due() {
+  for (core::cluster::Turns* turns : {&others_due_, &votes_}) {
+    const auto gateway = turns->next();
+    if (!gateway) continue;
+    const Key key{*gateway, *turns->of(*gateway).begin()};
+    turns->took(*gateway);
+    turns->remove(key.first, key.second);
+    return &adopted_.at(key);
+  }
+  return nullptr;
+}
+
 bool Adopting::step(core::cluster::Member& member, Value now) {
   bool any = false;
-  for (const Key& key : std::exchange(due_, {})) {
-    const auto it = adopted_.find(key);
-    if (it == adopted_.end()) continue;
-    Adopted& adopted = it->second;
-    const Due due = std::exchange(adopted.due, Due::nothing);
-    any = any || due != Due::nothing;
-    act_on(adopted, due, member, now);
-    any = (std::exchange(adopted.check, false) && ends_with_publisher(adopted)) || any;
+  while (done_in_turn_ < kMostInTurn) {
+    Adopted* const adopted = next_due();
+    if (adopted == nullptr) break;
+    any = true;
+    read(*adopted);
+    done_in_turn_ += kRequestsOfOne + adopted->asks.size();
+    act_on(*adopted, member, now);
   }
+  for (const Key& key : std::exchange(to_check_, {}))
+    any = ends_with_publisher(adopted_.at(key)) || any;
   for (const auto& [of, request] : std::exchange(found_, {})) hands_.give_back({request.id});
   return any;
 }
 
-void Adopting::act_on(Adopted& adopted, Due due, core::cluster::Member& member, Value now) {
+void Adopting::act_on(Adopted& adopted, core::cluster::Member& member, Value now) {
+  const Due due = std::exchange(adopted.due, Due::nothing);
   const core::cluster::Origin origin = adopted.origin;
   if (due == Due::vote) {
     vote(adopted, member, now);

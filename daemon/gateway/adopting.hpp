@@ -16,6 +16,7 @@
 #include "base/result.hpp"
 #include "core/admission/state.hpp"
 #include "core/cluster/member.hpp"
+#include "core/cluster/turns.hpp"
 #include "daemon/cluster/codec.hpp"
 #include "daemon/gateway/request_index.hpp"
 #include "daemon/gateway/reserving.hpp"
@@ -76,8 +77,18 @@ class Adopting {
   /// This gateway does not want any more what it has asked for under that number of its own: closes
   /// what another gateway has made for it.
   void close_made_for(Number number);
-  /// Votes on and opens what is due. True if anything was done.
+  /// The most requests of one other gateway that are decided and carried. What it asks for beyond
+  /// that is refused.
+  static constexpr std::size_t kMostOfGateway = 16'384;
+  /// A turn of the loop begins: step() may do as much as is done in one turn.
+  void begin_turn() { done_in_turn_ = 0; }
+  /// Opens and votes on what is due, as far as one turn allows: what is to be opened comes first,
+  /// and gateways take turns. True if anything was done.
   bool step(core::cluster::Member& member, Value now);
+  /// Whether step() has more to do in the next turn.
+  [[nodiscard]] bool has_due() const { return !votes_.empty() || !others_due_.empty(); }
+  /// Whether all that the store says to be open is open, or was refused.
+  [[nodiscard]] bool has_opened() const { return others_due_.empty(); }
   /// Adds the open admissions to another state of the same description.
   void restore() const;
   [[nodiscard]] bool has(core::AdmissionId id) const;
@@ -93,6 +104,7 @@ class Adopting {
   struct Adopted {
     core::cluster::Origin origin;
     core::cluster::Footprint footprint;
+    std::string text;  ///< of the request, until it is due
     std::optional<cluster::Asked> asked;
     Number number = 0;
     std::vector<WhichRequest> asks;      ///< of `asked`: first `also`, then `requests`
@@ -100,8 +112,7 @@ class Adopting {
     std::vector<WhichRequest> theirs;    ///< the same requests
     Due due = Due::nothing;
     bool open = false;
-    bool check = false;            ///< its publisher may have gone
-    bool too_many = false;         ///< it has more requests than are decided
+    std::string refusal{};         ///< why it is not decided; empty: it is
     bool replaced = false;         ///< the other gateway has given its number to something else
     core::cluster::Vote answer{};  ///< of Due::answer
     /// This gateway makes the admission itself; `ours` has the one request.
@@ -112,8 +123,11 @@ class Adopting {
   static core::cluster::Vote vote_of(std::string why);
   static Key key_of(const Adopted& adopted) { return {adopted.origin.gateway, adopted.origin.id}; }
   void set_due(Adopted& adopted, Due due);
+  void set_not_due(const Key& key);
+  [[nodiscard]] Adopted* next_due();
+  void read(Adopted& adopted);
   void list(Adopted& adopted);
-  void unlist(const Adopted& adopted);
+  void unlist(Adopted& adopted);
   void set_open(Adopted& adopted, bool open);
   void hold(Adopted& adopted, const WhichRequest& which, control::Request ours);
   void hold_nothing(Adopted& adopted);
@@ -133,7 +147,7 @@ class Adopting {
   [[nodiscard]] Adopted* other_with(const Adopted& adopted, const WhichRequest& which);
   void hand_on(Adopted& adopted);
   void vote(Adopted& adopted, core::cluster::Member& member, Value now);
-  void act_on(Adopted& adopted, Due due, core::cluster::Member& member, Value now);
+  void act_on(Adopted& adopted, core::cluster::Member& member, Value now);
   /// Identifies what was adopted: the same request can be adopted again, under another number.
   struct Ref {
     core::cluster::Origin origin;
@@ -157,7 +171,11 @@ class Adopting {
   std::map<core::AdmissionId, Key> holders_;  ///< by the numbers of this gateway that they hold
   std::map<Number, std::set<Key>> made_for_this_;  ///< by the numbers with which it has asked
   std::set<Key> on_behalf_;
-  std::set<Key> due_;                      ///< those with something to do in step()
+  // What is due in step(): votes, and all else, which comes first.
+  core::cluster::Turns votes_, others_due_;
+  std::size_t done_in_turn_ = 0;
+  std::map<std::size_t, std::size_t> requests_of_;  ///< by gateway: how many are decided
+  std::set<Key> to_check_;                          ///< their publishers may have gone
   std::map<For, control::Request> found_;  ///< reserved by an earlier process, see keep_found()
 };
 

@@ -84,12 +84,7 @@ bool Adopting::keep_found(const cluster::Asked& asked) {
   return true;
 }
 
-void Adopting::publishers_gone() {
-  for (const Key& key : on_behalf_) {
-    adopted_.at(key).check = true;
-    due_.insert(key);
-  }
-}
+void Adopting::publishers_gone() { to_check_.insert(on_behalf_.begin(), on_behalf_.end()); }
 
 bool Adopting::ends_with_publisher(Adopted& adopted) {
   if (!adopted.open || !hands_.is_without_publisher(adopted.ours.front())) return false;

@@ -295,6 +295,7 @@ bool Membership::decide(const cc::Event& event) {
 void Membership::act() {
   member_->on_time(now());
   drain_when_closed();
+  adopting_->begin_turn();
   bool more = true;
   for (int round = 0; more && round < kMostRounds; ++round) {
     const std::vector<cc::Event> events = member_->take_events();
@@ -310,7 +311,8 @@ void Membership::act() {
   lost_ = !bring_in_line() && lost_;
   propose_first();
   // The store is not informed of a closing that the kernel has refused.
-  if (!more && parts_.turn.in_line()) member_->applied(member_->view().revision());
+  if (!more && adopting_->has_opened() && parts_.turn.in_line())
+    member_->applied(member_->view().revision());
   send();
   report();
   plan();
@@ -466,6 +468,7 @@ void Membership::plan() {
   Value next = std::min(add_saturating(at, kLongestSleep), member_->next_time(at));
   if (leased_end() > at) next = std::min(next, leased_end());
   if (const auto due = reserving_->next_time()) next = std::min(next, *due);
+  if (adopting_->has_due()) next = at;
   if (leaving_ && leave_until_ > at) next = std::min(next, leave_until_);
   constexpr Value micro = 1000;
   timer_.set((sub_floor(next, at) / micro) + 1);
