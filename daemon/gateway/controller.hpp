@@ -188,7 +188,9 @@ class Controller {
   Heartbeat heartbeat_{outside_.control, outside_.clock};
   std::function<void()> pulse_ = [this] { heartbeat_.pulse(); };
   Patience patience_{pulse_, outside_.threads ? Patience::kLongest : 0};
-  DeliveryEvents deliveries_{scene_, outside_.log, pulse_};
+  DeliveryEvents deliveries_{scene_, outside_.log, pulse_, [this](core::AdmissionId id) {
+                               return recorder_.contents().admissions.find(id) != nullptr;
+                             }};
   Recorder recorder_{scene_, outside_.gates, outside_.log, patience_, pulse_};
   CanForwarding forwarding_{
       scene_, outside_.gates, outside_.links, outside_.log, std::move(outside_.can_rules), pulse_};

@@ -144,25 +144,39 @@ void DeliveryEvents::outcome(const Granted& before, const Reported& reported) {
     }
 }
 
+std::string DeliveryEvents::why_gone(std::optional<std::size_t> channel,
+                                     const core::Delivery& delivery) const {
+  if (delivery.admission != 0)
+    return is_recorded_(delivery.admission)
+               ? fmt::format("the description has no place for admission {}, which is left out",
+                             delivery.admission)
+               : "another gateway has admitted its publisher, and it is carried again when that "
+                 "gateway asks for it";
+  const core::Members& members = scene_.state->members();
+  const bool is_publisher_there =
+      channel && std::ranges::any_of(members.publishers_of(*channel), [&](std::size_t p) {
+        return members.admission_of_publisher(p) == 0 &&
+               members.publisher(p).name == delivery.publisher;
+      });
+  return is_publisher_there ? "no subscriber of it is described or admitted there now"
+                            : "the description has it no more";
+}
+
 /// Reports a delivery that was granted and of which an end no longer exists: it is no longer
-/// described, or its admission is no longer allowed. Left-out admissions are not reported here.
+/// described, or its admission is no longer allowed or not here any more. Left-out admissions are
+/// not reported here.
 void DeliveryEvents::gone(const std::string& subject, const core::Delivery& delivery) {
   const auto channel = scene_.state->find_channel(subject);
   const std::string name = channel ? scene_.state->system().channels[*channel].name : subject;
-  log_.warning(
-      Kind::removed,
-      fmt::format(
-          "{} ({}) of {} to {} is removed: {}", name, subject, delivery.publisher, delivery.to,
-          delivery.admission == 0
-              ? std::string("the description has it no more")
-              : fmt::format("the description has no place for admission {}, which is left out",
-                            delivery.admission)),
-      {.subject = core::parse_subject(subject).value_or(0),
-       .channel = name,
-       .network = delivery.to,
-       .publisher = delivery.publisher,
-       .admissions = delivery.admission != 0 ? std::vector{delivery.admission}
-                                             : std::vector<core::AdmissionId>{}});
+  log_.warning(Kind::removed,
+               fmt::format("{} ({}) of {} to {} is removed: {}", name, subject, delivery.publisher,
+                           delivery.to, why_gone(channel, delivery)),
+               {.subject = core::parse_subject(subject).value_or(0),
+                .channel = name,
+                .network = delivery.to,
+                .publisher = delivery.publisher,
+                .admissions = delivery.admission != 0 ? std::vector{delivery.admission}
+                                                      : std::vector<core::AdmissionId>{}});
 }
 
 void DeliveryEvents::changes(const std::vector<core::Change>& changes) {

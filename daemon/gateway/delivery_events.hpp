@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,9 +37,11 @@ class DeliveryEvents {
   /// What was reported of the deliveries of a description, by subject and delivery.
   using Reported = std::map<std::pair<std::string, core::Delivery>, Contract>;
 
-  /// `pulse` is called after each step of long work, for the heart-beat.
-  DeliveryEvents(const Scene& scene, EventLog& log, std::function<void()> pulse)
-      : scene_(scene), log_(log), pulse_(std::move(pulse)) {}
+  /// `pulse` is called after each step of long work, for the heart-beat. `is_recorded` says whether
+  /// the admission with that number is one of this gateway, and not one of another gateway.
+  DeliveryEvents(const Scene& scene, EventLog& log, std::function<void()> pulse,
+                 std::function<bool(core::AdmissionId)> is_recorded)
+      : scene_(scene), log_(log), pulse_(std::move(pulse)), is_recorded_(std::move(is_recorded)) {}
 
   /// Reports one verdict with the given line.
   void verdict(Kind kind, const core::Verdict& verdict, const std::string& line);
@@ -67,11 +70,14 @@ class DeliveryEvents {
  private:
   [[nodiscard]] static Contract as_reported(const core::State& state, const core::Verdict& verdict);
   void gone(const std::string& subject, const core::Delivery& delivery);
+  [[nodiscard]] std::string why_gone(std::optional<std::size_t> channel,
+                                     const core::Delivery& delivery) const;
   [[nodiscard]] std::vector<core::AdmissionId> admissions_of(const core::Verdict& verdict) const;
 
   const Scene& scene_;
   EventLog& log_;
   std::function<void()> pulse_;
+  std::function<bool(core::AdmissionId)> is_recorded_;
 };
 
 }  // namespace mlcca
