@@ -112,7 +112,7 @@ void Membership::begin() {
                 }
               },
           .ended = [this](Number number) { adopting_->close_made_for(number); },
-          .is_free = [this] { return !has_former(); },
+          .in_the_way = [this] { return former_in_the_way(); },
           .log = [this](const std::string& line) { parts_.log.warning(Kind::gateway, line); }},
       session >> 1U);
   member_ = std::make_unique<cc::Member>(keys_, *codec_,

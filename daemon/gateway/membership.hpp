@@ -207,7 +207,7 @@ class Membership final : private core::Holdings {
   [[nodiscard]] cluster::Asked asked_of(std::size_t channel) const;
   [[nodiscard]] bool is_known(const cluster::Asked& asked) const;
   void take_former_numbers();
-  [[nodiscard]] bool has_former();
+  [[nodiscard]] std::string former_in_the_way();
   [[nodiscard]] bool needs(const std::string& channel, Number number) const;
   void forget_orphans();
   void propose_first();

@@ -325,18 +325,22 @@ void Membership::take_former_numbers() {
     for (const auto* all : {&former->requests, &former->also})
       for (const control::Request& request : *all) {
         const control::Request* const now = recorded.find(request.id);
-        is_given_again = is_given_again || (now != nullptr && *now != request);
+        is_given_again = is_given_again || (now != nullptr && *now != request) ||
+                         parts_.recorder.is_set_aside(request.id);
         if (request.id <= kMostNumber) parts_.recorder.pass_over(request.id);
       }
     if (is_given_again && !former->on_behalf) former_.push_back(it->first.second);
   }
 }
 
-bool Membership::has_former() {
+std::string Membership::former_in_the_way() {
   std::erase_if(former_, [this](Number number) {
     return !member_->view().records().asked.contains({self_, number});
   });
-  return !former_.empty();
+  if (former_.empty()) return {};
+  return "the store still has admissions of this gateway from before its journal was lost, with "
+         "the "
+         "same numbers: ask again in a few seconds";
 }
 
 /// Whether the channel uses something that only this reservation allows.

@@ -52,6 +52,8 @@ class Recorder {
   /// Reserves an id for an admission about which other gateways are asked first. No other admission
   /// gets this id, also not in a later process. The id may be used as long as the pointer is kept.
   [[nodiscard]] std::shared_ptr<const core::AdmissionId> set_id_aside();
+  /// Whether an id is reserved so.
+  [[nodiscard]] bool is_set_aside(core::AdmissionId id) const { return journal_->expects(id); }
   /// An id for an admission that is in the journal of another gateway.
   [[nodiscard]] core::AdmissionId new_id();
   /// No admission gets this id or an earlier one any more.

@@ -290,10 +290,11 @@ bool Reserving::step(core::cluster::Member& member, Value now) {
     }
     const Open open = std::move(*it);
     it = jobs_.erase(it);
-    open.job.refused("others are decided before it, or the store does not answer");
+    open.job.refused(why_waiting(member, now));
   }
   const auto next = next_turn();
-  if (next == jobs_.end() || !member.why_not(now).empty() || !parts_.is_free()) return false;
+  if (next == jobs_.end() || !member.why_not(now).empty() || !parts_.in_the_way().empty())
+    return false;
   note_turn(next->job);
   parts_.networks.leave_out(std::nullopt);
   static_cast<void>(parts_.bring_in_line());
@@ -311,6 +312,14 @@ bool Reserving::step(core::cluster::Member& member, Value now) {
   next->wish = std::move(*wish);
   begin(*next, member, now);
   return true;
+}
+
+std::string Reserving::why_waiting(const core::cluster::Member& member, Value now) const {
+  if (std::string why = parts_.in_the_way(); !why.empty()) return why;
+  if (std::ranges::any_of(jobs_, &Open::asked))
+    return "others are decided before it, or the store does not answer";
+  std::string why = member.why_not(now);
+  return why.empty() ? "others are decided before it" : why;
 }
 
 /// Does nothing while networks are closed: channels that are closed for a time use nothing, but

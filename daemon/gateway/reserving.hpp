@@ -63,8 +63,8 @@ class Reserving {
         withdrawn;
     /// Called when nothing with that number is asked for or held here any more.
     std::function<void(Number number)> ended;
-    /// Whether nothing of an earlier process is in the way of a further job.
-    std::function<bool()> is_free;
+    /// Why something of an earlier process is in the way of a further job; empty: nothing is.
+    std::function<std::string()> in_the_way;
     std::function<void(const std::string&)> log;
   };
   /// Reservations are numbered from `first` on.
@@ -145,6 +145,7 @@ class Reserving {
   /// Those who take turns: each user, and all other gateways together.
   using Turn = std::pair<bool, uid_t>;
 
+  [[nodiscard]] std::string why_waiting(const core::cluster::Member& member, Value now) const;
   [[nodiscard]] static Turn turn_of(const Job& job);
   [[nodiscard]] Jobs::iterator find(Number number);
   [[nodiscard]] Jobs::iterator next_turn();

@@ -54,6 +54,7 @@ class Journal {
   /// Reserves an id: an admission with it may be appended after those with later ids, as long as
   /// the result is kept.
   [[nodiscard]] std::shared_ptr<const std::uint64_t> expect(std::uint64_t id);
+  [[nodiscard]] bool expects(std::uint64_t id) const { return expected_->contains(id); }
 
   /// Writes everything since the last commit with one write and one fdatasync. On failure all of it
   /// is undone, in memory and on disk, and the error says so. The journal stays usable, unless the

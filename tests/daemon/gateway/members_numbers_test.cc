@@ -204,5 +204,55 @@ TEST_F(MembersNumbers, WhatHasANumberThatTheStoreHasWaitsUntilTheFormerOneHasLef
   EXPECT_EQ(entries("r/shared/g1/"), 1U);
 }
 
+/// g0 would have to close the former one first, and does nothing.
+TEST_F(MembersNumbers, WhatWaitsForAFormerNumberIsToldSo) {
+  start_both();
+  ASSERT_EQ(asked(1, wanted("c4", "own1", "own0")), "granted");
+  at(1).lose_disk();
+  link(1).up = false;
+  start(1);
+  ASSERT_EQ(asked(1, wanted("c5", "own1", "own1")), "granted");
+  nodes[0]->hangs = true;
+  link(1).up = true;
+  run();
+  auto answer = at(1).ask(wanted("c3", "own1", "shared"));
+  run();
+  ASSERT_EQ(text_of(answer), "nothing yet");
+  pass(6 * kSecondNs);
+  const std::string text = text_of(answer);
+  EXPECT_NE(text.find("admissions of this gateway from before its journal was lost"),
+            std::string::npos)
+      << text;
+}
+
+/// The store shows an admission of this gateway with the number that one has which waits.
+TEST_F(MembersNumbers, WhatWaitsWithANumberThatTheStoreHasIsNotReservedBesideTheFormerOne) {
+  start_both();
+  ASSERT_EQ(asked(0, wanted("c4", "own0", "shared")), "granted");
+  const auto before = asked_by_g0();
+  ASSERT_EQ(before.size(), 1U);
+  const std::uint64_t number = before.begin()->second.requests.front().id + 2;
+  link(0).answers = false;
+  auto first = at(0).ask(wanted("c3", "own0", "shared"));
+  run();
+  auto second = at(0).ask(wanted("c5", "own0", "shared"));
+  run();
+  nodes[1]->hangs = true;
+  const cluster::Asked former{.channel = "c2",
+                              .requests = {{.id = number, .body = wanted("c2", "own0", "own1")}}};
+  store.write(
+      {{.key = key("x/g0/") + "77",
+        .value = codec.write(cc::Asked{
+            .stage = cc::Stage::granted, .admission = cluster::text_of(former), .gateways = {1}})},
+       {.key = key("f/g0"), .value = "g1"}});
+  link(0).answers = true;
+  for (int n = 0; n < 40; ++n) {
+    pass(kStepNs);
+    for (const auto& [name, asked] : asked_by_g0())
+      ASSERT_NE(asked.channel, "c5") << name << ' ' << n;
+  }
+  EXPECT_EQ(text_of(second), "nothing yet");
+}
+
 }  // namespace
 }  // namespace mlcca::test
