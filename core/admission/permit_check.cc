@@ -2,6 +2,8 @@
 #include "core/admission/permit_check.hpp"
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "core/admission/media.hpp"
 #include "core/admission/permits.hpp"
@@ -28,22 +30,62 @@ std::optional<Place> unpermitted(const Situation& s, const Ledger& ledger, const
   return std::nullopt;
 }
 
-std::optional<Place> disagreeing(const Situation& s, const Verdict& v) {
-  if (s.permits == nullptr || !s.permits->needs_agreements()) return std::nullopt;
-  const auto other = std::ranges::find_if(v.route, [&s](Place place) {
-    return place.kind == Place::Kind::gateway && place.index != s.permits->self();
-  });
-  if (other == v.route.end()) return std::nullopt;
-  const auto is_agreed = [&s](AdmissionId id) { return id != 0 && s.permits->is_agreed(id); };
-  const AdmissionId publisher = s.members.admission_of_publisher(v.publisher);
-  bool is_described = false;
+std::vector<AdmissionId> admissions_to_agree(const Members& members, const Verdict& v) {
+  const AdmissionId publisher = members.admission_of_publisher(v.publisher);
+  std::vector<AdmissionId> all;
+  all.reserve(v.subscribers.size());
   for (const std::size_t subscriber : v.subscribers) {
-    const AdmissionId id = s.members.admission_of_subscriber(subscriber);
-    is_described = is_described || (publisher == 0 && id == 0);
-    if (is_agreed(id)) return std::nullopt;
+    const AdmissionId id = members.admission_of_subscriber(subscriber);
+    if (id == 0 && publisher == 0) return {};
+    all.push_back(id == 0 ? publisher : id);
   }
-  if (is_described || is_agreed(publisher)) return std::nullopt;
-  return *other;
+  return all;
+}
+
+namespace {
+
+/// Whether the delivery does not lead over this gateway, and another one has made an admission of
+/// it. That one knows who has agreed.
+bool is_left_to_another(const Situation& s, const Verdict& v) {
+  if (std::ranges::find(v.route, Place{Place::Kind::gateway, s.permits->self()}) != v.route.end())
+    return false;
+  const auto is_left = [&s](AdmissionId id) { return s.permits->is_left_to_another(id); };
+  return is_left(s.members.admission_of_publisher(v.publisher)) ||
+         std::ranges::any_of(v.subscribers, [&](std::size_t subscriber) {
+           return is_left(s.members.admission_of_subscriber(subscriber));
+         });
+}
+
+/// The first other gateway on the route that has agreed to none of the admissions.
+std::optional<Place> disagreeing(const Situation& s, const Verdict& v,
+                                 const std::vector<AdmissionId>& admissions) {
+  const Permits& permits = *s.permits;
+  std::optional<Place> first;
+  for (const AdmissionId id : admissions) {
+    const auto lacking = std::ranges::find_if(v.route, [&](Place place) {
+      return place.kind == Place::Kind::gateway && place.index != permits.self() &&
+             !permits.is_agreed(id, place.index);
+    });
+    if (lacking == v.route.end()) return std::nullopt;
+    if (!first) first = *lacking;
+  }
+  return first;
+}
+
+}  // namespace
+
+std::optional<std::pair<Obstacle, Place>> disagreement(const Situation& s, const Verdict& v) {
+  if (s.permits == nullptr || !s.permits->needs_agreements()) return std::nullopt;
+  const std::vector<AdmissionId> admissions = admissions_to_agree(s.members, v);
+  const auto gateway = disagreeing(s, v, admissions);
+  if (!gateway || is_left_to_another(s, v)) return std::nullopt;
+  if (s.permits->is_open()) return std::pair(Obstacle::disagreed, *gateway);
+  // Another gateway may carry it all the same: what is missing is the store.
+  const auto shared = std::ranges::find_if(v.route, [&s](Place place) {
+    return place.kind == Place::Kind::network && s.world.shared[place.index];
+  });
+  return shared == v.route.end() ? std::pair(Obstacle::disagreed, *gateway)
+                                 : std::pair(Obstacle::cluster, *shared);
 }
 
 std::optional<std::pair<Obstacle, Place>> bar_on(const Wish& wish, std::span<const Place> hops) {

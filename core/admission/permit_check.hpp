@@ -21,9 +21,17 @@ namespace mlcca::core {
 [[nodiscard]] std::optional<Place> unpermitted(const Situation& situation, const Ledger& ledger,
                                                const Verdict& verdict);
 
-/// The first other gateway on the verdict's route that has agreed to none of its admissions, where
-/// that is needed; nullopt if there is none.
-[[nodiscard]] std::optional<Place> disagreeing(const Situation& situation, const Verdict& verdict);
+/// The admissions of a delivery to one of which other gateways on its route have to agree. That of
+/// the publisher is one for its own subscriber and for those of the description. Empty where the
+/// description has both ends.
+[[nodiscard]] std::vector<AdmissionId> admissions_to_agree(const Members& members,
+                                                           const Verdict& verdict);
+
+/// Why other gateways on the verdict's route do not carry it, where they have to agree: the first
+/// one that has not, or a shared network while nothing that was agreed counts. nullopt if all have
+/// agreed to one of its admissions.
+[[nodiscard]] std::optional<std::pair<Obstacle, Place>> disagreement(const Situation& situation,
+                                                                     const Verdict& verdict);
 
 /// The first of the networks on which nothing can be reserved at present, with the reason.
 [[nodiscard]] std::optional<std::pair<Obstacle, Place>> bar_on(const Wish& wish,

@@ -103,22 +103,33 @@ void Permits::changed() {
   disagreed_.add_any();
 }
 
-void Permits::agree(std::uint64_t reservation, const std::vector<AdmissionId>& admissions) {
-  if (admissions.empty()) return;
-  for (const AdmissionId id : admissions) agreed_[id].insert(reservation);
-  agreements_.insert_or_assign(reservation, admissions);
+void Permits::agree(std::uint64_t reservation, Agreement agreement) {
+  if (agreement.empty()) return;
+  for (const AdmissionId id : agreement.left) left_[id].insert(reservation);
+  for (const AdmissionId id : agreement.admissions)
+    for (const std::size_t gateway : agreement.gateways) agreed_[{id, gateway}].insert(reservation);
+  agreements_.insert_or_assign(reservation, std::move(agreement));
   ++more_agreed_;
 }
 
 void Permits::disagree(std::uint64_t reservation) {
   const auto gone = agreements_.extract(reservation);
   if (!gone) return;
-  for (const AdmissionId id : gone.mapped()) {
-    const auto it = agreed_.find(id);
+  for (const AdmissionId id : gone.mapped().left) {
     disagreed_.add(id);
-    if (it == agreed_.end()) continue;
+    const auto it = left_.find(id);
+    if (it == left_.end()) continue;
     it->second.erase(reservation);
-    if (it->second.empty()) agreed_.erase(it);
+    if (it->second.empty()) left_.erase(it);
+  }
+  for (const AdmissionId id : gone.mapped().admissions) {
+    disagreed_.add(id);
+    for (const std::size_t gateway : gone.mapped().gateways) {
+      const auto it = agreed_.find({id, gateway});
+      if (it == agreed_.end()) continue;
+      it->second.erase(reservation);
+      if (it->second.empty()) agreed_.erase(it);
+    }
   }
 }
 
@@ -128,9 +139,9 @@ void Permits::set_standing(std::vector<std::vector<cluster::Standing>> standing)
 }
 
 void Permits::put(std::uint64_t reservation, cluster::Footprint footprint, bool by_another,
-                  const std::vector<AdmissionId>& agreed) {
+                  Agreement agreed) {
   erase(reservation);
-  agree(reservation, agreed);
+  agree(reservation, std::move(agreed));
   if (by_another) by_another_.insert(reservation);
   for (cluster::Part& part : footprint.parts) {
     const std::size_t network = part.network;

@@ -9,12 +9,26 @@
 #include <optional>
 #include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/model/system.hpp"
 #include "core/reserve/parts.hpp"
 
 namespace mlcca::core {
+
+/// Other gateways carry what each of these admissions needs of them.
+struct Agreement {
+  std::vector<AdmissionId> admissions;
+  std::vector<std::size_t> gateways;
+  /// Admissions that another gateway has made. It knows who carries what does not lead over this
+  /// one.
+  std::vector<AdmissionId> left{};
+
+  [[nodiscard]] bool empty() const {
+    return left.empty() && (admissions.empty() || gateways.empty());
+  }
+};
 
 class Permits {
  public:
@@ -32,9 +46,9 @@ class Permits {
   void set_standing(std::vector<std::vector<cluster::Standing>> standing);
   /// What was reserved under that number is this from now on: the store has committed it.
   /// `by_another`: another gateway has reserved it, and this one carries it while that lasts.
-  /// `agreed`: admissions to which all gateways on their way have agreed, as long as that lasts.
+  /// `agreed`: lasts as long as the reservation.
   void put(std::uint64_t reservation, cluster::Footprint footprint, bool by_another = false,
-           const std::vector<AdmissionId>& agreed = {});
+           Agreement agreed = {});
   void erase(std::uint64_t reservation);
   /// What was reserved may not be used any more, though it may still count; nor may what another
   /// gateway could be elected for. `standing_too`: nor may anything else of shared networks.
@@ -58,12 +72,16 @@ class Permits {
   [[nodiscard]] bool allow(const Use& use,
                            std::optional<std::uint64_t> without = std::nullopt) const;
 
-  /// From now on a delivery over other gateways needs their agreement to one of its admissions. The
-  /// description is their agreement to one of which both ends are described.
+  /// From now on a delivery over other gateways needs the agreement of each of them to one of its
+  /// admissions. The description is their agreement to one of which both ends are described.
   void need_agreements() { needs_agreements_ = true; }
   [[nodiscard]] bool needs_agreements() const { return needs_agreements_; }
-  [[nodiscard]] bool is_agreed(AdmissionId admission) const {
-    return open_ && agreed_.contains(admission);
+  [[nodiscard]] bool is_agreed(AdmissionId admission, std::size_t gateway) const {
+    return open_ && agreed_.contains({admission, gateway});
+  }
+  /// Whether it is for another gateway to know who has agreed to what does not lead over this one.
+  [[nodiscard]] bool is_left_to_another(AdmissionId admission) const {
+    return open_ && left_.contains(admission);
   }
   /// As grown() and ended_since(), of the agreements.
   [[nodiscard]] std::uint64_t more_agreed() const { return more_agreed_; }
@@ -131,7 +149,7 @@ class Permits {
   [[nodiscard]] Allowed allowed_by(const cluster::Standing& standing, const Use& use) const;
   [[nodiscard]] static Allowed allowed_by(const cluster::Part& part, const Use& use);
   void changed();
-  void agree(std::uint64_t reservation, const std::vector<AdmissionId>& admissions);
+  void agree(std::uint64_t reservation, Agreement agreement);
   void disagree(std::uint64_t reservation);
 
   std::size_t self_;
@@ -144,8 +162,10 @@ class Permits {
   std::vector<std::uint64_t> grown_;
   std::vector<Ends<cluster::Source>> ended_;  // by network
   bool needs_agreements_ = false;
-  std::map<AdmissionId, std::set<std::uint64_t>> agreed_;         // by which reservations
-  std::map<std::uint64_t, std::vector<AdmissionId>> agreements_;  // of a reservation
+  /// By admission and gateway: the reservations with which it has agreed.
+  std::map<std::pair<AdmissionId, std::size_t>, std::set<std::uint64_t>> agreed_;
+  std::map<AdmissionId, std::set<std::uint64_t>> left_;  // by which reservations
+  std::map<std::uint64_t, Agreement> agreements_;        // of a reservation
   std::uint64_t more_agreed_ = 0;
   Ends<AdmissionId> disagreed_;
 };

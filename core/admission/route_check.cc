@@ -404,9 +404,9 @@ class RouteCheck {
   /// reserved, and other gateways must carry it.
   void check_permits() {
     const auto hop = unpermitted(s_, ledger_, v_);
-    const auto gateway = hop ? std::nullopt : disagreeing(s_, v_);
-    if (!hop && !gateway) return;
-    obstruct(hop ? Obstacle::cluster : Obstacle::disagreed, hop ? *hop : *gateway);
+    const auto why = hop ? std::optional(std::pair(Obstacle::cluster, *hop)) : disagreement(s_, v_);
+    if (!why) return;
+    obstruct(why->first, why->second);
     sum_up();
     if (s_.wished != nullptr) s_.wished->insert(v_.channel);
   }

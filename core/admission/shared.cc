@@ -383,6 +383,11 @@ std::string State::who_holds(const Verdict& v) const {
   return words.empty() ? words : "; reserved there by " + words;
 }
 
+bool State::is_permitted(const Verdict& v) const {
+  const Situation now = situation();
+  return !unpermitted(now, ledger_, v) && !disagreement(now, v);
+}
+
 std::vector<std::size_t> State::wishes() const {
   if (permits_ == nullptr) return {};
   const Place self{Place::Kind::gateway, permits_->self()};

@@ -60,6 +60,9 @@ class Proposal {
   [[nodiscard]] const Decision& decision() const { return next_; }
   /// With the newcomer, and with what it would reserve.
   [[nodiscard]] const State& state() const { return *state_; }
+  [[nodiscard]] std::size_t channel() const { return channel_; }
+  /// False: it is one of State::wish(channel).
+  [[nodiscard]] bool has_newcomer() const { return id_ != 0; }
   /// See core::exceeds_capacity(), with the newcomer.
   [[nodiscard]] std::optional<std::string> exceeds_capacity(std::size_t gateway) const;
 
@@ -209,6 +212,8 @@ class State {
   [[nodiscard]] Proposal wish(std::size_t channel) {
     return {*this, Admission{0, channel, {}, {}}, Proposal::Kind::wish};
   }
+  /// Whether a delivery of a proposal may be used with what is reserved and agreed to now.
+  [[nodiscard]] bool is_permitted(const Verdict& verdict) const;
   /// Channels that this gateway has to do with, and that are given less than what would fit,
   /// because it is not reserved, or other gateways have not agreed to it.
   [[nodiscard]] std::vector<std::size_t> wishes() const;

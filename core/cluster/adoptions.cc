@@ -14,15 +14,14 @@ constexpr std::size_t kMostDeletes = 64;
 constexpr std::size_t kMostVotes = 8;
 static_assert(kMostVotes < kMostPuts);
 
-/// What was reserved for an admission on all networks.
-Footprint taken_for(const View& view, const Records::AskedKey& key) {
-  Footprint footprint;
+/// What was reserved for an admission on all networks, and who has to agree to it.
+Footprint taken_for(const View& view, const Records::AskedKey& key, const Asked& asked) {
+  Footprint footprint{.parts = {}, .gateways = asked.gateways};
   const auto& reservations = view.records().reservations;
   for (std::size_t n = 0; n < view.keys().networks(); ++n) {
     const auto it = reservations.find({.network = n, .gateway = key.first, .id = key.second});
     if (it == reservations.end() || !it->second.taken) continue;
     footprint.parts.push_back(it->second.taken->part);
-    footprint.gateways = it->second.taken->through;
   }
   return footprint;
 }
@@ -59,7 +58,7 @@ void Adoptions::take_up(const Records::AskedKey& key, View& view, std::vector<Ev
     events.emplace_back(
         Adopt{.origin = {.gateway = key.first, .id = key.second, .asked = record->create},
               .admission = record->asked.admission,
-              .footprint = taken_for(view, key)});
+              .footprint = taken_for(view, key, record->asked)});
   }
   open(key, view, events);
 }

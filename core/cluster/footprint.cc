@@ -5,6 +5,7 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "core/admission/permit_check.hpp"
@@ -21,6 +22,11 @@ struct Held {
   const can::Message* message = nullptr;
   std::vector<PathPart> paths;
 };
+
+void add_others(const Verdict& v, std::size_t self, std::set<std::size_t>& to) {
+  for (const Place place : v.route)
+    if (place.kind == Place::Kind::gateway && place.index != self) to.insert(place.index);
+}
 
 bool is_covered(const Standing* standing, const Held& held) {
   if (standing == nullptr || standing->bytes_per_second < held.bytes_per_second) return false;
@@ -39,8 +45,7 @@ class Collector {
 
   void take(const Verdict& v) {
     if (!v.granted) return;
-    for (const Place place : v.route)
-      if (place.kind == Place::Kind::gateway && place.index != self_) gateways_.insert(place.index);
+    add_others(v, self_, gateways_);
     const auto hops = hops_of(v.route);
     for (std::size_t i = 0; i < hops.size(); ++i)
       if (hops[i].kind == Place::Kind::network && state_.world().shared[hops[i].index]) take(v, i);
@@ -101,22 +106,72 @@ class Collector {
   std::set<std::size_t> gateways_;
 };
 
-Footprint collected(const State& state, const Decision& decision, const Baseline& baseline,
-                    std::size_t self) {
+Footprint collected(const State& state, std::span<const Verdict* const> deliveries,
+                    const Baseline& baseline, std::size_t self) {
   Collector collector(state, baseline, self);
-  for (const Verdict& v : decision.verdicts) collector.take(v);
+  for (const Verdict* const v : deliveries) collector.take(*v);
   return std::move(collector).footprint();
+}
+
+std::vector<const Verdict*> all_of(const Decision& decision) {
+  std::vector<const Verdict*> all;
+  all.reserve(decision.verdicts.size());
+  for (const Verdict& v : decision.verdicts) all.push_back(&v);
+  return all;
+}
+
+bool is_granted_now(const Decision& now, const Verdict& v) {
+  const Verdict* const same = same_delivery(now, v);
+  return same != nullptr && same->granted;
 }
 
 }  // namespace
 
+Footprint footprint_of(const Proposal& proposal, std::span<const Verdict* const> deliveries,
+                       const Baseline& baseline, std::size_t self) {
+  return collected(proposal.state(), deliveries, baseline, self);
+}
+
 Footprint footprint_of(const Proposal& proposal, const Baseline& baseline, std::size_t self) {
-  return collected(proposal.state(), proposal.decision(), baseline, self);
+  const Decision& next = proposal.decision();
+  if (!proposal.has_newcomer()) return collected(proposal.state(), all_of(next), baseline, self);
+  const Decision& now = proposal.state().decisions()[proposal.channel()];
+  std::vector<const Verdict*> deliveries = proposal.verdicts();
+  if (next.set != now.set)
+    for (const Verdict& v : next.verdicts)
+      if (is_granted_now(now, v)) deliveries.push_back(&v);
+  return collected(proposal.state(), deliveries, baseline, self);
 }
 
 Footprint footprint_of(const State& state, std::size_t channel, const Baseline& baseline,
                        std::size_t self) {
-  return collected(state, state.decisions()[channel], baseline, self);
+  return collected(state, all_of(state.decisions()[channel]), baseline, self);
+}
+
+std::vector<Want> wants_of(const Proposal& wish, std::size_t self) {
+  const Decision& next = wish.decision();
+  const Decision& now = wish.state().decisions()[wish.channel()];
+  const bool is_another_set = now.granted != 0 && next.set != now.set;
+  std::vector<Want> wants;
+  for (const Verdict& v : next.verdicts) {
+    if (!v.granted || (!is_another_set && is_granted_now(now, v)) || wish.state().is_permitted(v))
+      continue;
+    std::set<std::size_t> others;
+    add_others(v, self, others);
+    std::vector<std::size_t> gateways(others.begin(), others.end());
+    if (is_another_set && !wants.empty()) {
+      others.insert(wants.front().gateways.begin(), wants.front().gateways.end());
+      wants.front().gateways.assign(others.begin(), others.end());
+      wants.front().deliveries.push_back(&v);
+      continue;
+    }
+    const auto same = std::ranges::find(wants, gateways, &Want::gateways);
+    if (same == wants.end())
+      wants.push_back({.gateways = std::move(gateways), .deliveries = {&v}});
+    else
+      same->deliveries.push_back(&v);
+  }
+  return wants;
 }
 
 void add(Foreign& foreign, const Part& part, std::size_t gateway) {

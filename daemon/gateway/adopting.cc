@@ -32,31 +32,6 @@ std::vector<core::AdmissionId> ids_in(const std::vector<control::Request>& reque
   return ids;
 }
 
-/// Whether it brings a publisher, or names one.
-bool has_publisher(const control::Request& request) {
-  return !std::get<control::Admit>(request.body).from.empty();
-}
-
-/// `other` with the publisher of `one`, which has one; nullopt if `other` brings its own, or names
-/// another one.
-std::optional<control::Request> with_publisher_of(const control::Request& one,
-                                                  const control::Request& other) {
-  const auto& first = std::get<control::Admit>(one.body);
-  control::Request both = other;
-  auto& second = std::get<control::Admit>(both.body);
-  if (describes_publisher(second) || (!second.from.empty() && second.from != first.from))
-    return std::nullopt;
-  second.from = first.from;
-  second.from_node = first.from_node;
-  second.publisher = first.publisher;
-  second.address = first.address;
-  second.node = first.node;
-  second.priority = first.priority;
-  second.user = first.user;
-  second.offered = first.offered;
-  return both;
-}
-
 /// Keys and leases concern the other gateway alone.
 WhichRequest which_of(std::size_t gateway, const control::Request& request) {
   Sha256 hash;
@@ -277,19 +252,26 @@ void Adopting::move_request(Adopted& from, const WhichRequest& which, Adopted& t
   from.ours.erase(ours);
 }
 
-std::optional<core::AdmissionId> Adopting::ours_of(const WhichRequest& which) const {
+/// The request as it is held here; null: it is not.
+const control::Request* Adopting::ours_of(const WhichRequest& which) const {
   const auto* const held = requests_.held(which);
-  if (held == nullptr || held->which != which) return std::nullopt;
+  if (held == nullptr || held->which != which) return nullptr;
   const Adopted& holder = adopted_.at(held->holder);
   const auto at = std::ranges::find(holder.theirs, which) - holder.theirs.begin();
-  return holder.ours[static_cast<std::size_t>(at)].id;
+  return &holder.ours[static_cast<std::size_t>(at)];
 }
 
-/// The numbers here of all that it asks for, also of what another one holds.
-std::vector<core::AdmissionId> Adopting::all_ours(const Adopted& adopted) const {
+/// Only its publisher is needed.
+bool Adopting::is_also(const Adopted& adopted, const WhichRequest& which) {
+  const auto end = adopted.asks.begin() + static_cast<std::ptrdiff_t>(adopted.asked->also.size());
+  return std::find(adopted.asks.begin(), end, which) != end;
+}
+
+/// The numbers here of what it asks for, from the `first` one on, also of what another one holds.
+std::vector<core::AdmissionId> Adopting::all_ours(const Adopted& adopted, std::size_t first) const {
   std::vector<core::AdmissionId> all;
-  for (const WhichRequest& which : adopted.asks)
-    if (const auto ours = ours_of(which)) all.push_back(*ours);
+  for (std::size_t i = first; i < adopted.asks.size(); ++i)
+    if (const auto* const ours = ours_of(adopted.asks[i])) all.push_back(ours->id);
   return all;
 }
 
@@ -333,9 +315,9 @@ std::optional<core::cluster::Footprint> Adopting::mapped(const Adopted& adopted)
   const auto map = [&](core::cluster::Source& source) {
     if (source.admission == 0) return;
     const auto which = asks.find(source.admission);
-    const auto ours = which == asks.end() ? std::nullopt : ours_of(which->second);
-    all = all && ours;
-    source.admission = ours.value_or(source.admission);
+    const auto* const ours = which == asks.end() ? nullptr : ours_of(which->second);
+    all = all && ours != nullptr;
+    if (ours != nullptr) source.admission = ours->id;
   };
   for (core::cluster::Part& part : out.parts) {
     for (auto& rate : part.rates) map(rate.source);
@@ -343,27 +325,6 @@ std::optional<core::cluster::Footprint> Adopting::mapped(const Adopted& adopted)
     for (auto& path : part.paths) map(path.source);
   }
   return all ? std::optional(std::move(out)) : std::nullopt;
-}
-
-/// Each request is tried alone, and one that only adds a subscriber also with publishers that come
-/// with it. On average each request has one further try.
-std::string Adopting::misfit(const Adopted& adopted) const {
-  if (!mapped(adopted)) return "it takes traffic of an admission that is not known here";
-  std::size_t further = adopted.ours.size();
-  std::vector<const control::Request*> publishers;
-  for (const control::Request& request : adopted.ours) {
-    std::string why = hands_.misfit(request);
-    for (auto it = publishers.begin(); it != publishers.end() && !why.empty(); ++it) {
-      const auto both = with_publisher_of(**it, request);
-      if (!both) continue;
-      if (further == 0) return why;
-      --further;
-      why = hands_.misfit(*both);
-    }
-    if (!why.empty()) return why;
-    if (has_publisher(request)) publishers.push_back(&request);
-  }
-  return {};
 }
 
 void Adopting::vote(Adopted& adopted, core::cluster::Member& member, Value now) {
@@ -392,19 +353,32 @@ std::string Adopting::open(Adopted& adopted) {
   const auto footprint = mapped(adopted);
   if (!footprint) return "it takes traffic of an admission that is not known here";
   networks_.carry(adopted.number, *footprint, adopted.origin.gateway, adopted.footprint,
+                  all_ours(adopted, adopted.asked ? adopted.asked->also.size() : 0),
                   all_ours(adopted));
   networks_.leave_out(adopted.number);
   hands_.bring_in_line();
   set_open(adopted, true);
-  std::string why;
-  for (auto it = adopted.ours.begin(); it != adopted.ours.end() && why.empty(); ++it)
-    if (const auto done = hands_.admit(*it); !done) why = done.error().text;
+  std::string why = admit_all(adopted);
   networks_.leave_out(std::nullopt);
   if (why.empty()) return why;
   close(adopted);
   networks_.count(adopted.number, adopted.footprint, adopted.origin.gateway);
   hands_.bring_in_line();
   return why;
+}
+
+/// Publishers first. The result is what cannot be admitted, and why, or empty.
+std::string Adopting::admit_all(const Adopted& adopted) {
+  const auto admit = [&](bool also, const auto& call) -> std::string {
+    for (std::size_t i = 0; i < adopted.ours.size(); ++i) {
+      if (is_also(adopted, adopted.theirs[i]) != also) continue;
+      if (const auto done = call(adopted.ours[i]); !done) return done.error().text;
+    }
+    return {};
+  };
+  if (std::string why = admit(true, hands_.take_in); !why.empty()) return why;
+  hands_.bring_in_line();
+  return admit(false, hands_.admit);
 }
 
 /// Opening comes first: votes alone do not make another gateway wait for this one.

@@ -31,9 +31,11 @@ class Adopting {
   /// The operations on the admissions themselves, which the caller provides. They are called when
   /// all decisions are settled.
   struct Hands {
-    /// Why a request does not fit; empty if it fits.
+    /// Why a request does not fit, also one that is admitted already; empty if it fits.
     std::function<std::string(const control::Request&)> misfit;
     std::function<Result<void>(const control::Request&)> admit;
+    /// Admits it for the sake of its publisher, whether it fits or not. bring_in_line() follows.
+    std::function<Result<void>(const control::Request&)> take_in;
     std::function<void(const std::vector<core::AdmissionId>&)> remove;
     /// Adds the request to the state of a description that is not decided yet.
     std::function<void(const control::Request&)> restore;
@@ -134,15 +136,19 @@ class Adopting {
   void replace(Adopted& former);
   [[nodiscard]] std::string end_former(const Adopted& adopted, const WhichRequest& which);
   void move_request(Adopted& from, const WhichRequest& which, Adopted& to);
-  [[nodiscard]] std::optional<core::AdmissionId> ours_of(const WhichRequest& which) const;
-  [[nodiscard]] std::vector<core::AdmissionId> all_ours(const Adopted& adopted) const;
+  [[nodiscard]] const control::Request* ours_of(const WhichRequest& which) const;
+  [[nodiscard]] static bool is_also(const Adopted& adopted, const WhichRequest& which);
+  [[nodiscard]] std::vector<core::AdmissionId> all_ours(const Adopted& adopted,
+                                                        std::size_t first = 0) const;
   [[nodiscard]] control::Request with_own_number(control::Request request) const;
   [[nodiscard]] std::string name_request(Adopted& adopted, const control::Request& request,
                                          const WhichRequest& which);
   [[nodiscard]] std::string name_all(Adopted& adopted);
   [[nodiscard]] std::string misfit(const Adopted& adopted) const;
+  [[nodiscard]] std::string misfit_of_held(const Adopted& adopted) const;
   [[nodiscard]] std::optional<core::cluster::Footprint> mapped(const Adopted& adopted) const;
   [[nodiscard]] std::string open(Adopted& adopted);
+  [[nodiscard]] std::string admit_all(const Adopted& adopted);
   void close(Adopted& adopted);
   [[nodiscard]] Adopted* other_with(const Adopted& adopted, const WhichRequest& which);
   void hand_on(Adopted& adopted);

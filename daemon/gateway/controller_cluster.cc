@@ -81,6 +81,7 @@ std::unique_ptr<Membership> Controller::make_membership() {
       .hands =
           {.misfit = [this](const auto& r) { return requests::misfit_of_adopted(*context_, r); },
            .admit = [this](const auto& r) { return requests::admit_adopted(*context_, r); },
+           .take_in = [this](const auto& r) { return requests::take_in_adopted(*context_, r); },
            .remove = [this](const auto& gone) { requests::remove_adopted(*context_, gone); },
            .restore = [this](const auto& r) { requests::restore_adopted(*scene_.state, r); },
            .wish = [this](const auto& r,

@@ -126,7 +126,7 @@ void Membership::begin() {
   joined_ = false;
   lapsed_at_.reset();
   early_.clear();
-  wish_again_.clear();
+  wish_anew();
   former_.clear();
   ++generation_;
   // A gateway that takes no part removes what the store may still have of it.
@@ -231,7 +231,7 @@ void Membership::take_in(const cc::Event& event) {
     networks_->touch(changed->network);
   } else if (const auto* failed = std::get_if<cc::Failed>(&event)) {
     failed_[failed->gateway] = failed->failed;
-    if (failed->failed) take_over();
+    if (failed->failed) wish_anew();
   } else if (const auto* lost = std::get_if<cc::Lost>(&event)) {
     lost_ = true;
     reserving_->lost();
@@ -409,7 +409,7 @@ void Membership::poll() {
   if (!member_) return;
   parts_.rollout.poll();
   looks_for_wishes_ = looks_for_troubles_ = true;
-  std::erase_if(wish_again_, [this](const auto& entry) { return entry.second <= now(); });
+  forget_past_pauses();
   enforce_again();
   reserving_->tidy();
   give_back_without_place();

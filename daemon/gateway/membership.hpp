@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/clock.hpp"
@@ -16,6 +17,7 @@
 #include "base/problem.hpp"
 #include "base/result.hpp"
 #include "core/admission/holders.hpp"
+#include "core/cluster/footprint.hpp"
 #include "core/cluster/member.hpp"
 #include "daemon/cluster/codec.hpp"
 #include "daemon/gateway/admissions.hpp"
@@ -188,10 +190,12 @@ class Membership final : private core::Holdings {
   void note_failed();
   bool wish_some();
   bool wish_one();
-  void take_over();
+  void wish_anew();
+  void forget_past_pauses();
   void wish(std::size_t channel);
   bool ask_again_some();
   [[nodiscard]] bool is_there(std::size_t gateway) const;
+  [[nodiscard]] bool are_there(const std::vector<std::size_t>& gateways) const;
   void end_without_gateway(core::AdmissionId id, const std::string& name);
   void ask_again(core::AdmissionId id, std::size_t gateway);
   [[nodiscard]] core::FormerRules follow_agreements(bool is_in_force);
@@ -204,7 +208,19 @@ class Membership final : private core::Holdings {
   void pause(core::AdmissionId id);
   [[nodiscard]] std::string why_waits(core::AdmissionId id, const std::string& gateway) const;
   void end_withdrawn();
-  [[nodiscard]] cluster::Asked asked_of(std::size_t channel) const;
+  struct Wished {
+    std::vector<std::size_t> gateways;  ///< other gateways on the way
+    std::vector<core::Delivery> deliveries;
+    bool all = true;  ///< of that way
+  };
+  [[nodiscard]] std::optional<Reserving::Wish> wish_next(const std::string& channel,
+                                                         Wished& wished);
+  [[nodiscard]] bool is_granted(const std::string& channel, const Wished& wished) const;
+  [[nodiscard]] std::optional<Reserving::Wish> wish_of(const std::string& channel,
+                                                       const core::Proposal& proposal,
+                                                       core::cluster::Want& want) const;
+  [[nodiscard]] cluster::Asked asked_of(const std::string& channel,
+                                        core::cluster::Want& want) const;
   [[nodiscard]] bool is_known(const cluster::Asked& asked) const;
   void take_former_numbers();
   [[nodiscard]] std::string former_in_the_way();
@@ -262,6 +278,8 @@ class Membership final : private core::Holdings {
   Value until_retry_ = 0;  ///< the kernel has refused: no further attempt before this time
   Problem until_trouble_;
   std::map<std::string, Value> wish_again_;  ///< when a channel's wish is tried again, by channel
+  /// The same of one of its wants: by channel and the other gateways on the way.
+  std::map<std::pair<std::string, std::vector<std::size_t>>, Value> want_again_;
   struct Pause {
     Value until = 0, length = 0;
   };

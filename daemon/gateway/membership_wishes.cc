@@ -4,10 +4,14 @@
 
 #include <algorithm>
 #include <iterator>
+#include <memory>
+#include <set>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "control/protobuf.hpp"
+#include "core/admission/permit_check.hpp"
 #include "core/cluster/footprint.hpp"
 #include "daemon/gateway/membership.hpp"
 #include "daemon/gateway/requests/elsewhere.hpp"
@@ -22,6 +26,7 @@ constexpr Value kEndAgain = 10'000'000'000;          // when the disk has refuse
 constexpr Value kFirstPause = 5'000'000'000;         // when another gateway does not agree
 constexpr Value kLongestPause = 30'000'000'000;      // ns
 constexpr Value kGrantedWishAgain = 60'000'000'000;  // after a grant with which it should fit
+constexpr std::size_t kRequestOctets = 16;           // of a request in a text, beside its own
 constexpr core::AdmissionId kMostNumber = std::uint64_t{1} << 53U;  // no gateway makes as many
 
 /// Other gateways agree to described deliveries by the description.
@@ -58,39 +63,83 @@ bool Membership::wish_one() {
   return true;
 }
 
-/// A gateway has failed: what it carried is to be reserved now, even if that was tried a short time
-/// ago.
-void Membership::take_over() {
+/// Even what was tried a short time ago: a gateway has failed, for example, and what it carried is
+/// to be reserved now.
+void Membership::wish_anew() {
   wish_again_.clear();
+  want_again_.clear();
   looks_for_wishes_ = true;
 }
 
+void Membership::forget_past_pauses() {
+  const auto is_past = [this](const auto& entry) { return entry.second <= now(); };
+  std::erase_if(wish_again_, is_past);
+  std::erase_if(want_again_, is_past);
+}
+
+/// Asks for one want of the channel at a time.
 void Membership::wish(std::size_t channel) {
   const std::string name = state().system().channels[channel].name;
   wish_again_[name] = add_saturating(now(), kWishAgain);
-  const auto decide = [this, name]() -> std::optional<Reserving::Wish> {
-    const auto there = state().find_channel(name);
-    if (!there) return std::nullopt;
-    const core::Proposal proposal = state().wish(*there);
-    if (!proposal.fit()) return std::nullopt;
-    auto footprint = core::cluster::footprint_of(proposal, baseline(), self_);
-    cluster::Asked asked = asked_of(*there);
-    if (!is_asked_for(footprint, asked)) return std::nullopt;
-    add_publishers(footprint, asked);
-    return Reserving::Wish{
-        .footprint = std::move(footprint), .publisher = {}, .asked = std::move(asked)};
+  const auto wished = std::make_shared<Wished>();
+  const auto again_in = [this, name, wished](Value time) {
+    want_again_[{name, wished->gateways}] = add_saturating(now(), time);
+    wish_again_.erase(name);
   };
-  const auto granted = [this, name] {
-    wish_again_[name] = add_saturating(now(), kGrantedWishAgain);
-    const auto there = state().find_channel(name);
-    return there && is_asked_for(core::cluster::footprint_of(state(), *there, baseline(), self_),
-                                 asked_of(*there));
-  };
-  const auto refused = [this, name](const std::string& why) {
-    wish_again_[name] = add_saturating(now(), kRefusedWishAgain);
-    parts_.log.info(Kind::gateway, name + " waits: " + why);
-  };
-  ask({.decide = decide, .granted = granted, .refused = refused});
+  ask({.decide = [this, name, wished] { return wish_next(name, *wished); },
+       .granted =
+           [this, name, wished, again_in] {
+             again_in(wished->all ? kGrantedWishAgain : 0);
+             return is_granted(name, *wished);
+           },
+       .refused =
+           [this, name, again_in](const std::string& why) {
+             again_in(kRefusedWishAgain);
+             parts_.log.info(Kind::gateway, name + " waits: " + why);
+           }});
+}
+
+/// Those of which a gateway on the way is not there wait, and the others take turns.
+std::optional<Reserving::Wish> Membership::wish_next(const std::string& channel, Wished& wished) {
+  const auto there = state().find_channel(channel);
+  if (!there) return std::nullopt;
+  const core::Proposal proposal = state().wish(*there);
+  if (!proposal.fit()) return std::nullopt;
+  for (core::cluster::Want& want : core::cluster::wants_of(proposal, self_)) {
+    const auto again = want_again_.find({channel, want.gateways});
+    const bool is_due = again == want_again_.end() || again->second <= now();
+    if (!is_due || !are_there(want.gateways)) continue;
+    const std::size_t wanted = want.deliveries.size();
+    auto wish = wish_of(channel, proposal, want);
+    if (!wish) continue;
+    wished = {.gateways = want.gateways, .deliveries = {}, .all = want.deliveries.size() == wanted};
+    for (const core::Verdict* const v : want.deliveries)
+      wished.deliveries.push_back(state().delivery_of(*v));
+    return wish;
+  }
+  wish_again_[channel] = add_saturating(now(), kRefusedWishAgain);
+  return std::nullopt;
+}
+
+bool Membership::is_granted(const std::string& channel, const Wished& wished) const {
+  const auto there = state().find_channel(channel);
+  return there &&
+         std::ranges::any_of(state().decisions()[*there].verdicts, [&](const core::Verdict& v) {
+           return v.granted && std::ranges::find(wished.deliveries, state().delivery_of(v)) !=
+                                   wished.deliveries.end();
+         });
+}
+
+/// nullopt: there is nothing to reserve, and nobody to ask.
+std::optional<Reserving::Wish> Membership::wish_of(const std::string& channel,
+                                                   const core::Proposal& proposal,
+                                                   core::cluster::Want& want) const {
+  cluster::Asked asked = asked_of(channel, want);
+  auto footprint = core::cluster::footprint_of(proposal, want.deliveries, baseline(), self_);
+  if (!is_asked_for(footprint, asked)) return std::nullopt;
+  add_publishers(footprint, asked);
+  return Reserving::Wish{
+      .footprint = std::move(footprint), .publisher = {}, .asked = std::move(asked)};
 }
 
 /// What another gateway has admitted for this one is in the state as long as it is held. Otherwise
@@ -232,6 +281,10 @@ void Membership::end_without_gateway(core::AdmissionId id, const std::string& na
     withdrawn_[id].why = fmt::format("{}, where its publisher was, is no other gateway", name);
 }
 
+bool Membership::are_there(const std::vector<std::size_t>& gateways) const {
+  return std::ranges::all_of(gateways, [this](std::size_t g) { return is_there(g); });
+}
+
 /// Also one that leaves to others what they can carry: it decides all the same.
 bool Membership::is_there(std::size_t gateway) const {
   using core::cluster::Alive;
@@ -272,13 +325,36 @@ void Membership::end_withdrawn() {
   }
 }
 
-/// What another gateway has admitted for this one is not asked for here.
-cluster::Asked Membership::asked_of(std::size_t channel) const {
-  cluster::Asked asked{.channel = state().system().channels[channel].name, .requests = {}};
+/// The admissions to which other gateways have to agree, or those of the publishers where none has
+/// to. What another gateway has admitted for this
+/// one is not asked for here. Deliveries for which there is no room leave the want.
+cluster::Asked Membership::asked_of(const std::string& channel, core::cluster::Want& want) const {
+  cluster::Asked asked{.channel = channel, .requests = {}};
   const auto& recorded = parts_.recorder.contents().admissions;
-  for (const auto& [id, of] : state().admissions()) {
-    if (of != channel || !recorded.through(id).empty()) continue;
-    if (const auto* const request = recorded.find(id)) asked.requests.push_back(*request);
+  const core::Members& members = state().members();
+  std::set<core::AdmissionId> counted;
+  std::set<core::AdmissionId> agreeing;
+  std::size_t octets = 0;
+  for (auto it = want.deliveries.begin(); it != want.deliveries.end(); ++it) {
+    std::vector<control::Request> further;
+    const auto add = [&](core::AdmissionId id, bool is_asked) {
+      const control::Request* const request = id == 0 ? nullptr : recorded.find(id);
+      if (request == nullptr || !recorded.through(id).empty()) return;
+      if (counted.insert(id).second) octets += control::bytes_of(*request).size() + kRequestOctets;
+      if (is_asked && agreeing.insert(id).second) further.push_back(*request);
+    };
+    const bool crosses_others = !want.gateways.empty();
+    if (crosses_others)
+      for (const core::AdmissionId id : core::admissions_to_agree(members, **it)) add(id, true);
+    // Where others have to agree, add_publishers() adds it.
+    add(members.admission_of_publisher((*it)->publisher), !crosses_others);
+    const bool has_room =
+        counted.size() <= cluster::Asked::kMostRequests && octets <= Reserving::kMostText;
+    if (!has_room && it != want.deliveries.begin()) {
+      want.deliveries.erase(it, want.deliveries.end());
+      break;
+    }
+    std::ranges::move(further, std::back_inserter(asked.requests));
   }
   return asked;
 }
@@ -339,8 +415,7 @@ std::string Membership::former_in_the_way() {
   });
   if (former_.empty()) return {};
   return "the store still has admissions of this gateway from before its journal was lost, with "
-         "the "
-         "same numbers: ask again in a few seconds";
+         "the same numbers: ask again in a few seconds";
 }
 
 /// Whether the channel uses something that only this reservation allows.

@@ -11,10 +11,6 @@
 namespace mlcca {
 namespace {
 
-// The longest text of an admission in the store, so that the entry with its key and other fields
-// fits.
-constexpr std::size_t kMostText = std::size_t{48} << 10U;
-
 std::vector<core::AdmissionId> ids_of(const cluster::Asked& asked) {
   std::vector<core::AdmissionId> ids;
   ids.reserve(asked.requests.size());

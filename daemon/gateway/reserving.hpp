@@ -73,6 +73,9 @@ class Reserving {
   /// How long a job waits for its turn, ns. One of another gateway waits until forget(): that
   /// gateway says when it does not want it any more.
   static constexpr Value kPatience = 5'000'000'000;
+  /// The longest text of an admission in the store, so that the entry with its key and other fields
+  /// fits.
+  static constexpr std::size_t kMostText = std::size_t{48} << 10U;
 
   /// Why a user can have no further job; empty if they can.
   [[nodiscard]] std::string bar(uid_t user) const;

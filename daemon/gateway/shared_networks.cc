@@ -40,18 +40,21 @@ void SharedNetworks::hold(Number number, const cc::Footprint& footprint,
                           const std::vector<core::AdmissionId>& agreed) {
   drop(number);
   touch(footprint);
-  permits_.put(number, footprint, false, agreed);
+  permits_.put(number, footprint, false, {.admissions = agreed, .gateways = footprint.gateways});
   held_.emplace(number, Held{.footprint = footprint, .gateway = self_, .theirs = footprint});
 }
 
 void SharedNetworks::carry(Number number, const cc::Footprint& footprint, std::size_t gateway,
-                           const cc::Footprint& theirs,
-                           const std::vector<core::AdmissionId>& agreed) {
+                           const cc::Footprint& theirs, std::vector<core::AdmissionId> agreed,
+                           std::vector<core::AdmissionId> all) {
   // It may be what drop() forgets.
   Held held{.footprint = footprint, .gateway = gateway, .theirs = theirs};
   drop(number);
   touch(held.footprint);
-  permits_.put(number, held.footprint, true, agreed);
+  core::Agreement agreement{
+      .admissions = std::move(agreed), .gateways = held.theirs.gateways, .left = std::move(all)};
+  agreement.gateways.push_back(gateway);
+  permits_.put(number, held.footprint, true, std::move(agreement));
   held_.emplace(number, std::move(held));
 }
 

@@ -28,12 +28,15 @@ class SharedNetworks {
   [[nodiscard]] core::Permits& permits() { return permits_; }
   [[nodiscard]] const core::Permits& permits() const { return permits_; }
 
-  /// It may be used from now on. `agreed`: the admissions of this gateway for which it is.
+  /// It may be used from now on. `agreed`: the admissions of this gateway to which the gateways of
+  /// the footprint have agreed with it.
   void hold(Number number, const core::cluster::Footprint& footprint,
             const std::vector<core::AdmissionId>& agreed);
   /// The same of what another gateway has reserved, and in its own numbers. The order is the same.
+  /// That gateway has agreed, too. `all`: its admissions, also those to which nobody had to agree.
   void carry(Number number, const core::cluster::Footprint& footprint, std::size_t gateway,
-             const core::cluster::Footprint& theirs, const std::vector<core::AdmissionId>& agreed);
+             const core::cluster::Footprint& theirs, std::vector<core::AdmissionId> agreed,
+             std::vector<core::AdmissionId> all);
   /// It counts as of that gateway, and nobody here uses it.
   void count(Number number, const core::cluster::Footprint& footprint, std::size_t gateway);
   /// Neither any more, as far as this gateway is concerned.

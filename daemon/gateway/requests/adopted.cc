@@ -21,6 +21,8 @@
 namespace mlcca::requests {
 namespace {
 
+constexpr const char* kNobodyThere = "nobody is there on the other side";
+
 Result<Asked> understood_adopted(core::State& state, const control::Request& request) {
   const auto& admit = std::get<control::Admit>(request.body);
   if (const auto listed = list(state, admit); !listed) return std::unexpected(listed.error());
@@ -53,13 +55,31 @@ class Tagged {
 std::string first_refusal(const core::State& state, const core::Proposal& proposal) {
   for (const core::Verdict* v : proposal.verdicts())
     if (!v->granted) return verdict_line(state, *v);
-  return "nobody is there on the other side";
+  return kNobodyThere;
+}
+
+}  // namespace
+
+namespace {
+
+std::string misfit_of_present(const Context& context, core::AdmissionId id, std::size_t channel) {
+  core::State& state = *context.scene.state;
+  const core::Proposal wish = state.wish(channel);
+  bool is_anybody_there = false;
+  for (const core::Verdict& v : wish.decision().verdicts) {
+    if (!context.deliveries.concerns(v, id)) continue;
+    if (!v.granted) return verdict_line(state, v);
+    is_anybody_there = true;
+  }
+  return is_anybody_there ? "" : kNobodyThere;
 }
 
 }  // namespace
 
 std::string misfit_of_adopted(Context& context, const control::Request& request) {
   core::State& state = *context.scene.state;
+  if (const auto known = state.admissions().find(request.id); known != state.admissions().end())
+    return misfit_of_present(context, request.id, known->second);
   const auto asked = understood_adopted(state, request);
   const Tagged tagged(context, request);
   if (!asked) return asked.error().text;
@@ -150,6 +170,17 @@ Result<void> admit_adopted(Context& context, const control::Request& request) {
   for (const core::Verdict& v : state.decisions()[asked->channel].verdicts)
     if (context.deliveries.concerns(v, request.id))
       context.deliveries.verdict(Kind::granted, v, verdict_line(state, v));
+  return {};
+}
+
+Result<void> take_in_adopted(Context& context, const control::Request& request) {
+  core::State& state = *context.scene.state;
+  if (state.admissions().contains(request.id)) return {};
+  const auto asked = understood_adopted(state, request);
+  const Tagged tagged(context, request);
+  if (!asked) return std::unexpected(asked.error());
+  if (auto lack = lacks_pairs(context, *asked)) return fail(std::move(*lack));
+  state.restore(*asked->admission);
   return {};
 }
 

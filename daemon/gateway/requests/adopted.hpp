@@ -11,7 +11,8 @@
 
 namespace mlcca::requests {
 
-/// Why the admission would not fit with everything reserved that it needs; empty if it would.
+/// Why the admission would not fit with everything reserved that it needs, also one that is there
+/// already; empty if it would.
 [[nodiscard]] std::string misfit_of_adopted(Context& context, const control::Request& request);
 /// What to reserve for a subscriber that another gateway has asked this one to admit. The error
 /// says why it does not fit.
@@ -26,6 +27,9 @@ namespace mlcca::requests {
 /// Adds the admission to state and gates, if it is not there. The error says why nothing was
 /// changed.
 Result<void> admit_adopted(Context& context, const control::Request& request);
+/// Adds the admission to the state, whether it fits or not: its publisher is needed. Settling has
+/// to follow. The error says why nothing was changed.
+Result<void> take_in_adopted(Context& context, const control::Request& request);
 void remove_adopted(Context& context, const std::vector<core::AdmissionId>& gone);
 /// Adds the admission to a state that is not decided yet. What has no place there is left out.
 void restore_adopted(core::State& state, const control::Request& request);
