@@ -180,6 +180,15 @@ DropReports::Dropped DropReports::pass_over(const core::GateRule& rule) {
                                           would_be_misfits(frames), now)};
 }
 
+/// Passes over the entries that only deliveries over other gateways use.
+void DropReports::pass_over_elsewhere(const Polled& polled, const Users& users) {
+  for (std::size_t i = 0; i < polled.verdicts.size(); ++i) {
+    if (!core::goes_elsewhere(*polled.verdicts[i], polled.rules[i])) continue;
+    for (const core::GateRule& rule : polled.rules[i])
+      if (!users.contains(rule.entry)) pass_over(rule);
+  }
+}
+
 /// Samples each entry once, for the first verdict whose events come or leave by it; granted
 /// verdicts come first.
 void DropReports::poll(const core::Decision& decision, Reporting reporting) {
@@ -187,7 +196,7 @@ void DropReports::poll(const core::Decision& decision, Reporting reporting) {
   polled.verdicts.reserve(decision.verdicts.size());
   for (const core::Verdict& v : decision.verdicts) polled.verdicts.push_back(&v);
   std::ranges::stable_partition(polled.verdicts, &core::Verdict::granted);
-  std::map<core::GateEntry, std::vector<const core::Verdict*>> users;
+  Users users;
   std::map<const core::Verdict*, core::GateState> first_to_use;
   polled.rules.reserve(polled.verdicts.size());
   for (const core::Verdict* v : polled.verdicts) {
@@ -200,10 +209,7 @@ void DropReports::poll(const core::Decision& decision, Reporting reporting) {
       of_entry.push_back(v);
     }
   }
-  for (std::size_t i = 0; i < polled.verdicts.size(); ++i)
-    if (core::goes_elsewhere(*polled.verdicts[i], polled.rules[i]))
-      for (const core::GateRule& rule : polled.rules[i])
-        if (!users.contains(rule.entry)) pass_over(rule);
+  pass_over_elsewhere(polled, users);
   for (const auto& [v, rules] : first_to_use) {
     Dropped sum;
     for (const core::GateRule& rule : rules) sample_entry(rule, users[rule.entry], reporting, sum);

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -101,7 +102,10 @@ class DropReports {
   void note_misfits(const core::GateEntry& entry, const core::Verdict& user, Fate fate,
                     std::uint64_t frames, const std::string& latest);
   void begin_round();
+  /// The verdicts whose events come or leave by an entry.
+  using Users = std::map<core::GateEntry, std::vector<const core::Verdict*>>;
   Dropped pass_over(const core::GateRule& rule);
+  void pass_over_elsewhere(const Polled& polled, const Users& users);
   [[nodiscard]] bool goes_elsewhere(const core::Verdict& verdict) const;
   void poll(const core::Decision& decision, Reporting reporting);
   void poll_unknown(std::size_t port, Reporting reporting);
