@@ -341,6 +341,26 @@ TEST(DocumentationTest, CompletionOffersWhatLearnTakes) {
   EXPECT_EQ(completions("mlccactl learn --profile can0 = j", "/nonexistent"), (Words{"j1939"}));
 }
 
+/// Somebody else may have given an interface its name.
+TEST(DocumentationTest, CompletionDoesNotRunWhatANameContains) {
+  const auto offered = [](const std::string& list, const std::string& words) {
+    const std::string script =
+        ". " + (mlcca::testing::source_tree() / "tools/completion/mlccactl.bash").string() + "; " +
+        list + "() { printf '%s\\n' 'a$(echo b)' 'a*'; }; COMP_WORDS=(" + words +
+        "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _mlccactl; printf '%s\\n' \"${COMPREPLY[@]}\"";
+    return output_of("bash -c " + quoted(script), "/nonexistent");
+  };
+  const std::string both = "a\\$\\(echo\\ b\\)\na\\*\n";
+  EXPECT_EQ(offered("_mlccactl_can", "mlccactl doctor --can a"), both);
+  EXPECT_EQ(offered("_mlccactl_places", "mlccactl query --from a"), both);
+  EXPECT_EQ(offered("_mlccactl_places", "mlccactl reservations a"), both);
+  EXPECT_EQ(offered("_mlccactl_gates", "mlccactl gate a"), both);
+  EXPECT_EQ(offered("_mlccactl_channels", "mlccactl explain a"), both);
+  EXPECT_EQ(offered("_mlccactl_learnable", "mlccactl learn --bitrate a"),
+            "a\\$\\(echo\\ b\\)=\na\\*=\n");
+  EXPECT_TRUE(offered("_mlccactl_learnable", "mlccactl learn a").contains(both));
+}
+
 TEST_P(ShellTest, OffersWhatLearnTakes) {
   const auto offered =
       offered_by(GetParam(), {"mlccactl learn --profile can0=", "mlccactl learn --profile=can0=",

@@ -32,6 +32,15 @@ _mlccactl_learnable() {
 	grep -lxE '1|280' /sys/class/net/*/type 2>/dev/null | cut -d/ -f5
 }
 
+# Offers the lines of the standard input that begin with what is typed, each with $1 appended. They
+# are not expanded, as the words of compgen -W are: a name may be somebody else's.
+_mlccactl_offer() {
+	local name
+	while IFS= read -r name; do
+		[[ $name != "$cur"* ]] || COMPREPLY+=("$(printf %q "$name")$1")
+	done
+}
+
 _mlccactl() {
 	local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
 	local verbs="status networks channels routes reservations subscriptions cluster gate query what-if announce admit renew release withdraw"
@@ -40,7 +49,7 @@ _mlccactl() {
 	local common="--socket --timeout --json --no-color --help"
 	local offline="--json --no-color --help"
 	local attributes="Latency= Jitter= Deadline= Period= Bandwidth= PacketLoss= Omission= MaxPayload="
-	local verb= word i
+	local verb= word i names=
 	COMPREPLY=()
 
 	for ((i = 1; i < COMP_CWORD; i++)); do
@@ -65,7 +74,7 @@ _mlccactl() {
 		return
 		;;
 	--from | --to | --without | --off)
-		mapfile -t COMPREPLY < <(compgen -W "$(_mlccactl_places)" -- "$cur")
+		_mlccactl_offer < <(_mlccactl_places)
 		return
 		;;
 	--require | --offer | --set)
@@ -96,7 +105,7 @@ _mlccactl() {
 		return
 		;;
 	--can)
-		mapfile -t COMPREPLY < <(compgen -W "$(_mlccactl_can)" -- "$cur")
+		_mlccactl_offer < <(_mlccactl_can)
 		return
 		;;
 	--domain)
@@ -105,7 +114,7 @@ _mlccactl() {
 		;;
 	--profile)
 		if [[ $verb == learn ]]; then
-			mapfile -t COMPREPLY < <(compgen -S = -W "$(_mlccactl_learnable)" -- "$cur")
+			_mlccactl_offer = < <(_mlccactl_learnable)
 			compopt -o nospace 2>/dev/null
 			return
 		fi
@@ -118,7 +127,7 @@ _mlccactl() {
 		return
 		;;
 	--interface)
-		mapfile -t COMPREPLY < <(compgen -W "$(_mlccactl_can)" -- "$cur")
+		_mlccactl_offer < <(_mlccactl_can)
 		return
 		;;
 	--safe-side)
@@ -132,12 +141,12 @@ _mlccactl() {
 	--timeout | --node | --priority | --id | --admission | --subscriber | --publisher | --identifier | --from-node | --to-node | --address) return ;;
 	--packet | --header | --overhead-us | --loss | --limit | --background | --demand) return ;;
 	--network | --gateway)
-		[[ $verb == cluster ]] && mapfile -t COMPREPLY < <(compgen -W "$(_mlccactl_places)" -- "$cur")
+		[[ $verb == cluster ]] && _mlccactl_offer < <(_mlccactl_places)
 		return
 		;;
 	--bitrate | --data-bitrate)
 		if [[ $verb == learn ]]; then
-			mapfile -t COMPREPLY < <(compgen -S = -W "$(_mlccactl_learnable)" -- "$cur")
+			_mlccactl_offer = < <(_mlccactl_learnable)
 			compopt -o nospace 2>/dev/null
 		fi
 		return
@@ -148,7 +157,7 @@ _mlccactl() {
 	--key | --lease | --when-clean | --link | --since | --until | --default-period) return ;;
 	--channel)
 		if [[ $verb == history ]]; then
-			mapfile -t COMPREPLY < <(compgen -W "$(_mlccactl_channels)" -- "$cur")
+			_mlccactl_offer < <(_mlccactl_channels)
 		fi
 		return
 		;;
@@ -187,7 +196,8 @@ _mlccactl() {
 	learn)
 		words="--for --output --merge --profile --bitrate --data-bitrate --name --gateway --user --no-local $offline"
 		if [[ $cur != -* ]]; then
-			mapfile -t COMPREPLY < <(compgen -W "$(_mlccactl_learnable)" -- "$cur"; compgen -f -- "$cur")
+			mapfile -t COMPREPLY < <(compgen -f -- "$cur")
+			_mlccactl_offer < <(_mlccactl_learnable)
 			compopt -o filenames 2>/dev/null
 			return
 		fi
@@ -231,22 +241,22 @@ _mlccactl() {
 		words+=" --name --state --follow"
 		[[ $cur == -* || $prev == announce ]] || words="publisher subscriber"
 		;;
-	reservations) [[ $cur == -* ]] || words=$(_mlccactl_places) ;;
+	reservations) [[ $cur == -* ]] || names=_mlccactl_places ;;
 	gate)
 		words+=" --verify"
 		[[ " ${COMP_WORDS[*]} " == *" --verify "* ]] && words="--no-probes --bpf-root --state-directory --json --help"
-		[[ $cur == -* ]] || words=$(_mlccactl_gates)
+		[[ $cur == -* ]] || names=_mlccactl_gates
 		;;
 	esac
 	case $verb in
 	cluster)
-		[[ $cur == -* || ! $prev =~ ^(reservations|drain|join)$ ]] || words=$(_mlccactl_places)
+		[[ $cur == -* || ! $prev =~ ^(reservations|drain|join)$ ]] || names=_mlccactl_places
 		;;
 	announce)
-		[[ $prev != announce || $cur == -* ]] || words=$(_mlccactl_channels)
+		[[ $prev != announce || $cur == -* ]] || names=_mlccactl_channels
 		;;
 	query | admit | release | withdraw | reinstate | explain)
-		[[ $cur == -* ]] || words=$(_mlccactl_channels)
+		[[ $cur == -* ]] || names=_mlccactl_channels
 		;;
 	analyse-bus | check | describe | export | format | generate | import | new | rollout)
 		if [[ $cur != -* ]]; then
@@ -260,6 +270,10 @@ _mlccactl() {
 		fi
 		;;
 	esac
+	if [[ $names ]]; then
+		_mlccactl_offer < <($names)
+		return
+	fi
 	mapfile -t COMPREPLY < <(compgen -W "$words" -- "$cur")
 }
 
