@@ -20,6 +20,8 @@ namespace {
 constexpr unsigned kConnections = 16;
 constexpr unsigned kQuiet = 10;         // s without any traffic of the connection
 constexpr std::uint64_t kLongest = 20;  // s for a connection, whatever is sent
+constexpr std::uint64_t kWaitedFor =
+    1;  // s for a connection while another one waits to be accepted
 constexpr std::size_t kRequestMemory = 16UL * 1024;
 constexpr std::uint64_t kSecond = 1'000'000'000;  // ns
 constexpr int kRound = 1000;                      // ms
@@ -117,10 +119,11 @@ void Http::turn() {
   rests_since_.reset();
   // Connections that are too old are shut down here, because the limit of libmicrohttpd starts
   // again with each byte.
-  for (const auto& [connection, since] : since_)
-    if (now - since > kLongest * kSecond) ::shutdown(connection, SHUT_RDWR);
-  const std::uint64_t accepted = accepted_;
   const bool awaited = is_awaited();
+  const std::uint64_t longest = awaited && since_.size() >= kConnections ? kWaitedFor : kLongest;
+  for (const auto& [connection, since] : since_)
+    if (now - since > longest * kSecond) ::shutdown(connection, SHUT_RDWR);
+  const std::uint64_t accepted = accepted_;
   MHD_run(daemon_.get());
   // It accepted nothing, for lack of descriptors or memory. While there are connections,
   // libmicrohttpd waits for the end of one. Without any, the socket would stay readable, and the

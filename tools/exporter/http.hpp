@@ -16,8 +16,8 @@
 namespace mlcca::exporter {
 
 /// Answers GET /metrics over HTTP/1.1 by GNU libmicrohttpd, in the only thread of the program. The
-/// resources that clients can use are bounded: 16 connections at once, one request and 20 s for
-/// each of them, and 16 KiB for the header of a request.
+/// resources that clients can use are bounded: 16 connections at once, one request and 20 s (1 s
+/// while further ones wait) for each of them, and 16 KiB for the header of a request.
 class Http {
  public:
   /// Makes the body of the answer to /metrics.
