@@ -139,6 +139,10 @@ Result<std::uint32_t> parse_bus_rate(std::string_view text, std::uint32_t most) 
     return fail(fmt::format("'{}': must be a bit rate such as 500000, 500k or 0.5 Mbit/s", text));
   if (*rate > most)
     return fail(fmt::format("'{}': a CAN bus has at most {}", text, print_bitrate(most)));
+  constexpr std::uint32_t least = 1'000;
+  if (*rate < least)
+    return fail(fmt::format("'{}': a CAN bus has at least {}; 500 kbit/s are 500000 or 500k", text,
+                            print_bitrate(least)));
   return static_cast<std::uint32_t>(*rate);
 }
 

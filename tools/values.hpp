@@ -33,7 +33,7 @@ Result<control::Attribute> parse_stated(std::string_view text, Role role);
 /// (AttributeInfo::unit) is `base`; nullptr if they do not have such a unit.
 const Unit* unit_of(std::string_view base, std::string_view name);
 
-/// bit/s of a CAN bus: "500000", "500k" or "500 kbit/s", 1 to `most`; rounded down.
+/// bit/s of a CAN bus: "500000", "500k" or "500 kbit/s", 1000 to `most`; rounded down.
 Result<std::uint32_t> parse_bus_rate(std::string_view text, std::uint32_t most);
 
 /// bit/s of "24Mbit/s", "1.5 MB/s", "400 KByte/s" or "54M" (as radios state it); at least 1.
