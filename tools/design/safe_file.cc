@@ -3,8 +3,10 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
@@ -32,14 +34,24 @@ std::string folder_of(const std::string& path) {
   return slash == 0 ? "/" : path.substr(0, slash);
 }
 
+/// Waits until a descriptor that does not block, for example of a terminal that another program has
+/// set so, has more. Keeps errno.
+void await_more(int fd) {
+  const int error = errno;
+  pollfd waits{.fd = fd, .events = POLLIN, .revents = 0};
+  static_cast<void>(::poll(&waits, 1, -1));
+  errno = error;
+}
+
 Result<std::string> read_all(int fd, const std::string& path, std::size_t limit) {
   std::string text;
   for (;;) {
     const std::size_t had = text.size();
     text.resize(had + 65536);
     const auto n = ::read(fd, text.data() + had, 65536);
-    if (n < 0) return failed(path, "read");
-    text.resize(had + static_cast<std::size_t>(n));
+    if (n < 0 && errno == EAGAIN) await_more(fd);
+    if (n < 0 && errno != EINTR && errno != EAGAIN) return failed(path, "read");
+    text.resize(had + static_cast<std::size_t>(std::max<ssize_t>(n, 0)));
     if (n == 0) return text;
     if (text.size() > limit)
       return fail(fmt::format("{}: is larger than {} bytes; that is the limit", path, limit));

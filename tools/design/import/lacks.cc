@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <ranges>
 #include <utility>
 
 #include "tools/table.hpp"
@@ -33,12 +34,12 @@ std::string to_text(const Lacks& lacks, std::string_view file) {
   std::string out;
   for (const auto& lack : lacks.all()) {
     out += fmt::format("{}: {}: {} ({})\n", printable(file), lack.kind, lack.what, lack.count);
-    for (const auto& item : lack.items)
+    const std::size_t listed = std::min(lack.items.size(), kMostInText);
+    for (const auto& item : lack.items | std::views::take(listed))
       out += item.line == 0
                  ? fmt::format("    {}\n", printable(item.text))
                  : fmt::format("    {}:{}: {}\n", printable(file), item.line, printable(item.text));
-    if (lack.count > lack.items.size())
-      out += fmt::format("    ... and {} more\n", lack.count - lack.items.size());
+    if (lack.count > listed) out += fmt::format("    ... and {} more\n", lack.count - listed);
   }
   return out;
 }

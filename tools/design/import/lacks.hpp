@@ -20,8 +20,10 @@ struct Lack {
   std::size_t count = 0;
 };
 
-/// At most so many items of a kind are kept.
-inline constexpr std::size_t kMostItems = 20;
+/// At most so many items of a kind are kept, which JSON lists.
+inline constexpr std::size_t kMostItems = 65'536;
+/// At most so many items of a kind are in the text for a person.
+inline constexpr std::size_t kMostInText = 20;
 
 /// The lists of all kinds.
 class Lacks {
