@@ -68,6 +68,7 @@ class PartReader {
     if (out.channel.name.empty()) out.channel.name = core::format_subject(out.channel.subject);
     out.channel.description = text_of(e.child("Description"));
     out.channel.safe_side = core::words::kSafeSides.or_first(e.attribute("safe-side"));
+    out.channel.arrival = core::words::kArrivals.or_first(e.valued("arrival"));
     out.channel.importance = number_of<std::uint8_t>(e, "importance");
     out.channel.origin = e.origin();
     out.sets = sets(e);

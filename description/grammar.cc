@@ -48,6 +48,8 @@ static_assert(has_every_short_name(element::kAttributes));
 static_assert(std::ranges::equal(type::kSafeSide.values,
                                  std::span(words::kSafeSides).subspan<1>()));
 
+static_assert(std::ranges::equal(type::kArrival.values, std::span(words::kArrivals)));
+
 }  // namespace
 
 const Child& system_root() { return kRoot; }

@@ -331,6 +331,11 @@ void check_channels(const core::System& system, Problems& problems) {
                       c->subject, first->name, line_words(system, c->origin, first->origin)),
           FindingId::subject_twice);
   }
+  for (const auto& c : system.channels)
+    if (c.safe_side == core::SafeSide::drop && c.arrival == core::Arrival::sporadic)
+      problems.add(c.origin, "EventChannel",
+                   "silence of sporadic events says nothing, so it cannot make the receivers safe: "
+                   "remove arrival=\"sporadic\" or safe-side=\"drop\"");
   check_count(system.channels, kMaxChannels, "EventChannel", "channels", problems);
   check_count(system.user_attributes, kMaxUserAttributes, "UserAttribute", "user attributes",
               problems);

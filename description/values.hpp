@@ -63,8 +63,8 @@ struct ValueType {
 
 /// The types that are used outside of the table, by their names in the schema.
 namespace type {
-extern const ValueType kAttributeName, kDecimal, kName, kNodeAddress, kSafeSide, kSetPriority,
-    kSubject, kText, kUserName;
+extern const ValueType kArrival, kAttributeName, kDecimal, kName, kNodeAddress, kSafeSide,
+    kSetPriority, kSubject, kText, kUserName;
 }  // namespace type
 
 /// All types of the table. Tests compare each of them with the schema.

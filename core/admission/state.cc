@@ -297,6 +297,7 @@ Decision State::known(std::size_t channel, const Grants& grants) const {
       v.publisher = p;
       v.to = *to;
       v.granted = true;
+      v.sporadic = system_.channels[channel].arrival == Arrival::sporadic;
     }
   }
   out.granted = out.verdicts.size();

@@ -44,6 +44,7 @@ Verdict undecided(const Situation& situation, std::size_t channel, std::size_t p
   v.to = target.place;
   v.subscribers = target.subscribers;
   v.set = set;
+  v.sporadic = situation.system.channels[channel].arrival == Arrival::sporadic;
   Asked asked = asked_together(situation, publisher, target.subscribers, set);
   v.requirement = asked.set;
   v.user_requirement = std::move(asked.user);

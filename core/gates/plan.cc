@@ -232,7 +232,8 @@ class Planner {
           offered, frames, network.carries_subjects() ? event_bytes(network) : e->max_length);
       rule.policing.counts_only = system_.gateways[here_.index].ports[port].excess == Excess::pass;
       // Of a transported message only the announcement is supervised.
-      rule.watching = watching(offered, e->transport ? 1 : frames);
+      if (system_.channels[p.channel].arrival == Arrival::periodic)
+        rule.watching = watching(offered, e->transport ? 1 : frames);
     }
     rules_.add(rule);
   }

@@ -57,7 +57,8 @@ struct Policing {
   [[nodiscard]] bool any() const { return per_frame != 0 || per_byte != 0; }
 };
 
-/// How the events of an entry are supervised. Without a period there is no silence timer.
+/// How the events of an entry are supervised. Without a period there is no silence timer; sporadic
+/// events have none.
 struct Watching {
   Value period = 0;    ///< ns between events, as the publisher states it
   Value silence = 0;   ///< ns without an event after which events are missing; 0: no subscriber
@@ -104,7 +105,8 @@ struct GateChanges {
 
 /// The time (ns) without an event at a gate after which more events are missing than the delivery
 /// allows: (Omission + 1) * Period + Jitter plus 500 ppm for differing clocks, that is the
-/// worst-case reaction without the Latency. 0 if it is unknown or nothing was granted.
+/// worst-case reaction without the Latency. 0 if it is unknown, nothing was granted, or the events
+/// are sporadic.
 [[nodiscard]] Value silence_of(const Verdict& verdict);
 
 /// The same for a delivery from program to program on one gateway. There is no network in between,

@@ -90,7 +90,8 @@ Value silence_of(const Verdict& v) {
 
 Value silence_here(const Verdict& v) {
   AttributeSet terms = reaction_terms(v);
-  if (!v.granted || !terms.has(Attribute::omission) || !terms.has(Attribute::period)) return 0;
+  if (!v.granted || v.sporadic || !terms.has(Attribute::omission) || !terms.has(Attribute::period))
+    return 0;
   if (!terms.has(Attribute::jitter)) terms.set(Attribute::jitter, 0);
   return silence_by(terms);
 }

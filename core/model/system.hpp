@@ -56,6 +56,12 @@ enum class SafeSide : std::uint8_t {
   deliver,  ///< to drop is dangerous: the message must arrive to stop something
 };
 
+/// When the events of a channel come. Its Period bounds both kinds.
+enum class Arrival : std::uint8_t {
+  periodic,  ///< one in each Period: if none comes, events are missing
+  sporadic,  ///< when something happens, Periods apart or longer: silence means nothing
+};
+
 /// The largest number of hops (networks and gateways) of a route. Longer routes are not found.
 inline constexpr std::size_t kMaxHops = 16;
 
@@ -280,6 +286,7 @@ struct EventChannel {
   Subject subject = 0;
   std::string description;
   SafeSide safe_side = SafeSide::unstated;
+  Arrival arrival = Arrival::periodic;
   std::uint8_t importance = 0;  ///< channels of larger importance are degraded last and served
                                 ///< first
   AttributeSet attributes;      ///< defaults for the channel's endpoints

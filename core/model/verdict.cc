@@ -96,6 +96,7 @@ AttributeSet reaction_terms(const Verdict& verdict) {
 }
 
 std::optional<Value> worst_case_reaction(const Verdict& verdict) {
+  if (verdict.sporadic) return std::nullopt;
   const Value reaction = mlcca::worst_case_reaction(reaction_terms(verdict));
   if (reaction == kUnbounded) return std::nullopt;
   return reaction;

@@ -113,6 +113,7 @@ struct Verdict {
   std::size_t set = 0;  ///< attribute set of the channel: 0 is the preferred one
   Outcome outcome = Outcome::unfit;
   bool granted = false;
+  bool sporadic = false;  ///< see EventChannel::arrival
   Obstacle obstacle = Obstacle::none;
   Place obstacle_at;
   Route route;               ///< the granted route, or the shortest that was tried

@@ -41,6 +41,7 @@ inline constexpr Words<Profile, kProfileCount> kProfiles{{
 }};
 inline constexpr Words<FrameFormat, 4> kFrameFormats{{"classic", "fd", "any", "xl"}};
 inline constexpr Words<SafeSide, 3> kSafeSides{{"", "drop", "deliver"}};
+inline constexpr Words<Arrival, 2> kArrivals{{"periodic", "sporadic"}};
 inline constexpr Words<Queueing, 2> kQueueings{{"fifo", "priority"}};
 inline constexpr Words<Excess, 2> kExcesses{{"drop", "pass"}};
 inline constexpr Words<Refused, 2> kRefusals{{"error", "silent"}};

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "core/model/words.hpp"
 #include "description/read.hpp"
 #include "tests/description/pattern.hpp"
 
@@ -162,6 +163,7 @@ std::set<std::string> facts(const core::System& s) {
     out.insert(fmt::format("subject: {} 0x{:x}", i, s.channels[i].subject));
     out.insert(fmt::format("channel-text: {} {}", i, s.channels[i].description));
     out.insert(fmt::format("importance: {} {}", i, s.channels[i].importance));
+    out.insert(fmt::format("arrival: {} {}", i, core::words::kArrivals.of(s.channels[i].arrival)));
     add_attributes(out, fmt::format("channel-attribute: {}", i), s.channels[i].attributes);
   }
   for (std::size_t i = 0; i < s.networks.size(); ++i) add_network(out, i, s.networks[i]);

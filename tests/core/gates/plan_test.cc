@@ -205,6 +205,22 @@ TEST(PlanTest, WhatIsRefusedOrRequiresNoOmissionHasNoSilenceTimer) {
   EXPECT_EQ(expected(system).silence, 0U);
 }
 
+TEST(PlanTest, SporadicEventsAreNotWatchedAndAreLimitedAsOthersAre) {
+  System system = robot(0);
+  const auto before = State(system).gate_state(kBridge);
+  system.channels[0].arrival = Arrival::sporadic;
+  const State state(system);
+  EXPECT_EQ(find(state.gate_state(kBridge), kSecondCan, Direction::ingress)->watching, Watching{});
+  EXPECT_EQ(find(state.gate_state(kBridge), kSecondCan, Direction::ingress)->policing,
+            find(before, kSecondCan, Direction::ingress)->policing);
+  for (const Verdict& v : state.decisions()[0].verdicts) {
+    EXPECT_TRUE(v.granted);
+    EXPECT_EQ(silence_of(v), 0U);
+    EXPECT_EQ(silence_here(v), 0U);
+    EXPECT_EQ(worst_case_reaction(v), std::nullopt);
+  }
+}
+
 TEST(PlanTest, FramesOfAnEventAreExpectedTogether) {
   System system = robot(0);
   system.publishers[0].attributes.set(Attribute::max_payload, 9);

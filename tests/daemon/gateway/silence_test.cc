@@ -171,6 +171,31 @@ TEST_F(Silence, IsReportedToWhoIsGrantedOrAdmittedMeanwhile) {
   EXPECT_EQ(never(), both);
 }
 
+/// The reasons why a gateway is degraded in which no event of channel c0 has come for a minute.
+std::vector<std::string> reasons_after_a_minute(core::Arrival arrival, std::uint64_t events) {
+  core::System system = with_two_subscribers();
+  system.subscribers.pop_back();
+  system.subscribers[0].attributes.clear(Attribute::omission);
+  system.channels[0].arrival = arrival;
+  Bench bench{std::move(system)};
+  EXPECT_FALSE(bench.start());
+  EXPECT_EQ(bench.state().granted(), 1U);
+  bench.gates().watched = control::Watch{};
+  bench.gates().watched->period_ns = 50 * kMs;
+  bench.gates().watched->events = events;
+  bench.gates().watched->since_last_ns = 60'000 * kMs;
+  bench.clock.monotonic += 60'000 * kMs;
+  bench.round();
+  return std::get<control::Status>(bench.ask(control::StatusRequest{}).reply.body).health.reasons;
+}
+
+TEST(SilenceOfSporadicEvents, IsNoReasonToBeDegraded) {
+  for (const std::uint64_t events : {0U, 9U}) {
+    EXPECT_EQ(reasons_after_a_minute(core::Arrival::sporadic, events), Said{});
+    EXPECT_EQ(reasons_after_a_minute(core::Arrival::periodic, events).size(), 1U);
+  }
+}
+
 TEST_F(Silence, OfAChannelThatIsGrantedNoMoreIsNotReported) {
   gate_says(GATE_E_MISSING, patience(kStrict));
   said_.clear();

@@ -163,10 +163,12 @@ class Writer {
   void write_channels() {
     for (const auto& channel : channels_) {
       static const std::vector<std::string> sides = {"", "", "drop", "deliver"};
-      const auto text = "<EventChannel" + attribute("name", channel.name) +
-                        attribute("safe-side", random_.one_of(sides)) + "><SubjectUID>" +
-                        hex(channel.subject) + "</SubjectUID>" + attributes(demanding_) +
-                        "</EventChannel>";
+      const std::string side = random_.one_of(sides);
+      const auto text =
+          "<EventChannel" + attribute("name", channel.name) + attribute("safe-side", side) +
+          attribute("arrival", side != "drop" && random_.one_in(4) ? "sporadic" : "") +
+          "><SubjectUID>" + hex(channel.subject) + "</SubjectUID>" + attributes(demanding_) +
+          "</EventChannel>";
       if (random_.one_in(4))
         in_component_ += text;
       else

@@ -23,7 +23,6 @@ namespace mlcca::tools::design {
 namespace {
 
 using core::Place;
-
 constexpr Value kMostOmissions = 0xffffffff;  // limit of mlcca::Omission
 constexpr std::string_view kEmptyList = "mlcca::AttributeList<>";
 
@@ -182,6 +181,8 @@ class Writer {
     add("struct {} {{\n", name);
     add("  static constexpr uint64_t subject = {}ULL;\n",
         core::format_subject(system_.channels[channel_of(system_, end)].subject));
+    if (system_.channels[channel_of(system_, end)].arrival == core::Arrival::sporadic)
+      add("  static constexpr bool sporadic = true;\n");
     if (sets.size() > 1)
       add("  static constexpr int16_t priority = {};  // of {} attribute sets\n", set.priority,
           sets.size());

@@ -100,6 +100,17 @@ TEST(GenerateTest, TheSpecificationIsThatOfThePaper) {
   EXPECT_TRUE(files.at("motors_callbacks.cpp").contains("void EmergencySwitchSpec::notify("));
 }
 
+TEST(GenerateTest, ASporadicChannelSaysSo) {
+  const Folder folder;
+  std::string sporadic = robot();
+  const std::string name = "<EventChannel ";
+  sporadic.replace(sporadic.find(name), name.size(), name + "arrival=\"sporadic\" ");
+  const std::string text = "  static constexpr bool sporadic = true;";
+  EXPECT_TRUE(content_of(generated(folder, sporadic) + "/motors_channels.hpp").contains(text));
+  const Folder other;
+  EXPECT_FALSE(content_of(generated(other, robot()) + "/motors_channels.hpp").contains(text));
+}
+
 TEST(GenerateTest, APublisherHasNoNotification) {
   const Folder folder;
   const auto out = generated(folder, robot(), {"--component", "switch"});
