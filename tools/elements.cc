@@ -182,18 +182,27 @@ std::string time_words(std::uint64_t ns) {
   return "0ns";
 }
 
+namespace {
+
+/// Whether `round` is within a part of it of `ns`.
+bool is_near(std::uint64_t ns, std::uint64_t round, std::uint64_t part) {
+  return round - round / part <= ns && ns <= round + round / part;
+}
+
+}  // namespace
+
 std::uint64_t nominal(std::uint64_t ns) {
   constexpr std::array<unsigned, 12> nice = {100, 120, 125, 150, 160, 200,
                                              250, 300, 400, 500, 600, 800};
   std::uint64_t ten = 1;
   while (ten <= ns / 10) ten *= 10;
+  if (ten < 100) return ns;
   for (const std::uint64_t scale : {ten, ten * 10})  // 9.9 is near 10
-    for (const unsigned n : nice) {
-      const std::uint64_t round = n * (scale / 100 == 0 ? 1 : scale / 100);
-      if (scale >= 100 && round - round / 50 <= ns && ns <= round + round / 50) return round;
-    }
-  const std::uint64_t digit = std::max<std::uint64_t>(ten / 10, 1);
-  return ns / digit * digit;
+    for (const unsigned n : nice)
+      if (const std::uint64_t round = n * (scale / 100); is_near(ns, round, 50)) return round;
+  const std::uint64_t two = ten / 10;
+  if (const std::uint64_t round = (ns + two / 2) / two * two; is_near(ns, round, 100)) return round;
+  return ns / (two / 10) * (two / 10);
 }
 
 }  // namespace mlcca::tools

@@ -143,6 +143,7 @@ class Learn {
       return refused;
     }
     described_ = std::move(*described);
+    if (const auto can = LearnPatch(*described_).can_change(); !can) return wrong(can.error().text);
     const auto adopted = adopt(*described_, a_.gateway, a_.draft);
     return adopted ? std::nullopt : std::optional(wrong(adopted.error().text));
   }
@@ -205,6 +206,8 @@ class Learn {
     if (auto refused = refuse_absent(live_)) return refused;
     for (const std::string& name : live_)
       if (const auto medium = learn::medium_of(name); !medium) return wrong(medium.error().text);
+    for (const std::string& name : live_)
+      if (described_ && !a_.draft.networks.contains(name)) return wrong(not_described(name));
     return live_.empty() ? std::nullopt : listen(live_);
   }
 
@@ -237,7 +240,8 @@ class Learn {
     }
     if (silent.empty()) return std::nullopt;
     const auto status = status_of_daemon(context_.socket);
-    for (std::string& name : silent) name = reason_of_silence(name, learn::is_up(name), status);
+    for (std::string& name : silent)
+      name = reason_of_silence(name, learn::is_up(name), received_.unseen_on(name), status);
     if (std::ranges::none_of(observer_.interfaces(), [](const auto& of) { return of.frames != 0; }))
       return Refusal{Exit::usage, "no frame was seen; nothing was drafted", std::move(silent)};
     std::ranges::move(silent, std::back_inserter(notes_));
@@ -276,6 +280,9 @@ class Learn {
     if (left->lines != 0)
       notes_.push_back(fmt::format("{}: {} passed over, the first: {}", name,
                                    many(left->lines, "entry", "entries"), left->first));
+    if (left->errors != 0)
+      notes_.push_back(fmt::format("{}: {} of controllers, which are no events, left out", name,
+                                   many(left->errors, "error frame")));
     if (!left->cut.empty())
       notes_.push_back(fmt::format("{}: {}; what is complete before it is read", name, left->cut));
     if (left->interfaces != 0)
@@ -291,6 +298,7 @@ class Learn {
       if (rates.data_bitrate != 0) a_.draft.data_bitrates.try_emplace(name, rates.data_bitrate);
       if (rates.queue_length != 0) a_.draft.queue_lengths.try_emplace(name, rates.queue_length);
     }
+    received_.begin(live);
     const auto listener = learn::Listener::open(live, interfaces_);
     if (!listener) return Refusal{Exit::world, listener.error().text, {}};
     if (auto refused = refuse_absent(live)) return refused;  // their media are known now
@@ -434,6 +442,7 @@ class Learn {
   std::map<std::string, core::Profile> profiles_;  ///< stated or described, by interface
   std::size_t stated_ = 0;  ///< of so many interfaces the profiles are stated
   std::vector<std::string> notes_;
+  Received received_;
   std::vector<std::string> live_;  ///< interfaces on which traffic is observed
 };
 

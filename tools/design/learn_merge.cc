@@ -22,6 +22,13 @@ namespace {
 
 /// If at most one of so many events is shorter than the others, the length does not normally vary.
 constexpr std::uint64_t kFewOf = 100;
+/// Nor does it if a single one of so many is.
+constexpr std::uint64_t kOneOfFew = 20;
+
+bool is_seldom_shorter(const learn::DraftPublisher& seen) {
+  return (seen.shorter_events == 1 && seen.events >= kOneOfFew) ||
+         (seen.shorter_events != 0 && seen.shorter_events <= seen.events / kFewOf);
+}
 
 std::optional<std::size_t> network_named(const core::System& system, const std::string& name) {
   const auto found = std::ranges::find(system.networks, name, &core::Network::name);
@@ -67,10 +74,20 @@ learn::DraftChannel called(learn::DraftChannel row, const std::string& name,
 /// drafted of few events does not show that, and is not compared.
 bool is_dropped(const learn::DraftPublisher& seen, const AttributeSet& stated) {
   if (!stated.has(Attribute::period) || seen.assumed) return false;
-  // Within the tolerance of clocks and of the draft.
-  if (seen.few.empty()) return seen.period + seen.period / 50 < stated[Attribute::period];
   const core::Policing gate = core::policing_of(stated, 1, 0);
-  return learn::Flow::early_of(seen.few, gate.per_frame) > gate.tolerance;
+  if (!seen.few.empty()) return learn::Flow::early_of(seen.few, gate.per_frame) > gate.tolerance;
+  // With a longer Period events are earlier.
+  for (const learn::Rate& rate : seen.rates) {
+    if (rate.period >= gate.per_frame && rate.early <= gate.tolerance) return false;
+    if (rate.period <= gate.per_frame && rate.early > gate.tolerance) return true;
+  }
+  // Within the tolerance of clocks and of the draft.
+  return seen.period + seen.period / 50 < stated[Attribute::period];
+}
+
+/// Whether missing events of a channel are noticed.
+bool is_watched(const core::EventChannel& channel) {
+  return channel.arrival == core::Arrival::periodic;
 }
 
 class Merge {
@@ -86,7 +103,7 @@ class Merge {
 
   Result<Merged> run(const learn::Draft& draft) {
     for (const learn::DraftChannel& row : draft.channels) {
-      if (!network_of(row.interface)) return fail(missing(row.interface));
+      if (!network_of(row.interface)) return fail(not_described(row.interface));
       const auto known = channel_of(row);
       if (const auto done = known ? compare(row, *known) : add(distinct(row)); !done)
         return std::unexpected(done.error());
@@ -108,13 +125,6 @@ class Merge {
     const auto known = options_.networks.find(interface);
     return known == options_.networks.end() ? std::nullopt : network_named(system_, known->second);
   }
-  [[nodiscard]] static std::string missing(const std::string& interface) {
-    return fmt::format(
-        "no port of the gateway names the interface {}: describe its network and port first, or "
-        "draft a description of its own by --output",
-        interface);
-  }
-
   /// The binding of the identifier that the drafted channel has on a CAN interface; nullptr: there
   /// is none.
   [[nodiscard]] const core::Binding* bound(const learn::DraftChannel& row,
@@ -178,7 +188,7 @@ class Merge {
 
   Result<void> add(const learn::DraftChannel& row) {
     for (const auto& [interface, number] : row.numbers)
-      if (!network_of(interface)) return fail(missing(interface));
+      if (!network_of(interface)) return fail(not_described(interface));
     channels_ += row.channel_xml;
     for (const learn::DraftPublisher& publisher : row.publishers)
       shortest_ = std::min(shortest_, publisher.period);
@@ -202,9 +212,10 @@ class Merge {
       merged_.differs.push_back(fmt::format("{}: its events have the subject {} on Ethernet",
                                             channel.name, core::format_subject(*row.subject)));
     compare_bindings(row, number);
+    patch_.seen(number, row.seen);
     for (const learn::DraftPublisher& publisher : row.publishers) {
       const auto network = network_of(publisher.interface);
-      if (!network) return fail(missing(publisher.interface));
+      if (!network) return fail(not_described(publisher.interface));
       seen_.emplace(number, *network);
       const std::string who =
           fmt::format("{} ({} on {})", channel.name, row.identifier, publisher.interface);
@@ -289,7 +300,14 @@ class Merge {
                const core::Publisher& p) {
     const AttributeSet& stated = p.attributes;
     const Value period = stated[Attribute::period];
-    if (is_dropped(seen, stated))
+    if (is_dropped(seen, stated) && seen.few.empty() && seen.period >= period)
+      merged_.differs.push_back(
+          fmt::format("{}: publisher {} states Period {} and Jitter {}, and of the latter {} were "
+                      "seen: frames would be dropped",
+                      who, p.name, core::format_value(Attribute::period, period),
+                      core::format_value(Attribute::jitter, stated[Attribute::jitter]),
+                      time_words(seen.jitter)));
+    else if (is_dropped(seen, stated))
       merged_.differs.push_back(fmt::format(
           "{}: publisher {} states Period {}, and {} seen: frames would be dropped", who, p.name,
           core::format_value(Attribute::period, period),
@@ -303,13 +321,14 @@ class Merge {
           who, p.name, core::format_value(Attribute::max_payload, stated[Attribute::max_payload]),
           seen.bytes));
     propose(seen, p);
-    if (seen.shorter_events != 0 && seen.shorter_events <= seen.events / kFewOf)
+    if (is_seldom_shorter(seen))
       merged_.differs.push_back(fmt::format(
           "{}: publisher {}: {} of {} events {} fewer bytes than the others ({} at least, not {}): "
           "no gate drops a frame for that",
           who, p.name, seen.shorter_events, seen.events, seen.shorter_events == 1 ? "has" : "have",
           seen.least_bytes, seen.bytes));
-    if (seen.periodic && stated.has(Attribute::period) && period + period / 2 < seen.period)
+    if (seen.periodic && is_watched(system_.channels[p.channel]) && stated.has(Attribute::period) &&
+        period + period / 2 < seen.period)
       merged_.differs.push_back(fmt::format(
           "{}: publisher {} states Period {}, and {} was seen: it is reported as missing", who,
           p.name, core::format_value(Attribute::period, period), time_words(seen.period)));
@@ -325,7 +344,7 @@ class Merge {
     const core::EventChannel& channel = system_.channels[p.channel];
     const Value period = stated[Attribute::period];
     const bool shorter = is_dropped(seen, stated);
-    const bool longer = seen.periodic && period + period / 2 < seen.period;
+    const bool longer = seen.periodic && is_watched(channel) && period + period / 2 < seen.period;
     const bool alone =
         std::ranges::count(system_.publishers, p.channel, &core::Publisher::channel) == 1;
     // A longer Period of one publisher is one that the channel's subscribers must accept.
@@ -394,6 +413,13 @@ class Merge {
 };
 
 }  // namespace
+
+std::string not_described(const std::string& interface) {
+  return fmt::format(
+      "no port of the gateway names the interface {}: describe its network and port first, or "
+      "draft a description of its own by --output",
+      interface);
+}
 
 Result<void> adopt(const core::System& system, const std::string& gateway,
                    learn::DraftOptions& options) {

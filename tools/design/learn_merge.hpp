@@ -18,6 +18,9 @@ namespace mlcca::tools::design {
 Result<void> adopt(const core::System& system, const std::string& gateway,
                    learn::DraftOptions& options);
 
+/// The error of an interface that no port of the gateway names.
+[[nodiscard]] std::string not_described(const std::string& interface);
+
 /// The result of the comparison.
 struct Merged {
   /// The path and new content of each file that would change.

@@ -12,11 +12,13 @@
 #include <cerrno>
 #include <cstring>
 #include <functional>
+#include <set>
 
 #include "base/handle.hpp"
 #include "tools/design/describe/layout.hpp"
 #include "tools/design/safe_file.hpp"
 #include "tools/elements.hpp"
+#include "tools/learn/channels.hpp"
 
 extern char** environ;  // NOLINT(*-redundant-declaration): not in every C library's headers
 
@@ -135,6 +137,12 @@ Result<const Node*> LearnPatch::node_of(Element element, std::size_t index) {
   return node;
 }
 
+std::optional<std::size_t> LearnPatch::channel_of(const Stated& attribute) const {
+  if (attribute.element == Element::channel) return attribute.index;
+  if (attribute.element == Element::publisher) return system_.publishers[attribute.index].channel;
+  return std::nullopt;
+}
+
 /// The values by element and attribute. Several parts of a system can have one element.
 Result<std::map<std::pair<LearnPatch::At, std::string_view>, LearnPatch::Found>>
 LearnPatch::found_values() {
@@ -145,8 +153,9 @@ LearnPatch::found_values() {
     if (*node == nullptr) continue;
     const std::string& path =
         system_.files[element_of(system_, attribute.element, attribute.index).origin.file];
-    const auto [there, fresh] = out.try_emplace({{path, (*node)->whole.from}, attribute.key},
-                                                Found{*node, attribute.element, value});
+    const auto [there, fresh] =
+        out.try_emplace({{path, (*node)->whole.from}, attribute.key},
+                        Found{*node, attribute.element, value, channel_of(attribute)});
     if (!fresh) there->second.value = needed(attribute.key, there->second.value, value);
   }
   return out;
@@ -168,8 +177,7 @@ Result<void> LearnPatch::insert_in_networks(Changes& to) {
   return {};
 }
 
-Result<void> LearnPatch::insert_at_end(Changes& to) {
-  if (in_system_.empty()) return {};
+Result<const Node*> LearnPatch::system() {
   const auto markup = markup_of(0);
   if (!markup) return std::unexpected(markup.error());
   const std::string& path = system_.files.front();
@@ -178,11 +186,25 @@ Result<void> LearnPatch::insert_at_end(Changes& to) {
   if (!root.has_end_tag)
     return fail(
         fmt::format("{}:{}: <System/> has no end tag to put elements before", path, root.line));
-  insert(path, root, in_system_, to);
+  return &root;
+}
+
+Result<void> LearnPatch::can_change() {
+  for (std::uint32_t file = 0; file < system_.files.size(); ++file)
+    if (const auto markup = markup_of(file); !markup) return std::unexpected(markup.error());
+  const auto root = system();
+  return root ? Result<void>{} : std::unexpected(root.error());
+}
+
+Result<void> LearnPatch::insert_at_end(Changes& to) {
+  if (in_system_.empty()) return {};
+  const auto root = system();
+  if (!root) return std::unexpected(root.error());
+  insert(system_.files.front(), **root, in_system_, to);
   return {};
 }
 
-void LearnPatch::change(const At& at, std::string_view key, const Found& found, Changes& to) {
+bool LearnPatch::change(const At& at, std::string_view key, const Found& found, Changes& to) {
   const Node& node = *found.node;
   const bool provides = found.element == Element::gateway || found.element == Element::network;
   const std::string_view name = provides ? "Provision" : "Attributes";
@@ -191,18 +213,20 @@ void LearnPatch::change(const At& at, std::string_view key, const Found& found, 
   const std::string fresh = fmt::format(" {}=\"{}\"", key, words);
   const Node* const list = node.child(name);
   if (list == nullptr) {
-    if (found.element != Element::publisher) return;
+    if (found.element != Element::publisher) return false;
     auto& [of, attributes] = to.lists[at];
     of = &node;
     attributes += fresh;
-    return;
+    return true;
   }
-  if (!list->children.empty() || std::ranges::count(node.children, name, &Node::name) > 1) return;
+  if (!list->children.empty() || std::ranges::count(node.children, name, &Node::name) > 1)
+    return false;
   auto& all = to.insertions[at.first];
   if (const auto* const there = list->attribute(key); there != nullptr)
     all.push_back({there->value.from, words, there->value.to - there->value.from});
   else
     all.push_back({list->start_tag.from + 1 + list->name.size(), fresh});
+  return true;
 }
 
 /// Publishers that state nothing of their own get a list.
@@ -223,13 +247,39 @@ void LearnPatch::add_lists(Changes& to) {
   }
 }
 
+Result<void> LearnPatch::replace_comment(std::size_t channel, const std::string& words,
+                                         Changes& to) {
+  constexpr std::string_view begin = "<!--";
+  constexpr std::string_view end = "-->";
+  const auto node = node_of(Element::channel, channel);
+  if (!node) return std::unexpected(node.error());
+  if (*node == nullptr) return {};
+  const std::string& path = system_.files[system_.channels[channel].origin.file];
+  const auto before = std::string_view(markups_.at(path).text()).substr(0, (*node)->whole.from);
+  const auto last = before.find_last_not_of(" \t\r\n");
+  if (last == std::string_view::npos || !before.substr(0, last + 1).ends_with(end)) return {};
+  const auto first = before.rfind(begin);
+  if (first == std::string_view::npos) return {};
+  const auto comment = before.substr(first, last + 1 - first);
+  if (learn::says_what_was_seen(comment))
+    to.insertions[path].push_back(
+        {first, fmt::format("<!-- {}; values were changed for this -->", words), comment.size()});
+  return {};
+}
+
 Result<LearnPatch::Changes> LearnPatch::changes() {
   Changes out;
   notes_.clear();
   const auto found = found_values();
   if (!found) return std::unexpected(found.error());
+  std::set<std::size_t> channels;
   for (const auto& [attribute, value] : *found)
-    change(attribute.first, attribute.second, value, out);
+    if (change(attribute.first, attribute.second, value, out) && value.channel)
+      channels.insert(*value.channel);
+  for (const auto& [channel, words] : seen_)
+    if (channels.contains(channel))
+      if (const auto made = replace_comment(channel, words, out); !made)
+        return std::unexpected(made.error());
   add_lists(out);
   if (const auto made = insert_at_end(out); !made) return std::unexpected(made.error());
   if (const auto made = insert_in_networks(out); !made) return std::unexpected(made.error());

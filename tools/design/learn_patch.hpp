@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Changes of the files of a description: elements that are inserted, and attributes of another
-// value. All else stays byte by byte as it is, comments, too.
+// Changes of the files of a description: elements that are inserted, attributes of another value,
+// and comments of `learn` on channels whose values change. All else stays byte by byte as it is.
 #pragma once
 #include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -36,6 +37,12 @@ class LearnPatch {
   void insert_in_network(std::size_t network, const std::string& text) {
     in_networks_.emplace_back(network, text);
   }
+  /// What was seen of the channel with that index. It replaces the comment in front of the channel
+  /// that says what was seen before, if a value of the channel or of a publisher changes.
+  void seen(std::size_t channel, const std::string& words) { seen_[channel] = words; }
+  /// Whether the files can be changed at all: they are read, and the first one can have more
+  /// elements.
+  [[nodiscard]] Result<void> can_change();
   /// A value in the place of the one that is there. Of values of one attribute the shortest time
   /// and the longest payload count. Nothing changes where elements state the attributes, as in the
   /// paper, and where there are several sets.
@@ -67,16 +74,22 @@ class LearnPatch {
     const Node* node = nullptr;
     Element element = Element::channel;
     std::uint64_t value = 0;
+    std::optional<std::size_t> channel = {};  ///< index of the channel that it is about
   };
   Result<const Markup*> markup_of(std::uint32_t file);
+  /// The root element, before whose end elements are inserted.
+  Result<const Node*> system();
   /// nullptr, and a note, if it cannot be told which element it is.
   Result<const Node*> node_of(Element element, std::size_t index);
   Result<std::map<std::pair<At, std::string_view>, Found>> found_values();
   void insert(const std::string& path, const Node& node, const std::string& text, Changes& to);
   Result<void> insert_in_networks(Changes& to);
   Result<void> insert_at_end(Changes& to);
-  static void change(const At& at, std::string_view key, const Found& found, Changes& to);
+  [[nodiscard]] std::optional<std::size_t> channel_of(const Stated& attribute) const;
+  /// False if nothing can be changed there.
+  static bool change(const At& at, std::string_view key, const Found& found, Changes& to);
   void add_lists(Changes& to);
+  Result<void> replace_comment(std::size_t channel, const std::string& words, Changes& to);
   /// All changes, or why one of them is not possible.
   Result<Changes> changes();
 
@@ -84,7 +97,8 @@ class LearnPatch {
   std::string in_system_;
   std::vector<std::pair<std::size_t, std::string>> in_networks_;  ///< by index of the network
   std::map<Stated, std::uint64_t> values_;
-  std::map<std::string, Markup> markups_;  ///< by path
+  std::map<std::size_t, std::string> seen_;  ///< by channel
+  std::map<std::string, Markup> markups_;    ///< by path
   std::vector<std::string> notes_;
 };
 

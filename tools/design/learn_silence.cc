@@ -13,6 +13,7 @@
 #include "base/many.hpp"
 #include "base/standard_streams.hpp"
 #include "control/client.hpp"
+#include "tools/learn/live.hpp"
 
 namespace mlcca::tools::design {
 namespace {
@@ -30,7 +31,19 @@ std::optional<control::Status> status_of_daemon(const std::string& socket) {
   return std::move(*status);
 }
 
-std::string reason_of_silence(const std::string& interface, bool is_up,
+void Received::begin(const std::vector<std::string>& interfaces) {
+  for (const std::string& name : interfaces)
+    if (learn::medium_of(name) == learn::Medium::can)
+      before_.emplace(name, learn::received_on(name));
+}
+
+std::uint64_t Received::unseen_on(const std::string& interface) const {
+  const auto before = before_.find(interface);
+  const std::uint64_t now = learn::received_on(interface);
+  return before == before_.end() || now < before->second ? 0 : now - before->second;
+}
+
+std::string reason_of_silence(const std::string& interface, bool is_up, std::uint64_t received,
                               const std::optional<control::Status>& status) {
   if (!is_up) return interface + ": it is down, so nothing comes";
   const bool enforces = status && status->mode != "audit" &&
@@ -41,7 +54,16 @@ std::string reason_of_silence(const std::string& interface, bool is_up,
     return interface +
            ": a gate enforces there, and drops what is not admitted before it is seen: learn in "
            "audit mode (mlccactl mode audit)";
-  return interface + ": nothing came while it was listened to";
+  if (received == 0) return interface + ": nothing came while it was listened to";
+  return fmt::format(
+      "{}: {} came in, and a filter in the kernel dropped {} before a program could see {}{}",
+      interface, many(received, "frame"), received == 1 ? "it" : "them",
+      received == 1 ? "it" : "them",
+      status
+          ? ": mlccactl status says what is in force there"
+          : ". mlccad does not answer: without it its gates are closed, also after it was "
+            "stopped. Start it in audit mode (mlccad --initial-mode audit), or learn where there "
+            "is no gate");
 }
 
 Listening::Listening(std::uint64_t ns)

@@ -124,6 +124,7 @@ class Asc {
   bool take_classic(std::string_view channel, std::string_view line) {
     Frame frame;
     const auto word = next_word(line);
+    if (word == "ErrorFrame") ++recording_.left.errors;
     if (word == "ErrorFrame" || word == "Statistic:") return true;
     const auto direction = next_word(line);
     const auto kind = next_word(line);

@@ -20,6 +20,9 @@ constexpr std::uint32_t kContainer = 10;
 constexpr std::uint32_t kCanMessage2 = 86;
 constexpr std::uint32_t kFdMessage = 100;
 constexpr std::uint32_t kFdMessage64 = 101;
+constexpr std::uint32_t kErrorFrame = 2;
+constexpr std::uint32_t kErrorFrameExt = 73;
+constexpr std::uint32_t kErrorFrame64 = 104;
 constexpr std::uint32_t kObject = 0x4a424f4c;  // "LOBJ"
 constexpr std::uint32_t kNothing = 0;
 constexpr std::uint32_t kLongestObject = 1U << 20U;      // longest object that may be a frame
@@ -147,7 +150,10 @@ class Blf {
     constexpr std::size_t shortest = 32;  // header with a time
     const auto type = at<std::uint32_t>(object, 12);
     if (type != kCanMessage && type != kCanMessage2 && type != kFdMessage && type != kFdMessage64) {
-      if (type != kNothing) recording_.pass_over("an object of type " + std::to_string(type));
+      if (type == kErrorFrame || type == kErrorFrameExt || type == kErrorFrame64)
+        ++recording_.left.errors;
+      else if (type != kNothing)
+        recording_.pass_over("an object of type " + std::to_string(type));
       return;
     }
     const std::size_t header = at<std::uint16_t>(object, 4);

@@ -161,7 +161,6 @@ Result<void> read_candump(Recording& recording) {
     }
     frame.interface = number;
     frame.local = next_word(line) == "T";
-    if ((frame.id & kError) != 0) continue;
     recording.take(frame);
   }
   return {};

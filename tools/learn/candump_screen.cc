@@ -163,7 +163,6 @@ Result<void> read_candump_screen(Recording& recording) {
                      "[2]  11 22");
       continue;
     }
-    if ((frame.id & kError) != 0) continue;
     frame.interface = recording.interfaces.number_of(interface);
     recording.take(frame);
   }

@@ -11,6 +11,7 @@
 
 #include "base/many.hpp"
 #include "tools/elements.hpp"
+#include "tools/learn/arrivals.hpp"
 
 namespace mlcca::learn {
 namespace {
@@ -155,26 +156,41 @@ struct Chosen {
   bool on_events = false;
 };
 
-/// Chooses a rate for a cycle. If no event is early by more than half a cycle, that is its rate.
-/// Otherwise there are events in between: then it is the longest Period at which they do not
-/// accumulate, which is a little shorter than the cycle, because with the cycle itself each would
-/// count for ever.
-std::optional<Chosen> rate_of_cycle(const std::vector<Rate>& rates, std::uint64_t median) {
+/// Chooses a rate for a cycle of which all rates are given. If no event is early by more than half
+/// a cycle, and they keep it in the long run, that is its rate. Otherwise there are events in
+/// between: then it is the longest Period at which they do not accumulate, which is a little
+/// shorter than the cycle, because with the cycle itself each would count for ever.
+std::optional<Chosen> rate_of_cycle(const Flow& flow, const std::vector<Rate>& all) {
+  const std::vector<Rate> rates = rates_of_cycle(flow, all);
+  const std::uint64_t median = flow.median_gap();
+  const std::uint64_t cycle = longest_cycle(flow);
   for (const Rate& rate : rates)
-    if (rate.early <= rate.period / 2) return Chosen{rate, false};
+    if (rate.early <= rate.period / 2 && (rate.period <= cycle || &rate == &rates.back()))
+      return Chosen{rate, false};
   if (rates.empty() || rates.back().early > rates.back().period * kBurst) return std::nullopt;
   const std::uint64_t least = rates.back().early;
+  const std::uint64_t kept = shortest_mean(flow);
   for (const Rate& rate : rates)
-    if (rate.early <= least + rate.period / 2 && rate.period <= median * 99 / 100)
+    if (rate.early <= least + rate.period / 2 && rate.period <= std::min(median * 99 / 100, kept))
       return Chosen{rate, true};
   return Chosen{rates.back(), true};
 }
 
-/// The longest Period that all events kept, if a burst may be early by `at_once` Periods.
-Rate rate_of_others(const std::vector<Rate>& rates, std::uint64_t at_once) {
+/// The longest Period of at most `longest` (ns) that all events kept, if a burst may be early by
+/// `at_once` Periods.
+Rate rate_of_others(const std::vector<Rate>& rates, std::uint64_t longest, std::uint64_t at_once) {
   for (const Rate& rate : rates)
-    if (rate.early <= rate.period * at_once) return rate;
+    if (rate.period <= longest && rate.early <= rate.period * at_once) return rate;
   return rates.back();
+}
+
+/// The Jitter of events at random: what they were early by and a quarter more, or what those to
+/// come need (see arrivals.hpp), with a limit.
+std::uint64_t jitter_of_others(const Flow& flow, const Rate& rate, std::uint64_t at_once) {
+  constexpr std::uint64_t most = 4;  // times as many at once
+  const std::uint64_t needed = jitter_of_queue(flow, rate.period);
+  const std::uint64_t limit = rate.period * at_once * most;
+  return std::max(rate.early + rate.early / 4, needed == UINT64_MAX ? 0 : std::min(needed, limit));
 }
 
 Times times_of_one_stamp(const Flow& flow, const TimesOptions& options) {
@@ -194,11 +210,10 @@ std::string gaps_in_words(const Flow& flow) {
 /// The cycle of periodic traffic; `pauses`: what it paused, if at all.
 std::optional<Chosen> cycle_of(const Flow& flow, const std::vector<Rate>& rates,
                                const Flow::Pauses& pauses) {
-  const std::uint64_t median = flow.median_gap();
-  if (pauses.count != 0) return rate_of_cycle(rates_of_cycle(flow, flow.cyclic_rates()), median);
-  if (flow.regular_share() < kRegular || flow.longest_gap() / kFarApart > median)
+  if (pauses.count != 0) return rate_of_cycle(flow, flow.cyclic_rates());
+  if (flow.regular_share() < kRegular || flow.longest_gap() / kFarApart > flow.median_gap())
     return std::nullopt;
-  return rate_of_cycle(rates_of_cycle(flow, rates), median);
+  return rate_of_cycle(flow, rates);
 }
 
 /// The cycle within bursts, which is none of the time between them.
@@ -206,15 +221,14 @@ std::optional<Chosen> cycle_in_bursts(const Flow& flow, const TimesOptions& opti
   constexpr double regular = 0.6;  // about a third would be of times at random
   if (!options.cycles_of_bursts || pauses_of(flow, kRunOfBurst, regular).count == 0)
     return std::nullopt;
-  return rate_of_cycle(rates_of_cycle(flow, flow.cyclic_rates()), flow.median_gap());
+  return rate_of_cycle(flow, flow.cyclic_rates());
 }
 
 /// All rates from `longer` (ns) downwards.
-std::vector<Rate> with_longer(const Flow& flow, const std::vector<Rate>& rates,
-                              std::uint64_t longer) {
-  auto all = flow.longer_rates();
-  std::erase_if(all, [&](const Rate& rate) { return rate.period > longer; });
-  std::ranges::copy(rates, std::back_inserter(all));
+std::vector<Rate> with_longer(const Flow& flow, std::uint64_t longer) {
+  auto all = flow.all_rates();
+  const std::uint64_t most = std::max(longer, flow.rates().front().period);
+  std::erase_if(all, [most](const Rate& rate) { return rate.period > most; });
   return all;
 }
 
@@ -234,8 +248,11 @@ std::string seen_of(const Times& times, const Flow& flow, std::uint64_t early, b
         gaps, about(early));
   else
     out = fmt::format(
-        "{}: {}; the Period is the one that all of them kept, early by {} + 25 % at most",
-        times.bursts ? "aperiodic, in bursts" : "aperiodic", gaps, about(early));
+        "{}: {}, mean {}; by this Period they were early by {} at most, and the Jitter is for one "
+        "of "
+        "{} to come earlier",
+        times.bursts ? "aperiodic, in bursts" : "aperiodic", gaps, about(flow.mean_gap()),
+        about(early), kOneOf);
   if (times.pauses != 0)
     out += fmt::format("; {} no part of its cycle", times.pauses == 1
                                                         ? pauses_in_words(times) + " is"
@@ -244,6 +261,19 @@ std::string seen_of(const Times& times, const Flow& flow, std::uint64_t early, b
 }
 
 }  // namespace
+
+std::string seen_in_words(const Flow& flow) {
+  if (flow.events() < 2) return "seen once";
+  return flow.gaps() + 1 < Flow::kFirst ? fmt::format("seen {} times, {} apart at least",
+                                                      flow.events(), about(flow.shortest_gap()))
+                                        : gaps_in_words(flow);
+}
+
+bool says_what_was_seen(std::string_view comment) {
+  return comment.contains(" events, median gap ") || comment.contains("seen once") ||
+         (comment.contains("seen ") && comment.contains(" times")) ||
+         comment.contains(" events that all have one time stamp");
+}
 
 Times times_of(const Flow& flow, const Timeline& timeline, const TimesOptions& options) {
   if (flow.gaps() != 0 && flow.longest_gap() == 0) return times_of_one_stamp(flow, options);
@@ -265,12 +295,15 @@ Times times_of(const Flow& flow, const Timeline& timeline, const TimesOptions& o
     out.longest_pause = flow.longest_gap();
   }
   Rate chosen;
-  if (cycle || in_bursts)
+  if (cycle || in_bursts) {
     chosen = cycle ? cycle->rate : in_bursts->rate;
-  else
-    chosen = rate_of_others(is_burst ? with_longer(flow, rates, longer) : rates, options.at_once);
+    out.jitter = chosen.early == 0 ? 0 : with_margin(chosen.early, 25);
+  } else {
+    chosen = is_burst ? rate_of_others(with_longer(flow, longer), longer, options.at_once)
+                      : rate_of_others(rates, longest_period(flow), options.at_once);
+    out.jitter = rounded_up(jitter_of_others(flow, chosen, options.at_once));
+  }
   out.period = chosen.period;
-  out.jitter = chosen.early == 0 ? 0 : with_margin(chosen.early, 25);
   out.seen = seen_of(out, flow, chosen.early, in_bursts.has_value());
   return out;
 }

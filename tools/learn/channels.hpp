@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tools/elements.hpp"
@@ -42,6 +43,10 @@ struct TimesOptions {
   bool cycles_of_bursts = true;
   std::uint64_t listened = 0;  ///< ns; counts if it exceeds the time that was recorded
 };
+/// What was seen of a flow, in words that claim nothing.
+[[nodiscard]] std::string seen_in_words(const Flow& flow);
+/// Whether a comment says what was seen of a channel, as a draft and seen_in_words() do.
+[[nodiscard]] bool says_what_was_seen(std::string_view comment);
 [[nodiscard]] Times times_of(const Flow& flow, const Timeline& timeline,
                              const TimesOptions& options = {});
 /// The most events that were lost in a row, if one was sent in each `period` (ns) except during

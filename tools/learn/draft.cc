@@ -30,8 +30,7 @@ namespace {
 using core::Profile;
 
 constexpr std::uint32_t kAssumedBitrate = 500'000;  // bit/s, where none is stated
-// If that cannot carry what was seen:
-constexpr std::uint32_t kFastBitrate = 1'000'000;
+constexpr std::uint32_t kFastBitrate = 1'000'000;   // if that cannot carry what was seen
 constexpr std::uint32_t kFastDataBitrate = 5'000'000;
 constexpr std::uint64_t kAssumedLatency = 1'000'000;  // ns for forwarding, if it was not observed
 constexpr std::uint64_t kAssumedEthernet = 100'000;   // ns for an Ethernet
@@ -39,6 +38,11 @@ constexpr std::uint32_t kClassicBytes = 8;
 
 std::string mac_text(const std::array<std::uint8_t, 6>& mac) {
   return fmt::format("{:02x}", fmt::join(mac, ":"));
+}
+
+/// The smaller of two times of which 0 says nothing.
+std::uint64_t shorter(std::uint64_t a, std::uint64_t b) {
+  return a == 0 || b == 0 ? std::max(a, b) : std::min(a, b);
 }
 
 class Drafter {
@@ -118,7 +122,9 @@ class Drafter {
       row.period = std::max(row.period, source.times.period);
       shortest_period_ = std::min(shortest_period_, source.times.period);
       row.jitter = std::max(row.jitter, source.times.jitter);
-      row.median = row.median == 0 ? flow.median_gap() : std::min(row.median, flow.median_gap());
+      row.median = shorter(row.median, flow.median_gap());
+      row.mean_gap = shorter(row.mean_gap, flow.mean_gap());
+      row.shortest_gap = shorter(row.shortest_gap, flow.shortest_gap());
       row.longest_gap = std::max(row.longest_gap, flow.longest_gap());
       row.pauses += source.times.pauses;
       row.longest_pause = std::max(row.longest_pause, source.times.longest_pause);
@@ -138,6 +144,7 @@ class Drafter {
     row.bursts = row.bursts && !row.periodic;
     row.few = row.few && !aperiodic;
     row.bytes_per_second = bytes_per_second(channel, row.events);
+    row.seen = seen_in_words(channel.sources.front().seen->flow);
     return channel.sources.front().times.seen;
   }
 
@@ -190,9 +197,10 @@ class Drafter {
     }
     row.drafted_subject = subject_for(channel, row.name);
     row.channel_xml = fmt::format(
-        "  <!-- {} -->\n  <EventChannel name=\"{}\">\n    <SubjectUID>0x{:016x}</SubjectUID>\n"
+        "  <!-- {} -->\n  <EventChannel name=\"{}\"{}>\n    <SubjectUID>0x{:016x}</SubjectUID>\n"
         "    <Attributes period=\"{}\"{}{} maxPayload=\"{}\"/>\n  </EventChannel>\n",
-        comment, row.name, row.drafted_subject, tools::time_words(row.period), deadline,
+        comment, row.name, row.periodic ? "" : R"( arrival="sporadic")", row.drafted_subject,
+        tools::time_words(row.period), deadline,
         row.periodic ? fmt::format(R"( omission="{}")", row.omission) : "",
         std::max(row.bytes, 1U));
     for (const auto& [interface, place] : channel.places) {
@@ -308,6 +316,7 @@ class Drafter {
                               flow.shorter_events(),
                               flow.least_bytes(),
                               flow.shortest_gap(),
+                              flow.all_rates(),
                               {flow.few().begin(), flow.few().end()},
                               source.times.assumed});
   }

@@ -55,6 +55,7 @@ struct DraftPublisher {
   std::uint64_t shorter_events = 0;  ///< number of events with fewer than `bytes` bytes
   std::uint32_t least_bytes = 0;
   std::uint64_t shortest_gap = 0;  ///< ns
+  std::vector<Rate> rates;         ///< see Flow::rates() and longer_rates(); of many events
   std::vector<Flow::Moment> few;   ///< see Flow::few(): its Period is not what was seen
   bool assumed = false;            ///< see Times::assumed
 };
@@ -64,10 +65,13 @@ struct DraftChannel {
   std::string name;
   std::string interface;
   std::string identifier;  ///< as people write it
+  std::string seen;        ///< see seen_in_words(), of its first publisher
   std::uint64_t events = 0;
   std::uint64_t period = 0;         ///< stated Period in ns: the longest one of its publishers
   std::uint64_t jitter = 0;         ///< ns
   std::uint64_t median = 0;         ///< observed median of the gaps, ns
+  std::uint64_t mean_gap = 0;       ///< ns, of the publisher whose events come most often
+  std::uint64_t shortest_gap = 0;   ///< ns
   std::uint64_t longest_gap = 0;    ///< ns
   std::uint64_t pauses = 0;         ///< of cyclic traffic, see Flow::Pauses
   std::uint64_t longest_pause = 0;  ///< ns

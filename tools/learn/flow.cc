@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "tools/elements.hpp"
@@ -148,15 +149,45 @@ bool Flow::comes_in_bursts() const {
   return gaps_below(sum_ / gaps_ / 10) * 4 >= gaps_;
 }
 
-/// Chooses the periods, from the median or mean of the first gaps downwards.
+namespace {
+
+/// The cycle of gaps of which most are near their median or a multiple of it. Gaps longer than
+/// kPause medians do not count. 0: they have none.
+std::uint64_t cycle_of_gaps(std::span<const std::uint64_t> gaps, std::uint64_t median) {
+  constexpr std::uint64_t most_irregular = 10;  // one of so many
+  std::uint64_t sum = 0;
+  std::uint64_t periods = 0;
+  std::uint64_t irregular = 0;
+  for (const std::uint64_t gap : gaps) {
+    if (median == 0 || gap / median >= Flow::kPause) continue;
+    const std::uint64_t times = (gap + median / 2) / median;
+    const std::uint64_t nearest = times * median;
+    if (times == 0 || std::max(gap, nearest) - std::min(gap, nearest) > median / 4) {
+      ++irregular;
+      continue;
+    }
+    sum += gap;
+    periods += times;
+  }
+  return periods == 0 || irregular * most_irregular > gaps.size() ? 0 : sum / periods;
+}
+
+}  // namespace
+
+/// Chooses the periods, from the cycle or the mean of the first gaps downwards.
 void Flow::choose_periods() {
   std::vector<std::uint64_t> gaps;
   for (std::size_t i = 1; i < begin_.size(); ++i)
     if (!begin_[i].is_new) gaps.push_back(begin_[i].ns - begin_[i - 1].ns);
   std::ranges::nth_element(gaps, gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2));
+  const std::uint64_t middle = gaps[gaps.size() / 2];
+  const std::uint64_t cycle = cycle_of_gaps(gaps, middle);
+  const bool pauses = std::ranges::max(gaps) > middle * kPause;
   // For bursts the median is the gap within a burst, and the mean corresponds to their load on the
   // bus.
-  const std::uint64_t first = std::max({gaps[gaps.size() / 2], mean_of_few(), std::uint64_t{1000}});
+  const std::uint64_t first = cycle != 0 && !pauses
+                                  ? std::max(cycle, std::uint64_t{1000})
+                                  : std::max({middle, mean_of_few(), std::uint64_t{1000}});
   constexpr std::array<unsigned, kPolicers> percent = {100, 99, 98, 95, 90, 80,
                                                        67,  50, 33, 25, 10, 5};
   const std::uint64_t period = tools::nominal(first);
@@ -166,10 +197,11 @@ void Flow::choose_periods() {
   for (std::uint64_t times = 2; period * times <= longest; times *= 2)
     longer_.push_back({.period = period * times});
   std::ranges::reverse(longer_);
-  const std::uint64_t median = std::max<std::uint64_t>(tools::nominal(gaps[gaps.size() / 2]), 1000);
-  if (period > median && std::ranges::max(gaps) > gaps[gaps.size() / 2] * kPause)
+  const std::uint64_t cyclic =
+      std::max<std::uint64_t>(tools::nominal(cycle == 0 ? middle : cycle), 1000);
+  if (period > cyclic && pauses)
     for (const unsigned part : percent)
-      cyclic_.push_back({.period = std::max<std::uint64_t>(median * part / 100, 1)});
+      cyclic_.push_back({.period = std::max<std::uint64_t>(cyclic * part / 100, 1)});
   for (const Moment& one : begin_) judge(one);
   begin_ = {};
 }
@@ -220,5 +252,11 @@ std::vector<Rate> Flow::cyclic_rates() const {
 }
 
 std::vector<Rate> Flow::longer_rates() const { return of_each(longer_); }
+
+std::vector<Rate> Flow::all_rates() const {
+  std::vector<Rate> out = longer_rates();
+  std::ranges::copy(rates(), std::back_inserter(out));
+  return out;
+}
 
 }  // namespace mlcca::learn

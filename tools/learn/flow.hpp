@@ -3,6 +3,7 @@
 // Events are added in order of time, in stretches (see Timeline). Memory does not grow with their
 // number.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -39,11 +40,20 @@ class Flow {
   [[nodiscard]] std::uint64_t gaps() const { return gaps_; }
   [[nodiscard]] std::uint64_t shortest_gap() const { return gaps_ == 0 ? 0 : shortest_; }
   [[nodiscard]] std::uint64_t longest_gap() const { return longest_; }
+  [[nodiscard]] std::uint64_t mean_gap() const { return gaps_ == 0 ? 0 : sum_ / gaps_; }
   /// The sum of them.
   [[nodiscard]] std::uint64_t active() const { return sum_; }
   /// The median, accurate to 2 %.
   [[nodiscard]] std::uint64_t median_gap() const { return quantile(0.5); }
   [[nodiscard]] std::uint64_t quantile(double share) const;
+  /// Calls `with` for the gaps in ascending order: the middle of a range of gaps that differ by 3 %
+  /// at most, in ns, and how many there are.
+  template <class With>
+  void for_each_gap(const With& with) const {
+    for (std::size_t part = 0; gaps_ != 0 && part < histogram_->size(); ++part)
+      if (const std::uint64_t count = (*histogram_)[part]; count != 0)
+        with(std::clamp(middle_of(part), shortest_, longest_), count);
+  }
   /// The share of gaps within a quarter of the median around the median or a multiple of it up to
   /// 10 (events may be lost). A gate assigns a gap to the nearest number of periods, and about a
   /// third of random gaps would be within these ranges.
@@ -109,6 +119,8 @@ class Flow {
   [[nodiscard]] std::vector<Rate> cyclic_rates() const;
   /// The same for longer periods up to a second: of bursts that the first gaps are within.
   [[nodiscard]] std::vector<Rate> longer_rates() const;
+  /// The longer rates, then those of rates().
+  [[nodiscard]] std::vector<Rate> all_rates() const;
 
   /// So many events are kept before periods are chosen, by which all further events are judged.
   static constexpr std::size_t kFirst = 33;

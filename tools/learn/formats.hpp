@@ -34,10 +34,12 @@ struct Recording {
     left.cut = where;
     return {};
   }
-  /// Passes a frame on, unless its identifier is impossible or its interface is beyond
-  /// Interfaces::kMost.
+  /// Passes a frame on, unless it is an error frame, its identifier is impossible or its interface
+  /// is beyond Interfaces::kMost.
   void take(const Frame& frame) {
-    if (!frame.datagram && !frame.is_extended() && (frame.id & kIdentifierBits) > 0x7ff)
+    if (!frame.datagram && (frame.id & kError) != 0)
+      ++left.errors;
+    else if (!frame.datagram && !frame.is_extended() && (frame.id & kIdentifierBits) > 0x7ff)
       pass_over("an identifier of 11 bits above 0x7ff");
     else if (frame.interface >= Interfaces::kMost)
       ++left.interfaces;

@@ -265,7 +265,11 @@ bool is_up(const std::string& interface) {
          (static_cast<unsigned>(request.ifr_flags) & IFF_UP) != 0;
 }
 
-Rates rates_of(const std::string& interface) {
+namespace {
+
+/// What the kernel states about an interface: the attributes of its link. Empty if it cannot be
+/// asked.
+std::vector<std::uint8_t> link_of(const std::string& interface) {
   const Fd socket(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE));
   struct {
     nlmsghdr head;
@@ -286,14 +290,30 @@ Rates rates_of(const std::string& interface) {
   nlmsghdr head{};
   std::memcpy(&head, reply.data(), sizeof head);
   if (head.nlmsg_type != RTM_NEWLINK) return {};
-  const auto all = std::span<const std::uint8_t>(reply).first(static_cast<std::size_t>(n));
-  Rates out{.queue_length = first_number(all.subspan(heads), IFLA_TXQLEN)};
-  const auto info = attribute(all.subspan(heads), IFLA_LINKINFO);
+  return {reply.begin() + heads, reply.begin() + n};
+}
+
+}  // namespace
+
+Rates rates_of(const std::string& interface) {
+  const auto link = link_of(interface);
+  Rates out{.queue_length = first_number(link, IFLA_TXQLEN)};
+  const auto info = attribute(link, IFLA_LINKINFO);
   if (const auto data = info ? attribute(*info, IFLA_INFO_DATA) : std::nullopt) {
     out.bitrate = first_number(*data, IFLA_CAN_BITTIMING);
     out.data_bitrate = first_number(*data, IFLA_CAN_DATA_BITTIMING);
   }
   return out;
+}
+
+std::uint64_t received_on(const std::string& interface) {
+  const auto link = link_of(interface);
+  const auto found = attribute(link, IFLA_STATS64);
+  rtnl_link_stats64 counted{};
+  constexpr std::size_t needed = sizeof counted.rx_packets;  // it is the first
+  if (!found || found->size() < needed) return 0;
+  std::memcpy(&counted.rx_packets, found->data(), needed);
+  return counted.rx_packets;
 }
 
 Result<std::unique_ptr<Listener>> Listener::open(const std::vector<std::string>& interfaces,

@@ -22,6 +22,9 @@ struct Rates {
 };
 [[nodiscard]] Rates rates_of(const std::string& interface);
 
+/// The number of frames that the driver has received on an interface; 0 if it is not known.
+[[nodiscard]] std::uint64_t received_on(const std::string& interface);
+
 /// Whether there is an interface of that name.
 [[nodiscard]] bool is_interface(const std::string& name);
 /// The medium of an interface. An error if it does not exist or is of a kind that is not learned.

@@ -253,7 +253,7 @@ bool take_socketcan(Bytes packet, std::uint64_t ns, std::uint32_t interface, boo
   frame.fd = size > 8 || (packet[5] & kFdFlag) != 0;
   if (size > (frame.fd ? 64U : 8U) || size > packet.size() - 8) return false;
   frame.data = packet.subspan(8, size);
-  if ((frame.id & kError) == 0) recording.take(frame);
+  recording.take(frame);
   return true;
 }
 

@@ -42,6 +42,7 @@ using OnFrame = std::function<void(const Frame&)>;
 struct Left {
   std::uint64_t lines = 0;       ///< number of lines or records that are not frames
   std::string first;             ///< where the first of them is, and what it is
+  std::uint64_t errors = 0;      ///< number of error frames: what a controller says of its bus
   std::string cut;               ///< where the file ends early; empty if it is complete
   std::uint64_t interfaces = 0;  ///< number of frames of interfaces beyond Interfaces::kMost
 };

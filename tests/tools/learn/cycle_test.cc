@@ -117,6 +117,55 @@ TEST(Cycle, EventsAtRandomHaveNone) {
   EXPECT_FALSE(draft.channels.at(0).periodic) << draft.xml;
 }
 
+/// Every `period`, late by up to a twenty-fifth of it; one in `lost` does not come, 0: all come.
+std::vector<Sent> cycle_of(std::uint64_t period, std::uint64_t count, std::uint64_t seed,
+                           std::uint64_t lost = 0) {
+  std::mt19937_64 random(seed);
+  std::vector<Sent> out;
+  for (std::uint64_t i = 0; i < count; ++i)
+    if (const std::uint64_t late = random() % (period / 25); lost == 0 || i % lost != lost - 1)
+      out.push_back(
+          {.ns = kSecond + i * period + late, .id = 0x201, .data = {static_cast<std::uint8_t>(i)}});
+  return out;
+}
+
+TEST(Cycle, ItsPeriodIsWhatItIsAndNoRoundNumberFarFromIt) {
+  constexpr std::uint64_t us = 1'000;
+  for (const std::uint64_t period :
+       {3'100 * us,   11'000 * us,  12'500 * us,  13'000 * us,    14'000 * us,
+        15'000 * us,  18'500 * us,  33'333 * us,  35'000 * us,    45'000 * us,
+        70'000 * us,  98'500 * us,  105'000 * us, 109'500 * us,   110'000 * us,
+        130'000 * us, 170'000 * us, 333'300 * us, 1'100'000 * us, 1'900'000 * us})
+    for (const std::uint64_t count : {40U, 100U, 200U, 2000U})
+      for (const std::uint64_t lost : {0U, 25U})
+        for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+          const std::string what = std::to_string(period) + " x " + std::to_string(count) +
+                                   ", one of " + std::to_string(lost) + ", seed " +
+                                   std::to_string(seed) + "\n";
+          const auto sent = cycle_of(period, count + 4000, seed, lost);
+          const std::uint64_t end = kSecond + count * period;
+          const Draft draft = drafted(test::before(sent, end), {}, {"can0"});
+          const DraftChannel& is = draft.channels.at(0);
+          EXPECT_TRUE(is.periodic) << what << draft.xml;
+          EXPECT_NEAR(static_cast<double>(is.period), static_cast<double>(period),
+                      static_cast<double>(period) * 0.02)
+              << what << draft.xml;
+          EXPECT_LT(is.jitter, period / 2) << what << draft.xml;
+          Gate gate(draft);
+          const test::Share dropped = test::from(sent, end, gate, [](const Sent&) { return true; });
+          EXPECT_EQ(dropped.frames, 0U) << what << draft.xml;
+        }
+}
+
+TEST(Cycle, APeriodThatPeopleStateIsTakenIfItIsWithinWhatWasSeen) {
+  for (const std::uint64_t ms : {10U, 20U, 50U, 100U, 110U, 130U, 250U, 1000U})
+    for (std::uint64_t seed = 1; seed <= 8; ++seed)
+      for (const std::uint64_t count : {40U, 200U, 2000U})
+        EXPECT_EQ(drafted(cycle_of(ms * kMs, count, seed), {}, {"can0"}).channels.at(0).period,
+                  ms * kMs)
+            << seed << " x " << count;
+}
+
 // --- what is said of them ------------------------------------------------------------------------
 
 bool says(const Draft& draft, std::string_view text) {

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "base/clock.hpp"
 #include "base/handle.hpp"
 #include "tests/support/require.hpp"
 #include "tests/tools/design/describe/program.hpp"
@@ -154,6 +155,13 @@ TEST_F(ListenLive, OfALongDatagramTheFirstFragmentSaysTheLength) {
   EXPECT_GE(is[0].data.size(), 9U + 64U);
 }
 
+TEST_F(ListenLive, TheKernelSaysHowManyFramesWereReceived) {
+  const std::uint64_t before = received_on("eth0");
+  inject("far0", frame_of(event(0, 0, kDistance, station(7), {1})), 5);
+  EXPECT_EQ(received_on("eth0"), before + 5);
+  EXPECT_EQ(received_on("none0"), 0U);
+}
+
 TEST_F(ListenLive, OtherInterfacesAreRefused) {
   Interfaces interfaces;
   const auto lo = Listener::open({"lo"}, interfaces);
@@ -172,6 +180,15 @@ TEST_F(ListenLive, WithoutAnyFrameNothingIsDrafted) {
   EXPECT_TRUE(ran.error.contains("eth0: nothing came while it was listened to")) << ran.error;
   EXPECT_TRUE(ran.error.contains("down0: it is down, so nothing comes")) << ran.error;
   EXPECT_FALSE(std::filesystem::exists(draft));
+}
+
+TEST_F(ListenLive, WhatCannotBeMergedIsSaidBeforeItListens) {
+  const std::uint64_t begin = monotonic_ns();
+  const auto ran = mlcca::test::run({"learn", "eth0", "--for", "1min", "--merge",
+                                     "examples/volksbot/system.xml", "--gateway", "bridge"});
+  EXPECT_EQ(ran.status, 2) << ran.out;
+  EXPECT_TRUE(ran.error.contains("no port of the gateway names the interface eth0")) << ran.error;
+  EXPECT_LT(monotonic_ns() - begin, 30'000'000'000U);
 }
 
 TEST_F(ListenLive, WithoutTheCapabilityItSaysWhatIsMissing) {

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <filesystem>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,6 +55,73 @@ TEST_F(LearnMerge, FewEventsThatPassChangeNoPeriodAndNoProvision) {
     EXPECT_EQ(ran.status, 0) << count << ran.error;
     EXPECT_EQ(ran.out, "") << count;
   }
+}
+
+/// A cycle of so many ms, late by up to 4 % of it.
+std::string cycle(std::uint64_t ms, std::uint64_t count, std::uint64_t seed,
+                  std::uint64_t lost = 0) {
+  std::mt19937_64 random(seed);
+  std::string out;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const std::uint64_t us = 1'000'000'000 + i * ms * 1000 + random() % (ms * 40);
+    if (lost == 0 || i % lost != lost - 1)
+      out += fmt::format("({}.{:06}) can0 310#11{:02X}\n", us / 1'000'000, us % 1'000'000, i % 256);
+  }
+  return out;
+}
+
+TEST_F(LearnMerge, ACycleThatIsAsDescribedIsNotChanged) {
+  for (const std::uint64_t ms : {35U, 110U, 140U}) {
+    const auto path = drafted(cycle(ms, 100, 1));
+    const std::string described = fmt::format("period=\"{}ms\"", ms);
+    EXPECT_TRUE(content_of(path).contains(described)) << content_of(path);
+    for (std::uint64_t seed = 2; seed < 6; ++seed)
+      for (const std::uint64_t lost : {0U, 25U}) {
+        const Ran ran = merged(cycle(ms, 250, seed, lost), path);
+        EXPECT_FALSE(ran.error.contains("would be dropped")) << ran.error;
+        EXPECT_FALSE(ran.out.contains("period=")) << ran.out;
+      }
+    std::filesystem::remove(path);
+  }
+}
+
+TEST_F(LearnMerge, TheCommentOfAChangedChannelSaysWhatWasSeenNow) {
+  const std::string others = lines(500, 120, "120#55");
+  const auto path = drafted(lines(100, 200, "310#11") + others);
+  const Ran ran = merged(lines(50, 400, "310#11") + others, path);
+  EXPECT_EQ(ran.status, 1) << ran.error;
+  apply(ran, path);
+  const std::string text = content_of(path);
+  EXPECT_TRUE(
+      text.contains("  <!-- 400 events, median gap 50ms, shortest 50ms, longest 50ms; "
+                    "values were changed for this -->\n  <EventChannel name=\"can0-310\""))
+      << text;
+  EXPECT_FALSE(text.contains("200 events")) << text;
+  EXPECT_TRUE(text.contains("<!-- 120 events, median gap 500ms")) << "not changed: " << text;
+  EXPECT_EQ(merged(lines(50, 400, "310#11") + others, path).out, "");
+}
+
+TEST_F(LearnMerge, ASingleShortFrameIsNamed) {
+  const auto path = drafted(lines(100, 60, "310#1122"));
+  const Ran ran = merged(lines(100, 40, "310#1122") + line(4000, "310#11"), path);
+  EXPECT_TRUE(
+      ran.error.contains("1 of 41 events has fewer bytes than the others (1 at least, not 2)"))
+      << ran.error;
+  const Ran few = merged(lines(100, 18, "310#1122") + line(1800, "310#11"), path);
+  EXPECT_FALSE(few.error.contains("fewer bytes")) << "of so few it may be usual";
+}
+
+TEST_F(LearnMerge, ACommentOfAPersonStays) {
+  const std::string log = lines(100, 200, "310#11");
+  const auto path = drafted(log);
+  std::string text = content_of(path);
+  const auto at = text.find("<!-- 200 events");
+  text.replace(at, text.find("-->", at) - at, "<!-- The doors, seen by Anna. ");
+  const auto changed = folder.write("changed.xml", text);
+  const Ran ran = merged(lines(50, 400, "310#11"), changed);
+  apply(ran, changed);
+  EXPECT_TRUE(content_of(changed).contains("<!-- The doors, seen by Anna. -->"));
+  EXPECT_TRUE(content_of(changed).contains("period=\"50ms\""));
 }
 
 TEST_F(LearnMerge, TheEndOfARecordingDoesNotContradictItsBegin) {

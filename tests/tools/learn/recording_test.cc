@@ -64,6 +64,7 @@ TEST(Recording, ReadsALogOfCandump) {
   EXPECT_EQ(is.sent[3].id, 0x7ffU | kRemote);
   EXPECT_TRUE(is.sent[4].local);
   EXPECT_EQ(is.left.lines, 0U);
+  EXPECT_EQ(is.left.errors, 1U);
 }
 
 TEST(Recording, SaysWhichLinesAreNoFrames) {
@@ -211,6 +212,7 @@ TEST(Recording, ReadsLogsOfVectorInText) {
   EXPECT_EQ(is.sent[2].id, 0x100U | kRemote);
   EXPECT_TRUE(is.sent[3].fd);
   EXPECT_EQ(is.sent[3].data.size(), 12U);
+  EXPECT_EQ(is.left.errors, 1U);
 }
 
 std::string blf_object(std::uint32_t type, const std::string& body, std::uint64_t time = 0) {

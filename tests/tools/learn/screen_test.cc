@@ -26,6 +26,7 @@ struct ReadBack {
   std::uint64_t left = 0;
   std::string first;
   std::string error;
+  std::uint64_t errors = 0;  ///< error frames
 };
 
 ReadBack read(const std::string& text) {
@@ -43,6 +44,7 @@ ReadBack read(const std::string& text) {
     return out;
   }
   out.left = left->lines;
+  out.errors = left->errors;
   out.first = left->first;
   return out;
 }
@@ -60,6 +62,7 @@ TEST(Screen, LinesWithTimesAreFrames) {
   EXPECT_EQ(is.left, 0U) << is.first;
   EXPECT_EQ(is.names, (std::vector<std::string>{"can0", "vcan1"}));
   ASSERT_EQ(is.sent.size(), 6U) << "an error frame is none";
+  EXPECT_EQ(is.errors, 1U);
   EXPECT_EQ(is.sent[0].ns, 1'436'509'052'249'713'000U);
   EXPECT_EQ(is.sent[0].id, 0x123U);
   EXPECT_EQ(is.sent[0].data, (std::vector<std::uint8_t>{0x11, 0x22}));

@@ -21,15 +21,26 @@ control::Status gating(const std::string& interface, std::string mode) {
 }
 
 TEST(Silence, NamesItsReason) {
-  EXPECT_EQ(reason_of_silence("can0", false, gating("can0", "enforce")),
+  EXPECT_EQ(reason_of_silence("can0", false, 0, gating("can0", "enforce")),
             "can0: it is down, so nothing comes");
-  EXPECT_EQ(reason_of_silence("can0", true, gating("can0", "enforce")),
+  EXPECT_EQ(reason_of_silence("can0", true, 9, gating("can0", "enforce")),
             "can0: a gate enforces there, and drops what is not admitted before it is seen: learn "
             "in audit mode (mlccactl mode audit)");
   for (const auto& status : {gating("can0", "audit"), gating("can1", "enforce")})
-    EXPECT_EQ(reason_of_silence("can0", true, status),
+    EXPECT_EQ(reason_of_silence("can0", true, 0, status),
               "can0: nothing came while it was listened to");
-  EXPECT_EQ(reason_of_silence("can0", true, {}), "can0: nothing came while it was listened to");
+  EXPECT_EQ(reason_of_silence("can0", true, 0, {}), "can0: nothing came while it was listened to");
+}
+
+TEST(Silence, FramesThatNoProgramSawWereDroppedInTheKernel) {
+  EXPECT_EQ(reason_of_silence("can0", true, 120, {}),
+            "can0: 120 frames came in, and a filter in the kernel dropped them before a program "
+            "could see them. mlccad does not answer: without it its gates are closed, also after "
+            "it was stopped. Start it in audit mode (mlccad --initial-mode audit), or learn where "
+            "there is no gate");
+  EXPECT_EQ(reason_of_silence("can0", true, 1, gating("can1", "enforce")),
+            "can0: 1 frame came in, and a filter in the kernel dropped it before a program could "
+            "see it: mlccactl status says what is in force there");
 }
 
 TEST(Silence, NoDaemonSaysNothing) {

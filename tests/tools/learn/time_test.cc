@@ -235,7 +235,8 @@ TEST_F(LearnTime, WhereEventsAreSeldomTheirGapsAreNoPauses) {
   const Ran ran = learned({text});
   EXPECT_EQ(ran.error, "");
   EXPECT_EQ(stated(ran, "can0-400").omission, "");
-  EXPECT_EQ(stated(ran, "can0-400").period, "1.1s") << "a third of what is between three events";
+  EXPECT_EQ(stated(ran, "can0-400").period, "376.2ms")
+      << "a third of the mean, which is a third of what is between three events";
 }
 
 }  // namespace
