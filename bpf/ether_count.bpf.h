@@ -94,50 +94,13 @@ static __always_inline bool is_sender(const struct ether_sender *there,
 	       !__builtin_memcmp(there->mac, who->mac, sizeof(who->mac));
 }
 
-/* As for CAN. */
-__noinline __u32 note_sender(const struct ether_sender *who)
+static __always_inline __u32 sender_set(const struct ether_sender *who)
 {
-	struct ether_cpu *cpu = this_cpu();
-	struct ether_sender *there = NULL;
-	__u64 sequence, quiet = ~0ULL;
-	__u32 first, i;
-
-	if (!who || !cpu)
-		return 0;
-	first = GATE_SENDER_WAYS *
-		gate_sender_set(who->station + who->slot, (__u64)who->source << 32 | who->uid);
-	for (i = 0; i < GATE_SENDER_WAYS; i++) {
-		struct ether_sender *one = &cpu->senders[(first + i) & (GATE_SENDERS - 1)];
-
-		if (is_sender(one, who)) {
-			there = one;
-			break;
-		}
-		if (one->sequence < quiet) {
-			quiet = one->sequence;
-			there = one;
-		}
-	}
-	if (!there)
-		return 0;
-	sequence = __sync_fetch_and_add(&table.refused_senders, 1) + 1;
-	if (!is_sender(there, who)) {
-		store_in_order(&there->sequence, 0);
-		there->subject = who->subject;
-		there->station = who->station;
-		there->slot = who->slot;
-		there->source = who->source;
-		there->uid = who->uid;
-		there->direction = who->direction;
-		there->reason = who->reason;
-		__builtin_memcpy(there->mac, who->mac, sizeof(who->mac));
-		there->count = 0;
-	}
-	there->len = who->len;
-	there->count++;
-	store_in_order(&there->sequence, sequence);
-	return 0;
+	return gate_sender_set(who->station + who->slot, (__u64)who->source << 32 | who->uid);
 }
+
+#define SENDER ether_sender
+#include "bpf/senders.bpf.h"
 
 /* Whether reports state who has sent what is refused for this reason. */
 static __always_inline bool names_sender(__u32 reason)

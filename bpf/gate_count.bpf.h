@@ -109,52 +109,14 @@ static __always_inline bool is_sender(const struct gate_sender *there,
 	       there->reason == who->reason;
 }
 
-/*
- * Counts a frame of a sender that a slot refused; `sequence` and `count` of `who` are not used. It
- * is not static, so that the verifier checks it once.
- */
-__noinline __u32 note_sender(const struct gate_sender *who)
+static __always_inline __u32 sender_set(const struct gate_sender *who)
 {
-	struct gate_cpu *cpu = this_cpu();
-	struct gate_sender *there = NULL;
-	__u64 sequence, quiet = ~0ULL;
-	__u32 first, i;
-
-	if (!who || !cpu)
-		return 0;
-	first = GATE_SENDER_WAYS * gate_sender_set((__u64)who->slot << 32 | who->can_id,
-						   (__u64)who->source << 32 | who->uid);
-	for (i = 0; i < GATE_SENDER_WAYS; i++) {
-		struct gate_sender *one = &cpu->senders[(first + i) & (GATE_SENDERS - 1)];
-
-		if (is_sender(one, who)) {
-			there = one;
-			break;
-		}
-		if (one->sequence < quiet) {
-			quiet = one->sequence;
-			there = one;
-		}
-	}
-	if (!there)
-		return 0;
-	sequence = __sync_fetch_and_add(&table.refused_senders, 1) + 1;
-	if (!is_sender(there, who)) {
-		store_in_order(&there->sequence, 0);
-		there->can_id = who->can_id;
-		there->source = who->source;
-		there->uid = who->uid;
-		there->slot = who->slot;
-		there->format = who->format;
-		there->direction = who->direction;
-		there->reason = who->reason;
-		there->count = 0;
-	}
-	there->len = who->len;
-	there->count++;
-	store_in_order(&there->sequence, sequence);
-	return 0;
+	return gate_sender_set((__u64)who->slot << 32 | who->can_id,
+			       (__u64)who->source << 32 | who->uid);
 }
+
+#define SENDER gate_sender
+#include "bpf/senders.bpf.h"
 
 /* Notes what kind of frame is refused, or who has sent it, if that is the reason. */
 static __always_inline void note_refusal(struct __sk_buff *skb, struct gate_cpu *cpu,
