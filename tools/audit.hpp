@@ -20,6 +20,8 @@ std::vector<std::string> additions_of(const control::Audit& audit);
 /// each finding with further frames, whose kinds are not known.
 std::string additions(const control::Audit& audit);
 
+/// Whether it is about CAN frames of no delivery, which an identifier names.
+bool is_can_frame(const control::Finding& finding);
 /// What a finding is about: "123" (a CAN identifier), "0x4e6f626f64790000" (a subject),
 /// "emergency-switch of switch" (a delivery), "others" (frames of kinds that are not known); empty
 /// for frames that cannot be decoded.

@@ -39,9 +39,9 @@ bool is_of_sender(const control::Finding& f) {
   return f.channel.empty() && !f.others && (has_source(f) || has_identifier(f));
 }
 
-bool is_can_frame(const control::Finding& f) {
-  return f.channel.empty() && f.subject == 0 && !f.others &&
-         (f.reason == "unknown subject" || is_of_sender(f));
+/// Whether it is about datagrams, which may have the subject 0.
+bool is_datagram(const control::Finding& f) {
+  return f.subject != 0 || !f.address.empty() || !f.mac.empty();
 }
 
 /// Decodes the identifier of a CAN frame; nullopt if no channel of the profile has it.
@@ -69,6 +69,7 @@ std::optional<Elements> elements_of_can(const control::Finding& f) {
   const core::ProfileTraits& traits = core::traits_of(profile);
   Elements out;
   out.channel = channel_name(profile, f.network, parts->number);
+  if (parts->destination) out.channel += fmt::format("-to-{:02X}", *parts->destination);
   out.subject = core::format_subject(subject_of(out.channel));
   std::string format;
   if (f.fd) format = R"( format="fd")";
@@ -76,7 +77,7 @@ std::optional<Elements> elements_of_can(const control::Finding& f) {
   if ((f.can_id & core::kRemoteFlag) != 0) format += R"( remote-frames="true")";
   const auto priority = traits.has_number_priority ? std::optional(parts->priority) : std::nullopt;
   out.binding = fmt::format("<Binding channel=\"{}\"{}>{}</Binding>", escaped(out.channel), format,
-                            binding_element(profile, parts->number, priority));
+                            binding_element(profile, parts->number, priority, parts->destination));
   if (core::has_nodes(profile)) out.publisher += fmt::format(R"( node="{}")", parts->node);
   if (traits.has_sender_priority)
     out.publisher += fmt::format(R"( priority="{}")", parts->priority);
@@ -103,6 +104,8 @@ std::optional<Elements> elements_of(const control::Finding& f) {
   out.channel = channel_name(f.network, f.subject);
   out.bytes = f.length;
   const std::string& station = f.address.empty() ? f.mac : f.address;
+  // Nobody's address, for example 0.0.0.0.
+  if (!network_of(f).empty() && !station.empty() && !core::station_of(station)) return std::nullopt;
   if (!network_of(f).empty() && !station.empty())
     out.publisher = fmt::format(R"( address="{}")", escaped(station));
   return out;
@@ -111,7 +114,8 @@ std::optional<Elements> elements_of(const control::Finding& f) {
 /// A channel that is drafted or described, with what all findings say about it.
 struct Channel {
   std::string name;
-  std::uint64_t period = 0;  ///< of its fastest sender, in ns; 0: no event was seen twice
+  std::uint64_t period = 0;    ///< of its fastest sender, in ns; 0: no event was seen twice
+  std::uint64_t provided = 0;  ///< the longest Period of what carries it, in ns; 0: none is stated
   std::uint32_t bytes = 1;
   bool is_described = false;
   bool stands = false;          ///< an addition contains it
@@ -154,6 +158,7 @@ class Additions {
       channel.name =
           channel.is_described ? f.described : free_name(channel_names_, elements.channel);
     channel.bytes = std::max(channel.bytes, elements.bytes);
+    channel.provided = std::max(channel.provided, f.provided_period_ns);
     if (f.busy_gap_ns == 0) return;
     const std::uint64_t period = nominal(f.busy_gap_ns);
     channel.period = channel.period == 0 ? period : std::min(channel.period, period);
@@ -173,7 +178,28 @@ class Additions {
                                is_of_sender(f) ? warning(f) : "");
     if (channel.stands) return out + fmt::format("; of {}, see above.", in_comment(channel.name));
     if (channel.period == 0) return out + "; the Period is assumed.";
+    if (channel.period < channel.provided)
+      return out + (is_provided(channel)
+                        ? fmt::format(": the Period is {}, which network and gateway provide.",
+                                      time_words(channel.provided))
+                        : fmt::format(": the Period is {}. It is refused, because network and "
+                                      "gateway provide a Period of {}.",
+                                      time_words(channel.period), time_words(channel.provided)));
     return out + (nominal(f.busy_gap_ns) == channel.period ? ": the Period is that." : ".");
+  }
+
+  /// Whether events with the Period that is provided may have looked like those that were seen: in
+  /// a second there may have been one more than its Periods.
+  static bool is_provided(const Channel& channel) {
+    constexpr std::uint64_t second = 1'000'000'000;
+    const std::uint64_t seen = second / channel.period;
+    return seen < 2 || channel.provided <= second / (seen - 1);
+  }
+
+  /// The Period of a drafted channel in ns.
+  static std::uint64_t period_of(const Channel& channel) {
+    if (channel.period == 0) return std::max(kPeriodOfOne, channel.provided);
+    return is_provided(channel) ? std::max(channel.period, channel.provided) : channel.period;
   }
 
   /// Others may send what only the granted publisher should, and a person may copy the addition.
@@ -188,8 +214,7 @@ class Additions {
     return fmt::format(
         "<EventChannel name=\"{}\">\n  <SubjectUID>{}</SubjectUID>\n"
         "  <Attributes period=\"{}\" maxPayload=\"{}\"/>\n</EventChannel>\n",
-        escaped(channel.name), elements.subject,
-        time_words(channel.period == 0 ? kPeriodOfOne : channel.period), channel.bytes);
+        escaped(channel.name), elements.subject, time_words(period_of(channel)), channel.bytes);
   }
 
   static std::string binding(const control::Finding& f, Channel& channel,
@@ -240,21 +265,23 @@ class Additions {
 /// For a frame of a described publisher that differs from what it states.
 std::string advice_on_publisher(const control::Finding& f) {
   const auto profile = core::words::kProfiles.find(f.profile);
-  if (!profile) return {};
-  if ((f.can_id & core::kRemoteFlag) != 0)
-    return fmt::format(
-        "if remote frames of {} are wanted, state remote-frames=\"true\" at its Binding",
-        f.described);
   const auto parts = channel_of(f);
+  if (!profile || !parts) return {};
   const core::ProfileTraits& traits = core::traits_of(*profile);
-  if (!parts || (!traits.has_sender_priority && !traits.has_number_priority)) return {};
   const std::string_view element = traits.element.substr(traits.element.find(' ') + 1);
-  const std::string where = traits.has_sender_priority
-                                ? fmt::format("its Publisher {}", f.publisher)
-                                : fmt::format("the {} of its Binding", element);
-  return fmt::format("if such frames of {} are wanted, state priority=\"{}\" at {}{}", f.described,
-                     parts->priority, where,
-                     parts->is_fragment ? ", and a maxPayload that takes several frames" : "");
+  std::vector<std::string> wanted;
+  for (const std::string& differs : f.differs) {
+    if (differs == "priority")
+      wanted.push_back(fmt::format("priority=\"{}\" at {}", parts->priority,
+                                   traits.has_sender_priority
+                                       ? fmt::format("its Publisher {}", f.publisher)
+                                       : fmt::format("the {} of its Binding", element)));
+    if (differs == "fragment") wanted.emplace_back("a maxPayload that takes several frames");
+    if (differs == "remote") wanted.emplace_back("remote-frames=\"true\" at its Binding");
+  }
+  if (wanted.empty()) return {};
+  return fmt::format("if such frames of {} are wanted, state {}", f.described,
+                     fmt::join(wanted, ", and "));
 }
 
 std::string advice_on_delivery(const control::Finding& f) {
@@ -291,6 +318,11 @@ std::string station_of(const control::Finding& f) {
 
 }  // namespace
 
+bool is_can_frame(const control::Finding& f) {
+  return f.channel.empty() && !is_datagram(f) && !f.others &&
+         (f.reason == "unknown subject" || is_of_sender(f));
+}
+
 std::string advice(const control::Finding& f) {
   if (!f.channel.empty()) return advice_on_delivery(f);
   return is_of_sender(f) && !f.publisher.empty() ? advice_on_publisher(f) : std::string();
@@ -307,7 +339,7 @@ std::string sender_of(const control::Finding& f) {
 std::string name_of(const control::Finding& f) {
   if (!f.channel.empty()) return fmt::format("{} of {}", f.channel, f.publisher);
   if (f.others) return "others";
-  if (f.subject != 0) return core::format_subject(f.subject);
+  if (is_datagram(f)) return core::format_subject(f.subject);
   return is_can_frame(f) ? print_can_id(f.can_id) : std::string();
 }
 

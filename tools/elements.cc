@@ -63,8 +63,13 @@ std::optional<IdentifierParts> parts_of(Profile profile, std::uint32_t id) {
   switch (profile) {
     case Profile::j1939: {
       std::uint32_t pgn = bits >> 8U & 0x3ffffU;
-      if ((pgn >> 8U & 0xffU) < kPdu2) pgn &= 0x3ff00U;
-      return IdentifierParts{.number = pgn, .node = bits & 0xffU, .priority = bits >> 26U};
+      std::optional<std::uint32_t> destination;
+      if ((pgn >> 8U & 0xffU) < kPdu2) {
+        destination = pgn & 0xffU;
+        pgn &= 0x3ff00U;
+      }
+      return IdentifierParts{
+          .number = pgn, .node = bits & 0xffU, .priority = bits >> 26U, .destination = destination};
     }
     case Profile::cyphal: {
       constexpr std::uint32_t service = 1U << 25U;
@@ -144,9 +149,11 @@ std::string spelled(core::Subject subject) {
 }
 
 std::string binding_element(Profile profile, std::uint32_t number,
-                            std::optional<std::uint32_t> priority) {
+                            std::optional<std::uint32_t> priority,
+                            std::optional<std::uint32_t> destination) {
   const std::string text = number_text(profile, number);
-  const std::string stated = priority ? fmt::format(" priority=\"{}\"", *priority) : "";
+  std::string stated = priority ? fmt::format(" priority=\"{}\"", *priority) : "";
+  if (destination) stated += fmt::format(" destination=\"0x{:02x}\"", *destination);
   switch (profile) {
     case Profile::cyphal:
       return fmt::format("<SubjectID{}>{}</SubjectID>", stated, text);

@@ -37,7 +37,8 @@ struct IdentifierParts {
   std::uint32_t number = 0;
   std::uint32_t node = 0;      ///< of the sender, in profiles that have nodes
   std::uint32_t priority = 0;  ///< in profiles that have priorities, in the profile's own scale
-  bool is_fragment = false;    ///< FAMOUSO: the frame is one fragment of an event
+  std::optional<std::uint32_t> destination = std::nullopt;  ///< J1939: of a PGN that has one
+  bool is_fragment = false;  ///< FAMOUSO: the frame is one fragment of an event
 };
 /// Decodes an identifier with its flags (CAN_EFF_FLAG). Nullopt if no channel of the profile can
 /// have it: it has the other length, or it belongs to a service or to management.
@@ -59,9 +60,10 @@ struct IdentifierParts {
 /// printable text.
 [[nodiscard]] std::string spelled(core::Subject subject);
 /// The content of a Binding element. `priority` is for profiles whose bindings have one; nullopt
-/// admits any.
+/// admits any. The same for `destination` and J1939.
 [[nodiscard]] std::string binding_element(core::Profile profile, std::uint32_t number,
-                                          std::optional<std::uint32_t> priority);
+                                          std::optional<std::uint32_t> priority,
+                                          std::optional<std::uint32_t> destination = std::nullopt);
 /// The profile's word in descriptions.
 [[nodiscard]] std::string profile_word(core::Profile profile);
 

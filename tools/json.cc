@@ -43,7 +43,7 @@ Json of(const std::vector<control::ReasonCount>& counts) {
 /// identifier.
 Json of(const control::Unknown& u) {
   Json out = {{"length", u.length}, {"egress", u.egress}, {"frames", u.frames}};
-  if (u.subject != 0) {
+  if (u.subject != 0 || !u.address.empty() || !u.mac.empty()) {
     out["subject"] = core::format_subject(u.subject);
     out["address"] = u.address;
     out["mac"] = u.mac;
@@ -113,8 +113,9 @@ Json of(const control::Audit& a) {
   for (std::size_t i = 0; i < a.findings.size(); ++i) {
     const control::Finding& f = a.findings[i];
     Json& one = out["findings"][i];
-    const bool is_can = f.channel.empty() && f.subject == 0 && !f.others;
-    one["identifier"] = is_can ? Json(name_of(f)) : Json();
+    const bool is_subject = f.channel.empty() && !f.others && !is_can_frame(f);
+    one["identifier"] = is_can_frame(f) ? Json(name_of(f)) : Json();
+    if (is_subject && !name_of(f).empty()) one["subject"] = name_of(f);
     if (const std::string sender = sender_of(f); !sender.empty()) one["sender"] = sender;
     const std::string advised = advice(f);
     one["advice"] = advised.empty() ? Json() : Json(advised);

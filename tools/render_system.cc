@@ -117,12 +117,17 @@ std::string reasons(const std::vector<control::Interface>& all, Color color) {
   return table.empty() ? "" : "\nframes by reason\n" + table.text(color, "  ");
 }
 
+/// A datagram may have the subject 0.
+bool names_subject(const control::Unknown& frame) {
+  return frame.subject != 0 || !frame.address.empty() || !frame.mac.empty();
+}
+
 std::string name_of_unknown(const control::Unknown& frame) {
-  return frame.subject != 0 ? core::format_subject(frame.subject) : print_can_id(frame.can_id);
+  return names_subject(frame) ? core::format_subject(frame.subject) : print_can_id(frame.can_id);
 }
 
 std::string format_of_unknown(const control::Unknown& frame) {
-  if (frame.subject != 0) return "datagram";
+  if (names_subject(frame)) return "datagram";
   if (frame.xl) return "XL";
   return frame.fd ? "FD" : "classic";
 }

@@ -96,6 +96,9 @@ struct ProfileTraits {
   std::string_view nodes = {};  ///< the node numbers as text: "0 to 127"
   /// The bits of an identifier that hold the number. Other bits may be left open by a binding.
   std::uint32_t number_bits = kExtendedFlag | kExtendedBits;
+  /// The bits of a destination. Where a number has none, or a binding states it, they are compared
+  /// like those of the number.
+  std::uint32_t destination_bits = 0;
   bool deals_tags = false;  ///< a broker assigns the numbers, which are in the low bits, up to
                             ///< `last`
   bool has_sender_priority = false;  ///< a publisher states the priority

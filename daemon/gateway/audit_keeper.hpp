@@ -33,6 +33,9 @@ class AuditKeeper {
   /// Writes new findings now, if there are any. An error has been logged.
   Result<void> keep(store::History& to);
 
+  /// The wish to enforce when clean, in ns, that the next daemon would find on disk; 0: none.
+  [[nodiscard]] std::uint64_t kept_when_clean() const { return kept_when_clean_; }
+
  private:
   AuditLog& audit_;
   Modes& modes_;

@@ -98,6 +98,13 @@ bool is_granted_source(const GateDriver& gates, const core::GateEntry& entry,
          (entry.station.is_wildcard() || entry.station.bits == sender.frame.station);
 }
 
+/// The address of a sender. A datagram without one is from 0.0.0.0; other frames without one have
+/// no MAC address either.
+std::string address_of(const enforce::UnknownFrame& f) {
+  if (f.station == 0 && f.mac != enforce::Mac{}) return "0.0.0.0";
+  return enforce::address_text(f.station);
+}
+
 /// The interface of a gate from which a frame came to another one.
 std::string interface_of(const GateDriver& gates, std::uint32_t ifindex) {
   if (ifindex == GATE_NO_SOURCE) return kFromKernel;
@@ -114,7 +121,8 @@ void AuditLog::restore(const control::Audit& kept) {
   for (const control::Finding& f : kept.findings) {
     const std::uint8_t without_xl = f.fd ? GATE_FD : GATE_CLASSIC;
     const std::uint8_t format = f.xl ? std::uint8_t{GATE_XL} : without_xl;
-    const bool is_can = f.channel.empty() && f.subject == 0 && !f.others;
+    const bool is_can =
+        f.channel.empty() && f.subject == 0 && f.address.empty() && f.mac.empty() && !f.others;
     const Key key{.interface = f.interface,
                   .network = f.network,
                   .egress = f.egress,
@@ -131,12 +139,14 @@ void AuditLog::restore(const control::Audit& kept) {
                   .entered_by = f.entered_by,
                   .described = is_of_sender(f.reason) ? f.described : std::string(),
                   .others = f.others};
-    findings_[key] = {.dropped = f.dropped,
-                      .would_drop = f.would_drop,
-                      .first_unix_s = f.first_unix_s,
-                      .last_unix_s = f.last_unix_s,
-                      .busy_gap = f.busy_gap_ns,
-                      .length = f.length};
+    auto& [of, finding] = unranked(key);
+    finding = {.dropped = f.dropped,
+               .would_drop = f.would_drop,
+               .first_unix_s = f.first_unix_s,
+               .last_unix_s = f.last_unix_s,
+               .busy_gap = f.busy_gap_ns,
+               .length = f.length};
+    ranks_.insert(rank_of(of, finding));
   }
 }
 
@@ -171,7 +181,7 @@ void AuditLog::refused(const core::Verdict& verdict, const core::GateEntry& entr
           .can_id = f.can_id,
           .format = f.format,
           .subject = f.subject,
-          .address = enforce::address_text(f.station),
+          .address = address_of(f),
           .mac = enforce::mac_text(f.station, f.mac),
           .described = scene_.state->system().channels[verdict.channel].name};
   if (key.egress && sender.source == 0 && sender.uid != GATE_ANY_UID)
@@ -185,12 +195,22 @@ void AuditLog::poll(std::size_t port, const UnknownFrames& unknown) {
 }
 
 void AuditLog::take_up(std::size_t port, const UnknownFrames& unknown) {
-  polled_.erase(port);
-  poll(port, unknown, Reporting::no);
+  if (!polled_.contains(gates_.gated_interface(port))) poll(port, unknown, Reporting::no);
+}
+
+/// Forgets what is known of interfaces that have gone.
+AuditLog::Polled& AuditLog::polled_of(std::size_t port) {
+  const int ifindex = gates_.gated_interface(port);
+  if (!polled_.contains(ifindex)) {
+    std::set<int> present;
+    for (std::size_t p = 0; p < gates_.size(); ++p) present.insert(gates_.gated_interface(p));
+    std::erase_if(polled_, [&](const auto& one) { return !present.contains(one.first); });
+  }
+  return polled_[ifindex];
 }
 
 void AuditLog::poll(std::size_t port, const UnknownFrames& unknown, Reporting reporting) {
-  Polled& last = polled_[port];
+  Polled& last = polled_of(port);
   const std::uint64_t now = clock_.monotonic_ns();
   const std::uint64_t span = last.at == 0 ? 0 : now - last.at;
   last.at = now;
@@ -255,7 +275,7 @@ std::uint64_t AuditLog::poll_frames(std::size_t port, Polled& last, News news,
           .can_id = f.can_id,
           .format = f.format,
           .subject = f.subject,
-          .address = enforce::address_text(f.station),
+          .address = address_of(f),
           .mac = enforce::mac_text(f.station, f.mac)},
          news);
   }
@@ -263,14 +283,30 @@ std::uint64_t AuditLog::poll_frames(std::size_t port, Polled& last, News news,
   return noted;
 }
 
+AuditLog::Rank AuditLog::rank_of(const Key& key, const Finding& finding) {
+  return {is_rest(key), finding.dropped + finding.would_drop, finding.last_unix_s, &key};
+}
+
+std::pair<const AuditLog::Key, AuditLog::Finding>& AuditLog::unranked(const Key& key) {
+  const auto [known, fresh] = findings_.try_emplace(key);
+  if (!fresh) ranks_.erase(rank_of(known->first, known->second));
+  return *known;
+}
+
+void AuditLog::rank(const std::pair<const Key, Finding>& of) {
+  ranks_.insert(rank_of(of.first, of.second));
+}
+
 void AuditLog::note(const Key& key, const News& news) {
   const std::uint64_t now = clock_.monotonic_ns();
   const std::uint64_t unix_s = clock_.unix_ns() / 1'000'000'000;
   if (!findings_.contains(key)) make_room();
-  Finding& f = findings_[key];
+  auto& of = unranked(key);
+  Finding& f = of.second;
   if (f.first_unix_s == 0) f.first_unix_s = unix_s;
   f.last_unix_s = unix_s;
   (news.fate == Fate::dropped ? f.dropped : f.would_drop) += news.frames;
+  rank(of);
   f.length = std::max(f.length, news.length);
   std::uint64_t gap = 0;
   if (news.frames > 1) gap = news.span / news.frames;
@@ -283,11 +319,8 @@ void AuditLog::note(const Key& key, const News& news) {
 
 void AuditLog::make_room() {
   while (findings_.size() >= kMost) {
-    const auto least = std::ranges::min_element(findings_, {}, [](const auto& one) {
-      const auto& [key, f] = one;
-      return std::tuple(is_rest(key), f.dropped + f.would_drop, f.last_unix_s);
-    });
-    const auto removed = findings_.extract(least);
+    const auto removed = findings_.extract(*ranks_.begin()->key);
+    ranks_.erase(ranks_.begin());
     ++left_out_;
     if (!is_rest(removed.key())) add_to_others(removed.key(), removed.mapped());
   }
@@ -295,13 +328,15 @@ void AuditLog::make_room() {
 
 /// Adds the frames of a finding that was removed to those that belong to no finding of a kind.
 void AuditLog::add_to_others(const Key& key, const Finding& removed) {
-  Finding& f = findings_[{
-      .interface = key.interface, .network = key.network, .reason = key.reason, .others = true}];
+  auto& of = unranked(
+      {.interface = key.interface, .network = key.network, .reason = key.reason, .others = true});
+  Finding& f = of.second;
   f.dropped += removed.dropped;
   f.would_drop += removed.would_drop;
   if (f.first_unix_s == 0) f.first_unix_s = removed.first_unix_s;
   f.first_unix_s = std::min(f.first_unix_s, removed.first_unix_s);
   f.last_unix_s = std::max(f.last_unix_s, removed.last_unix_s);
+  rank(of);
 }
 
 // --- what was found ------------------------------------------------------------------------------
@@ -359,9 +394,12 @@ bool complete_frames(std::size_t port, const AuditRules& rules, AuditNames& name
   const bool is_unknown = f.reason == enforce::reason_text(GATE_R_UNKNOWN);
   if (!is_unknown && !is_of_sender(f.reason)) return true;
   if (is_unknown ? rules.has(port, f) : rules.has_from_sender(port, f)) return false;
-  if (is_unknown || !names.has_channel(f.described)) f.described = names.channel_of(f);
+  const bool has_identifier = f.reason == enforce::reason_text(GATE_R_IDENTIFIER);
+  if (is_unknown || !names.has_channel(f.described) || (has_identifier && names.has_number(f)))
+    f.described = names.channel_of(f);
   if (!f.entered_by.empty()) f.entered_network = names.network_of(f.entered_by);
-  if (f.reason == enforce::reason_text(GATE_R_IDENTIFIER)) f.publisher = names.same_publisher(f);
+  if (has_identifier) names.compare(port, f);
+  f.provided_period_ns = names.provided_period(f);
   return true;
 }
 

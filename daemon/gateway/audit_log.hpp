@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -50,7 +51,9 @@ class AuditLog {
   /// Notes the frames that the gate of a port has refused since the last poll and that belong to no
   /// delivery. `unknown` are its counters of frames without a slot.
   void poll(std::size_t port, const UnknownFrames& unknown);
-  /// Takes the counters of a port as the starting point: what they show now is never reported.
+  /// Takes the counters of a port as the starting point: what they show now is never reported. If
+  /// the gate of its interface was polled before, it is polled on instead, so that no frame is lost
+  /// when the description changes.
   void take_up(std::size_t port, const UnknownFrames& unknown);
 
   /// The rules have changed: the time for which they would have dropped nothing begins again.
@@ -99,6 +102,14 @@ class AuditLog {
     std::uint64_t noted = 0;     ///< monotonic ns; 0: not noted by this daemon
     std::uint32_t length = 0;
   };
+  /// The order in which findings are removed.
+  struct Rank {
+    bool is_rest = false;
+    std::uint64_t frames = 0;
+    std::uint64_t last_unix_s = 0;
+    const Key* key = nullptr;
+    auto operator<=>(const Rank&) const = default;
+  };
   /// New frames of a finding.
   struct News {
     Fate fate = Fate::dropped;
@@ -129,6 +140,11 @@ class AuditLog {
   /// Returns the number of frames in findings of their kinds.
   std::uint64_t poll_frames(std::size_t port, Polled& last, News news, Reporting reporting);
   void note(const Key& key, const News& news);
+  static Rank rank_of(const Key& key, const Finding& finding);
+  /// The finding, made if there is none. Its rank has to be added again by rank() after a change.
+  std::pair<const Key, Finding>& unranked(const Key& key);
+  void rank(const std::pair<const Key, Finding>& of);
+  Polled& polled_of(std::size_t port);
   void make_room();
   void add_to_others(const Key& key, const Finding& removed);
 
@@ -136,7 +152,8 @@ class AuditLog {
   const GateDriver& gates_;
   const Clock& clock_;
   std::map<Key, Finding> findings_;
-  std::map<std::size_t, Polled> polled_;  ///< by port
+  std::map<int, Polled> polled_;  ///< by index of the interface
+  std::set<Rank> ranks_;          ///< of all findings, those that are removed first in front
   std::uint64_t left_out_ = 0;
   std::uint64_t since_unix_s_;
   std::uint64_t clean_since_;  ///< monotonic ns

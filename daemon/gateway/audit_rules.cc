@@ -2,7 +2,8 @@
 #include "daemon/gateway/audit_rules.hpp"
 
 #include <algorithm>
-#include <limits>
+#include <bit>
+#include <utility>
 
 #include "core/gates/control_traffic.hpp"
 #include "core/model/text.hpp"
@@ -24,12 +25,54 @@ std::uint32_t node_bits(const core::ProfileTraits& traits) {
   return bits;
 }
 
+/// The bits that hold the priority; 0 if the profile has none.
+std::uint32_t priority_bits(const core::ProfileTraits& traits) {
+  const auto id_of = [&traits](std::uint8_t priority) {
+    core::Publisher publisher;
+    publisher.node = 0;
+    core::Binding binding;
+    if (traits.has_sender_priority) publisher.priority = priority;
+    if (traits.has_number_priority) binding.priority = priority;
+    return traits.identity(publisher, binding, false).id;
+  };
+  std::uint32_t bits = 0;
+  for (unsigned priority = 1; priority < 256; priority *= 2)
+    bits |= id_of(0) ^ id_of(static_cast<std::uint8_t>(priority));
+  return bits & core::kExtendedBits;
+}
+
+/// The bits that say whether a frame is a fragment; 0 if the profile has none.
+std::uint32_t fragment_bits(const core::ProfileTraits& traits) {
+  core::Publisher publisher;
+  publisher.node = 0;
+  const auto mask_of = [&](bool fragmented) {
+    return traits.identity(publisher, core::Binding{}, fragmented).mask;
+  };
+  return mask_of(false) ^ mask_of(true);
+}
+
+/// In what a frame differs from one of a publisher's; nullopt if it is none of its channel.
+std::optional<std::vector<std::string>> names_of(std::uint32_t different,
+                                                 const core::ProfileTraits& traits) {
+  std::vector<std::string> out;
+  const auto take = [&](std::uint32_t bits, const char* name) {
+    if ((different & bits) != 0) out.emplace_back(name);
+    different &= ~bits;
+  };
+  take(priority_bits(traits), "priority");
+  take(fragment_bits(traits), "fragment");
+  take(core::kRemoteFlag, "remote");
+  if (different != 0) return std::nullopt;
+  return out;
+}
+
 void add_identifiers(const core::Network& network,
                      std::map<std::uint32_t, std::unordered_map<std::uint32_t, std::size_t>>& to) {
   core::Publisher anyone;
   anyone.node = 0;
   const core::ProfileTraits& traits = core::traits_of(network.profile);
-  const std::uint32_t number = traits.deals_tags ? traits.last : traits.number_bits;
+  const std::uint32_t number =
+      traits.deals_tags ? traits.last : traits.number_bits | traits.destination_bits;
   for (const core::Binding& binding : network.bindings) {
     if (binding.waits_for_tag()) continue;
     const core::FrameIdentity of = traits.identity(anyone, binding, false);
@@ -84,8 +127,9 @@ bool AuditRules::has_from_sender(std::size_t port, const control::Finding& frame
 
 bool AuditRules::is_of(const Sender& sender, const control::Finding& frame) const {
   if (!sender.station.is_wildcard()) {
-    const std::string station = core::to_text(sender.station);
-    if (station != frame.address && station != frame.mac) return false;
+    // The MAC address of a frame with another address is not its station.
+    const std::string& station = frame.address.empty() ? frame.mac : frame.address;
+    if (core::to_text(sender.station) != station) return false;
   }
   if (!frame.egress) return true;
   if (sender.from_kernel) return frame.entered_by == kFromKernel;
@@ -132,20 +176,53 @@ std::optional<std::size_t> AuditNames::channel_named(const std::string& name) {
 
 bool AuditNames::has_channel(const std::string& name) { return channel_named(name).has_value(); }
 
+bool AuditNames::has_number(const control::Finding& frame) {
+  const auto channel = channel_named(frame.described);
+  const core::Network* const network = network_named(frame.network);
+  const core::Binding* const binding =
+      channel && network != nullptr ? network->binding_of(*channel) : nullptr;
+  return binding != nullptr && !binding->waits_for_tag();
+}
+
 std::string AuditNames::network_of(const std::string& interface) const {
   for (std::size_t p = 0; p < gates_.size(); ++p)
     if (gates_.interface_name(p) == interface) return gates_.network_of(p);
   return {};
 }
 
-std::string AuditNames::same_publisher(const control::Finding& frame) {
+/// The bits of the frame that the rules of a publisher do not admit, of the rule that is nearest;
+/// nullopt if it has none there.
+std::optional<std::uint32_t> AuditNames::difference(std::size_t port, std::size_t channel,
+                                                    std::size_t publisher,
+                                                    const control::Finding& frame) const {
+  const core::State& state = *scene_.state;
+  std::optional<std::uint32_t> least;
+  for (const core::Verdict& v : state.decisions()[channel].verdicts) {
+    if (v.publisher != publisher) continue;
+    for (const core::GateRule& rule :
+         core::gate_state(state.system(), state.members(), v, scene_.self)) {
+      const core::GateEntry& e = rule.entry;
+      if (e.port != port || (e.direction == core::Direction::egress) != frame.egress) continue;
+      const std::uint32_t different = (e.id ^ frame.can_id) & e.mask;
+      if (!least || std::popcount(different) < std::popcount(*least)) least = different;
+    }
+  }
+  return least;
+}
+
+void AuditNames::compare(std::size_t port, control::Finding& frame) {
   const core::State& state = *scene_.state;
   const core::System& system = state.system();
+  frame.publisher.clear();
+  frame.differs.clear();
   const auto channel = channel_named(frame.described);
   const bool is_local = frame.egress && frame.entered_by.empty();
   const core::Network* const network =
       network_named(frame.entered_network.empty() ? frame.network : frame.entered_network);
-  if (!channel || network == nullptr || network->profile == core::Profile::none) return {};
+  const core::Profile profile = gates_.profile(port);
+  if (!channel || network == nullptr || network->profile == core::Profile::none ||
+      profile == core::Profile::none)
+    return;
   const core::Place place =
       is_local ? core::Place{core::Place::Kind::gateway, scene_.self}
                : core::Place{core::Place::Kind::network,
@@ -157,9 +234,26 @@ std::string AuditNames::same_publisher(const control::Finding& frame) {
     if (publisher.place != place || (bits != 0 && !publisher.node)) continue;
     if (is_local && publisher.uid && frame.user != std::to_string(*publisher.uid)) continue;
     const std::uint32_t id = traits.identity(publisher, core::Binding{}, false).id;
-    if (((id ^ frame.can_id) & bits) == 0) return publisher.name;
+    if (((id ^ frame.can_id) & bits) != 0) continue;
+    const auto different = difference(port, *channel, p, frame);
+    auto names = names_of(different.value_or(0), core::traits_of(profile));
+    if (!names) continue;
+    frame.publisher = publisher.name;
+    frame.differs = std::move(*names);
+    return;
   }
-  return {};
+}
+
+std::uint64_t AuditNames::provided_period(const control::Finding& frame) const {
+  Value longest = 0;
+  const auto take = [&longest](const AttributeSet& provision) {
+    if (provision.has(Attribute::period))
+      longest = std::max<Value>(longest, provision[Attribute::period]);
+  };
+  for (const std::string& name : {frame.network, frame.entered_network})
+    if (const core::Network* const network = network_named(name)) take(network->provision);
+  take(scene_.state->system().gateways[scene_.self].provision);
+  return longest;
 }
 
 }  // namespace mlcca

@@ -60,9 +60,15 @@ class AuditNames {
   [[nodiscard]] bool has_channel(const std::string& name);
   /// The network of an interface by which a frame came in; empty if it is none of the gateway's.
   [[nodiscard]] std::string network_of(const std::string& interface) const;
-  /// The publisher of frame.described that is at the place of the sender and has its node number,
-  /// so that the frame differs in something else; empty if there is none.
-  std::string same_publisher(const control::Finding& frame);
+  /// Whether the description states the number of frame.described on the network of the frame, so
+  /// that frames with other numbers are none of that channel.
+  [[nodiscard]] bool has_number(const control::Finding& frame);
+  /// Fills in the publisher of frame.described that is at the place of the sender and has its node
+  /// number, and in what the frame differs from it; empties both if there is none.
+  void compare(std::size_t port, control::Finding& frame);
+  /// The shortest Period in ns that the networks of the frame and this gateway state to provide; 0
+  /// if none does.
+  [[nodiscard]] std::uint64_t provided_period(const control::Finding& frame) const;
 
  private:
   /// Channels by identifier, for each mask that frames are compared with.
@@ -71,6 +77,9 @@ class AuditNames {
   std::optional<std::size_t> channel_named(const std::string& name);
   [[nodiscard]] const core::Network* network_named(const std::string& name) const;
   const Identifiers& identifiers_of(const std::string& network);
+  [[nodiscard]] std::optional<std::uint32_t> difference(std::size_t port, std::size_t channel,
+                                                        std::size_t publisher,
+                                                        const control::Finding& frame) const;
 
   const Scene& scene_;
   const GateDriver& gates_;

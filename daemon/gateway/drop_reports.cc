@@ -86,10 +86,12 @@ void DropReports::forget() {
   audit_.restart_clean();
   of_entries_.forget();
   of_ports_.forget();
-  causes_.forget();
-  senders_.forget();
   next_channel_ = 0;
   poll_all(Reporting::no);
+  // After the counters of the slots: what is not in their starting points has its cause in these.
+  causes_.forget();
+  causes_.begin_round();
+  senders_.forget();
 }
 
 void DropReports::sample_entry(const core::GateRule& rule,
@@ -174,10 +176,15 @@ void DropReports::verdicts_changed(const core::Change& change) {
 /// Reports nothing of the frames that an entry has dropped so far: another gateway forwards them.
 DropReports::Dropped DropReports::pass_over(const core::GateRule& rule) {
   const Frames frames = gates_.frames({rule});
-  const std::int64_t now = clock_.monotonic_s();
-  return {.dropped = of_entries_.close({rule.entry, Drop::misfit}, misfits(frames), now),
-          .would_drop = of_entries_.close({rule.entry, Drop::would_be_misfit},
-                                          would_be_misfits(frames), now)};
+  const auto close = [&](Drop reason, std::uint64_t counted) {
+    const std::uint64_t fresh =
+        of_entries_.close({rule.entry, reason}, counted, clock_.monotonic_s());
+    // Their senders have nothing to do with what is dropped from now on.
+    if (of_entries_.grown() != 0) static_cast<void>(senders_.of(rule.entry, of_entries_.grown()));
+    return fresh;
+  };
+  return {.dropped = close(Drop::misfit, misfits(frames)),
+          .would_drop = close(Drop::would_be_misfit, would_be_misfits(frames))};
 }
 
 /// Passes over the entries that only deliveries over other gateways use.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 namespace mlcca {
 namespace {
@@ -13,6 +14,16 @@ auto identity_of(const enforce::RefusedSender& sender) {
                   f.direction, f.subject, f.station, f.mac);
 }
 
+/// How many of a sender's frames a former state of the table contains.
+std::uint64_t counted_in(const std::map<std::size_t, enforce::RefusedSender>& table,
+                         const enforce::RefusedSender& sender) {
+  const auto before = table.find(sender.place);
+  const bool is_same = before != table.end() &&
+                       identity_of(before->second) == identity_of(sender) &&
+                       sender.frame.count >= before->second.frame.count;
+  return is_same ? before->second.frame.count : 0;
+}
+
 }  // namespace
 
 void MisfitSenders::begin_round() {
@@ -20,11 +31,16 @@ void MisfitSenders::begin_round() {
     const int ifindex = gates_.gated_interface(p);
     const auto [known, fresh] = of_ports_.try_emplace(p);
     OfPort& port = known->second;
-    port.reads = 0;
-    if (!fresh && port.ifindex == ifindex) continue;
-    port = {.ifindex = ifindex, .reads = 0, .latest = {}, .sampled = {}};
+    BySender now;
     for (const enforce::RefusedSender& sender : gates_.refused_senders(p))
-      port.sampled[sender.place] = sender;
+      now.emplace(sender.place, sender);
+    if (fresh || port.ifindex != ifindex) {
+      port = OfPort{};
+      port.ifindex = ifindex;
+      port.began = now;
+    }
+    port.reads = 1;
+    port.before = std::exchange(port.began, std::move(now));
   }
 }
 
@@ -42,13 +58,12 @@ std::vector<MisfitSenders::Sent> MisfitSenders::of(const core::GateEntry& entry,
   }
   for (const enforce::RefusedSender& sender : port.latest) {
     if (sender.slot != *slot) continue;
-    enforce::RefusedSender& before = port.sampled[sender.place];
-    const bool is_same =
-        identity_of(before) == identity_of(sender) && sender.frame.count >= before.frame.count;
-    const std::uint64_t counted = is_same ? before.frame.count : 0;
+    const std::uint64_t counted =
+        std::max(counted_in(port.sampled, sender), counted_in(port.before, sender));
     const std::uint64_t given = std::min(frames, sender.frame.count - counted);
-    before = sender;
-    before.frame.count = counted + given;
+    enforce::RefusedSender& taken = port.sampled[sender.place];
+    taken = sender;
+    taken.frame.count = counted + given;
     frames -= given;
     if (given != 0) out.push_back({sender, given});
   }

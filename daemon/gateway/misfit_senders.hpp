@@ -22,7 +22,8 @@ class MisfitSenders {
   explicit MisfitSenders(const GateDriver& gates) : gates_(gates) {}
 
   /// Starts a round, in which all slots are sampled once. What gates that are new have counted
-  /// before is taken as the starting point.
+  /// before is taken as the starting point. What a gate has noted before the last round began, and
+  /// no sample has taken, lapses: its slot has counted it by then, in frames that nobody asked for.
   void begin_round();
   /// Takes what all gates have counted as the starting point.
   void forget() { of_ports_.clear(), begin_round(); }
@@ -38,11 +39,14 @@ class MisfitSenders {
   [[nodiscard]] std::vector<Sent> of(const core::GateEntry& entry, std::uint64_t frames);
 
  private:
+  using BySender = std::map<std::size_t, enforce::RefusedSender>;  ///< by place
   struct OfPort {
     int ifindex = 0;
     unsigned reads = 0;  ///< in this round
     std::vector<enforce::RefusedSender> latest;
-    std::map<std::size_t, enforce::RefusedSender> sampled;  ///< by place; what was given
+    BySender sampled;  ///< what was given
+    BySender before;   ///< at the beginning of the last round
+    BySender began;    ///< at the beginning of this round
   };
 
   const GateDriver& gates_;

@@ -117,6 +117,10 @@ Body Reloads::put_in_force(DescribedResult read) {
   if (!left_out) return refuse(std::move(left_out.error()));
   if (const auto ready = parts_.gates.prepare(read->state->system(), read->self); !ready)
     return refuse(ready.error());
+  {
+    const EventLog::Acting no_actor(parts_.log, std::nullopt);
+    parts_.drops.report_all();  // under the names that it has now
+  }
   last_error_.clear();
   Scene& scene = parts_.scene;
   Described former{std::exchange(scene.state, std::move(read->state)),

@@ -337,6 +337,7 @@ TEST_F(AuditReportOfSenders, WhatCameFromAnotherNetworkIsAPublisherThere) {
 TEST_F(AuditReportOfSenders, ADescribedPublisherThatDiffersHasAdviceAndNothingToAdd) {
   control::Finding f = node();
   f.publisher = "engine";
+  f.differs = {"priority"};
   EXPECT_EQ(addition_for(f), "");
   EXPECT_EQ(advice(f),
             "if such frames of speed are wanted, state priority=\"3\" at the PGN of its Binding");
@@ -348,10 +349,26 @@ TEST_F(AuditReportOfSenders, ADescribedPublisherThatDiffersHasAdviceAndNothingTo
             "if such frames of speed are wanted, state priority=\"125\" at its Publisher engine");
   f.profile = "raw";
   f.can_id = 0x40000123;
+  f.differs = {"remote"};
   EXPECT_EQ(advice(f),
-            "if remote frames of speed are wanted, state remote-frames=\"true\" at its Binding");
+            "if such frames of speed are wanted, state remote-frames=\"true\" at its Binding");
   f.can_id = 0x123;
+  f.differs = {};
   EXPECT_EQ(advice(f), "");
+}
+
+TEST_F(AuditReportOfSenders, TheAdviceNamesOnlyWhatDiffers) {
+  control::Finding f = node();
+  f.publisher = "engine";
+  f.profile = "famouso";
+  f.can_id = 0x9f684070;  // a fragment with priority 125
+  f.differs = {"fragment"};
+  EXPECT_EQ(advice(f),
+            "if such frames of speed are wanted, state a maxPayload that takes several frames");
+  f.differs = {"priority", "fragment"};
+  EXPECT_EQ(advice(f),
+            "if such frames of speed are wanted, state priority=\"125\" at its Publisher engine, "
+            "and a maxPayload that takes several frames");
 }
 
 TEST_F(AuditReportOfSenders, FramesOfFurtherSendersAreARowOfTheirDelivery) {

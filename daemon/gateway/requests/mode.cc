@@ -13,11 +13,14 @@ constexpr std::uint64_t kSecond = 1'000'000'000;
 constexpr std::uint64_t kYear = 365ULL * 24 * 3600 * kSecond;
 
 /// Writes the request to disk before the answer. After a crash, a former request would otherwise
-/// decide the mode of the gates.
-control::Done written_down(Context& context, control::Done done) {
-  if (const auto kept = context.audit_keeper.keep(context.history); !kept)
-    done.message += fmt::format("; a daemon that crashes forgets it: {}", kept.error().text);
-  return done;
+/// decide the mode of the gates. If it cannot be written, the mode has changed, and it is an error
+/// that this is forgotten.
+Response written_down(Context& context, control::Done done) {
+  const std::uint64_t kept_before = context.audit_keeper.kept_when_clean();
+  const auto kept = context.audit_keeper.keep(context.history);
+  if (kept || kept_before == context.modes.when_clean()) return done;
+  return failed(
+      fmt::format("{}; but a daemon that crashes forgets it: {}", done.message, kept.error().text));
 }
 
 }  // namespace

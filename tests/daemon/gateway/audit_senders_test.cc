@@ -80,6 +80,69 @@ class AuditOfSenders : public ::testing::Test {
   Bench bench_{famouso_system()};
 };
 
+/// The first frames came before the grant. Those after it are the publisher's, and too long.
+TEST_F(AuditOfSenders, ASenderBeforeAGrantHasNotSentWhatIsRefusedAfterIt) {
+  bench_.ask(control::WithdrawRequest{"c0"});
+  bench_.act();
+  pass();
+  refuse(20, {sender(0, of_node(33), 20)});
+  bench_.ask(control::ReinstateRequest{"c0"});  // before the next sample
+  bench_.act();
+  pass();
+  const auto before = found();
+  const std::uint64_t known =
+      before.contains(of_node(33)) ? before.at(of_node(33)).dropped : std::uint64_t{0};
+  bench_.gates().misfitting["can0"] = {{kIdentifier, false, {20, 0}},
+                                       {"longer than granted", false, {5, 0}}};
+  bench_.gates().counted[1] = {.dropped = 25, .last_reason = "longer than granted"};
+  pass();
+  const auto at = found();
+  EXPECT_EQ(at.contains(of_node(33)) ? at.at(of_node(33)).dropped : 0U, known)
+      << "node 33 has sent nothing since";
+  ASSERT_TRUE(at.contains(0));
+  EXPECT_EQ(at.at(0).reason, "longer than granted");
+  EXPECT_EQ(at.at(0).dropped, 5U);
+}
+
+/// The same, without a round between the grant and what is refused after it.
+TEST_F(AuditOfSenders, ASenderBeforeAGrantIsNoneOfWhatIsRefusedAtOnceAfterIt) {
+  bench_.ask(control::WithdrawRequest{"c0"});
+  bench_.act();
+  pass();
+  refuse(20, {sender(0, of_node(33), 20)});
+  bench_.ask(control::ReinstateRequest{"c0"});
+  bench_.act();
+  refuse(25, {sender(0, of_node(33), 20)});
+  pass();
+  EXPECT_FALSE(found().contains(of_node(33)));
+}
+
+/// The frames come between the readings of the senders and of the slots, of which both are the
+/// starting point after a reload.
+TEST_F(AuditOfSenders, FramesDuringAReloadAreNotGivenToTheirSenderLater) {
+  static_cast<void>(bench_.ask(control::ReloadRequest{}));
+  const unsigned reads = bench_.gates().sender_reads;
+  bench_.gates().before_frames = [&, reads] {
+    if (bench_.gates().sender_reads > reads) refuse(20, {sender(0, of_node(33), 20)});
+  };
+  bench_.reading().finish();
+  bench_.round();
+  bench_.gates().before_frames = nullptr;
+  pass();
+  const auto before = found();
+  const std::uint64_t known =
+      before.contains(of_node(33)) ? before.at(of_node(33)).dropped : std::uint64_t{0};
+  bench_.gates().misfitting["can0"] = {{kIdentifier, false, {20, 0}},
+                                       {"longer than granted", false, {5, 0}}};
+  bench_.gates().counted[1] = {.dropped = 25, .last_reason = "longer than granted"};
+  pass();
+  const auto at = found();
+  EXPECT_EQ(at.contains(of_node(33)) ? at.at(of_node(33)).dropped : 0U, known)
+      << "node 33 has sent nothing since";
+  ASSERT_TRUE(at.contains(0));
+  EXPECT_EQ(at.at(0).dropped, 5U);
+}
+
 TEST_F(AuditOfSenders, ANodeThatSendsForAnotherIsAFindingWithItsNumberAndTimes) {
   refuse(20, {sender(0, of_node(33), 20)});
   pass();
@@ -132,8 +195,10 @@ TEST_F(AuditOfSenders, SendersThatTakeTurnsInAPlaceAreAllCounted) {
 
 /// The gate notes a sender before it counts the frame: what is ahead is not counted twice.
 TEST_F(AuditOfSenders, ASenderThatIsNotedBeforeItsFrameIsCountedMakesNoOthers) {
-  refuse(2, {sender(0, of_node(33), 3)});
+  refuse(2, {sender(0, of_node(33), 2)});
+  bench_.gates().before_frames = [&] { refuse(2, {sender(0, of_node(33), 3)}); };
   pass();
+  bench_.gates().before_frames = nullptr;
   EXPECT_EQ(found().at(of_node(33)).dropped, 2U);
   refuse(3, {sender(0, of_node(33), 3)});
   pass();
@@ -148,6 +213,13 @@ TEST_F(AuditOfSenders, ThePublisherThatSendsWithAnotherPriorityIsNamed) {
   refuse(3, {sender(0, of_node(5, 0x10), 3)});
   pass();
   EXPECT_EQ(found().at(of_node(5, 0x10)).publisher, "p0");
+  EXPECT_EQ(found().at(of_node(5, 0x10)).differs, std::vector<std::string>{"priority"});
+  constexpr std::uint32_t fragment = 1U << 21U;
+  constexpr std::uint32_t remote = 0x40000000;
+  refuse(6, {sender(0, of_node(5, 0x10), 3), sender(1, of_node(5) | fragment | remote, 3)});
+  pass();
+  EXPECT_EQ(found().at(of_node(5) | fragment | remote).differs,
+            (std::vector<std::string>{"fragment", "remote"}));
 }
 
 TEST_F(AuditOfSenders, ASenderThatIsDescribedNowIsNoFinding) {
@@ -162,6 +234,19 @@ TEST_F(AuditOfSenders, ASenderThatIsDescribedNowIsNoFinding) {
   bench_.reading().finish();
   bench_.round();
   EXPECT_FALSE(found().contains(of_node(33)));
+}
+
+/// For example the frames of a slot that has got another entry.
+TEST_F(AuditOfSenders, WhatNobodyHasAskedForInARoundLapses) {
+  MisfitSenders senders(bench_.gates());
+  senders.begin_round();
+  bench_.gates().senders["can0"] = {sender(0, of_node(33), 9)};
+  senders.begin_round();
+  core::GateEntry entry;
+  entry.subject = kSlot;
+  EXPECT_EQ(senders.of(entry, 2).size(), 1U) << "they came in the last round";
+  senders.begin_round();
+  EXPECT_TRUE(senders.of(entry, 7).empty());
 }
 
 TEST_F(AuditOfSenders, WhatAFormerDaemonHasCountedIsNobodys) {
@@ -248,21 +333,99 @@ TEST_F(AuditOfSenders, WhatIsKeptIsGivenBackWhole) {
   EXPECT_EQ(last.report().findings, findings());
 }
 
+/// The priority is open: what differs is the destination, which the gate has in its mask.
+TEST(AuditOfDestinations, AFrameToAnotherDestinationIsNotSaidToDifferInItsPriority) {
+  core::System system = small_system();
+  for (core::Network& network : system.networks) {
+    if (network.kind != core::NetworkKind::can) continue;
+    network.profile = core::Profile::j1939;
+    for (core::Binding& binding : network.bindings) {
+      binding.id = static_cast<std::uint32_t>(0xef00 - 0x100 * binding.channel);
+      binding.extended = true;
+      binding.destination = 0x05;
+    }
+  }
+  system.publishers[0].node = 0x17;
+  Bench bench(system);
+  ASSERT_FALSE(bench.start());
+  const auto pass = [&] {
+    bench.clock.monotonic += kSecond;
+    bench.clock.wall += kSecond;
+    bench.round();
+  };
+  pass();
+  bench.gates().senders["can0"] = {
+      {.place = 0,
+       .slot = kSlot,
+       .reason = GATE_R_IDENTIFIER,
+       .frame = {.can_id = 0x8cef0617U, .len = 8, .format = GATE_CLASSIC, .count = 3},
+       .source = GATE_NO_SOURCE,
+       .uid = GATE_ANY_UID},
+      {.place = 1,
+       .slot = kSlot,
+       .reason = GATE_R_IDENTIFIER,
+       .frame = {.can_id = 0x8cef4433U, .len = 8, .format = GATE_CLASSIC, .count = 3},
+       .source = GATE_NO_SOURCE,
+       .uid = GATE_ANY_UID}};
+  bench.gates().counted[1] = {.dropped = 6,
+                              .last_reason = "priority, node, fragment or remote flag not granted"};
+  pass();
+  const auto answer = bench.ask(control::AuditRequest{});
+  for (const control::Finding& f : std::get<control::Audit>(answer.reply.body).findings)
+    if (f.interface == "can0" && !f.egress) {
+      EXPECT_EQ(f.described, "") << std::hex << f.can_id << ": c0 is of another destination";
+      EXPECT_EQ(f.publisher, "") << std::hex << f.can_id << ": its priority is open";
+    }
+}
+
+/// The described publisher sends AWDS packets. A datagram over IPv4 whose frame has the same MAC
+/// address is of another station: the gate refuses it, so the report must list it.
+TEST(AuditOfStations, ADatagramWithTheMacOfAnAwdsPublisherIsListed) {
+  core::System system = small_system();
+  system.publishers[0].place = {core::Place::Kind::network, 2};
+  system.publishers[0].station = *core::station_of("02:00:00:00:00:01");
+  Bench bench(system);
+  ASSERT_FALSE(bench.start());
+  const auto pass = [&] {
+    bench.clock.monotonic += kSecond;
+    bench.clock.wall += kSecond;
+    bench.round();
+  };
+  pass();
+  const std::string interface = system.networks[2].name;
+  bench.gates().senders[interface] = {
+      {.place = 0,
+       .slot = kSlot,
+       .reason = GATE_R_SOURCE,
+       .frame =
+           {.subject = 1, .len = 8, .count = 3, .station = 0x0a000009, .mac = {2, 0, 0, 0, 0, 1}},
+       .source = 0,
+       .uid = GATE_ANY_UID}};
+  bench.gates().counted[1] = {.dropped = 3, .last_reason = "not from the granted source"};
+  pass();
+  const auto answer = bench.ask(control::AuditRequest{});
+  const auto& found = std::get<control::Audit>(answer.reply.body).findings;
+  EXPECT_TRUE(std::ranges::any_of(found, [](const control::Finding& f) {
+    return f.address == "10.0.0.9" && f.dropped == 3;
+  })) << found.size();
+}
+
 /// A round reads the table of a gate so often, however many slots have refused frames.
 TEST(MisfitSendersOfARound, ReadTheTableOfAGateABoundedNumberOfTimes) {
   Bench bench(famouso_system());
   ASSERT_FALSE(bench.start());
   FakeGates& gates = bench.gates();
   MisfitSenders senders(gates);
-  senders.begin_round();
   core::GateEntry entry;
   entry.subject = kSlot;
   gates.sender_reads = 0;
+  senders.begin_round();
   for (unsigned i = 0; i < 1000; ++i) static_cast<void>(senders.of(entry, 1));
-  EXPECT_EQ(gates.sender_reads, MisfitSenders::kReadsOfRound);
+  const auto ports = static_cast<unsigned>(gates.size());
+  EXPECT_EQ(gates.sender_reads, MisfitSenders::kReadsOfRound + ports - 1);
   senders.begin_round();
   static_cast<void>(senders.of(entry, 1));
-  EXPECT_EQ(gates.sender_reads, MisfitSenders::kReadsOfRound + 1);
+  EXPECT_EQ(gates.sender_reads, MisfitSenders::kReadsOfRound + 2 * ports);
 }
 
 }  // namespace

@@ -22,7 +22,15 @@ constexpr std::uint64_t kHour = 3600 * kSecond;
 
 class AuditOnTheBench : public ::testing::Test {
  protected:
-  void SetUp() override { ASSERT_FALSE(bench_.start()); }
+  void SetUp() override {
+    ASSERT_NE(::mkdtemp(folder_.data()), nullptr);
+    bench_.state_directory = folder_;
+    ASSERT_FALSE(bench_.start());
+  }
+  void TearDown() override {
+    bench_.end();
+    std::filesystem::remove_all(folder_);
+  }
 
   control::Audit audit() {
     return std::get<control::Audit>(bench_.ask(control::AuditRequest{}).reply.body);
@@ -59,6 +67,9 @@ class AuditOnTheBench : public ::testing::Test {
 
   Bench bench_{small_system()};
   std::uint64_t sequence_ = 0;
+
+ private:
+  std::string folder_ = ::testing::TempDir() + "mlcca-audit-XXXXXX";
 };
 
 TEST_F(AuditOnTheBench, UnknownFramesHaveTheirNumberTheirTimesAndTheirLength) {
@@ -418,22 +429,10 @@ TEST_F(AuditOnTheBench, TheSenderIsThePublisherWhereTheGateHasSeenIt) {
 /// The daemon is killed, and the next one finds what the former had said and seen.
 class AuditOfACrash : public AuditOnTheBench {
  protected:
-  void SetUp() override {
-    ASSERT_NE(::mkdtemp(folder_.data()), nullptr);
-    bench_.state_directory = folder_;
-    AuditOnTheBench::SetUp();
-  }
-  void TearDown() override {
-    bench_.end();
-    std::filesystem::remove_all(folder_);
-  }
   void crash() {
     bench_.end();
     ASSERT_FALSE(bench_.start());
   }
-
- private:
-  std::string folder_ = ::testing::TempDir() + "mlcca-audit-XXXXXX";
 };
 
 TEST_F(AuditOfACrash, AnAnsweredRequestIsOnTheDisk) {
@@ -444,6 +443,14 @@ TEST_F(AuditOfACrash, AnAnsweredRequestIsOnTheDisk) {
   ASSERT_TRUE(is_done({"audit"}));
   crash();
   EXPECT_EQ(status().when_clean_ns, 0U) << "it was taken back";
+}
+
+TEST_F(AuditOfACrash, ARequestThatCannotBeWrittenIsInForceAndAnError) {
+  bench_.state_directory = "/nowhere/at/all";
+  crash();
+  EXPECT_TRUE(is_done({"audit"})) << "nothing has to be written";
+  EXPECT_FALSE(is_done({"enforce", kHour}));
+  EXPECT_EQ(status().when_clean_ns, kHour);
 }
 
 TEST_F(AuditOfACrash, FindingsOfMoreThanTenSecondsAgoAreKept) {

@@ -391,6 +391,7 @@ Frames FakeGates::frames(const core::GateState& rules,
   if (const auto one = passed.find(rules.front().entry.direction);
       rules.size() == 1 && one != passed.end())
     return {.passed = one->second, .last_reason = {}};
+  if (before_frames) before_frames();
   const auto found = counted.find(rules.front().entry.subject);
   return found == counted.end() ? Frames{} : found->second;
 }

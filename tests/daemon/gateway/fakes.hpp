@@ -261,6 +261,7 @@ class FakeGates final : public GateDriver {
   mutable unsigned sender_reads = 0;                        ///< calls of refused_senders()
   std::map<std::string, std::vector<Refusals>> refused;     ///< by interface
   std::map<std::string, std::vector<Refusals>> misfitting;  ///< by interface
+  std::function<void()> before_frames;                      ///< called by frames()
   std::map<core::Subject, Frames> counted;  ///< the result of frames() for the rules of a subject
   /// The result of frames() for a single rule, if there is one.
   std::map<core::Direction, std::uint64_t> passed;
