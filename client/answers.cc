@@ -13,37 +13,39 @@
 namespace mlcca::client {
 namespace {
 
-struct Named {
-  std::string_view kind;  ///< kind of an event as in control.proto
-  Meaning meaning;
+/// What an event means to a channel, in the words of control/event_kinds.inc.
+struct Effect {
+  Meaning meaning = Meaning::happened;
   Cause cause = Cause::other;
 };
+namespace effects {
+constexpr Effect ignored{};
+constexpr Effect verdict{Meaning::verdict};
+constexpr Effect withdrawn{Meaning::withdrawn};
+constexpr Effect policed{Meaning::happened, Cause::policed};
+constexpr Effect dropped{Meaning::happened, Cause::dropped};
+constexpr Effect missing{Meaning::happened, Cause::missing};
+constexpr Effect restored{Meaning::happened, Cause::restored};
+constexpr Effect missed{Meaning::happened, Cause::missed};
+constexpr Effect late{Meaning::happened, Cause::late};
+constexpr Effect gates_closed{Meaning::happened, Cause::gates_closed};
+constexpr Effect mode{Meaning::happened, Cause::mode};
+}  // namespace effects
+
+struct Named {
+  std::string_view kind;  ///< kind of an event as in control.proto
+  Effect effect;
+};
 constexpr std::array kKinds{
-    Named{"granted", Meaning::verdict},
-    Named{"refused", Meaning::verdict},
-    Named{"withdrawn", Meaning::withdrawn},
-    Named{"released", Meaning::verdict},
-    Named{"switched", Meaning::verdict},
-    Named{"rerouted", Meaning::verdict},
-    Named{"reinstated", Meaning::verdict},
-    Named{"reload", Meaning::verdict},
-    Named{"lagged", Meaning::verdict},
-    Named{"excess", Meaning::happened, Cause::policed},
-    Named{"dropping", Meaning::happened, Cause::dropped},
-    Named{"missing", Meaning::happened, Cause::missing},
-    Named{"restored", Meaning::happened, Cause::restored},
-    Named{"missed", Meaning::happened, Cause::missed},
-    Named{"late", Meaning::happened, Cause::late},
-    Named{"lapsed", Meaning::happened, Cause::gates_closed},
-    Named{"stopped", Meaning::happened, Cause::gates_closed},
-    Named{"mode", Meaning::happened, Cause::mode},
-    Named{"binding", Meaning::verdict},
-    Named{"local", Meaning::verdict},
+#define MLCCA_EVENT(identifier, name, message_id, verdict, tone, decides, reach, client) \
+  Named{name, effects::client},
+#define MLCCA_CLIENT_EVENT(name, tone, decides, client) Named{name, effects::client},
+#include "control/event_kinds.inc"
 };
 
-const Named* kind_of(const control::Event& event) {
+Effect effect_of(const control::Event& event) {
   const auto* const known = std::ranges::find(kKinds, event.kind, &Named::kind);
-  return known == kKinds.end() ? nullptr : known;
+  return known == kKinds.end() ? effects::ignored : known->effect;
 }
 
 Check check_of(const control::Row& row) {
@@ -112,14 +114,8 @@ std::optional<Cause> said_further_on(const control::Event& event) {
   return std::nullopt;
 }
 
-Meaning meaning_of(const control::Event& event) {
-  const Named* const known = kind_of(event);
-  return known == nullptr ? Meaning::happened : known->meaning;
-}
+Meaning meaning_of(const control::Event& event) { return effect_of(event).meaning; }
 
-Cause cause_of(const control::Event& event) {
-  const Named* const known = kind_of(event);
-  return known == nullptr ? Cause::other : known->cause;
-}
+Cause cause_of(const control::Event& event) { return effect_of(event).cause; }
 
 }  // namespace mlcca::client

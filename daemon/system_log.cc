@@ -19,39 +19,17 @@
 namespace mlcca {
 namespace {
 
+enum class Says : std::uint8_t { none, granted, refused, withdrawal };
 struct KindInfo {
   const char* name;
   const char* message_id;
+  Says verdict;
 };
-// Indexed by Kind. The ids must never change, because operators filter by them.
+// Indexed by Kind.
 constexpr std::array kKinds{
-    KindInfo{"started", "14b643dd05dc43898c7b5b35e1589983"},
-    KindInfo{"stopped", "f43723b89f424375a34f886fc34794e7"},
-    KindInfo{"granted", "36505939845e4576b62c8f50eff44cfa"},
-    KindInfo{"refused", "a761365c7d7649f79e98dc3442aa1d7a"},
-    KindInfo{"withdrawn", "08b8e094cb174563a6171d269dba6874"},
-    KindInfo{"revoked", "b1f4d7a92c0e4e638a57c3d06f9e2b84"},
-    KindInfo{"network-down", "e05c2b7d41fa4b96935d8c6a07f31e42"},
-    KindInfo{"removed", "4d7a0c95e1b2463f8f6e9a3b57d10c28"},
-    KindInfo{"switched", "349a04610aa34f5dbd79b55781cb57a0"},
-    KindInfo{"rerouted", "e7c1a84d52f043b6930d7be164a2f85c"},
-    KindInfo{"released", "07140c11d56b4440bad6cc08ff7d96aa"},
-    KindInfo{"reinstated", "5b0e3a1c97d24f6c8a40e2f17d9b6c33"},
-    KindInfo{"dropping", "009adc297a61474d8ea0e3a17efa72f3"},
-    KindInfo{"excess", "faf4d5399e254409bf55d3b1bb42104d"},
-    KindInfo{"missing", "6f0a1c52b7e94d30a1d4c86e2f935b17"},
-    KindInfo{"restored", "c2d87e4195f34ab68e03b7d1a65cf928"},
-    KindInfo{"late", "3c9b51e07a644f1d8e25d0b7f6a1984c"},
-    KindInfo{"interface", "f1d09b13c2ac45a9b3d48dcf98334a4e"},
-    KindInfo{"gateway", "a94f0c6de27b4b1c9d35c1f08be6471e"},
-    KindInfo{"mode", "8e4024714a6c4e21bebd3ea336faf49b"},
-    KindInfo{"reload", "16600d2717154f5087c62d70858f4596"},
-    KindInfo{"lapsed", "9e1ef985cd944886ba5ceea7d0859707"},
-    KindInfo{"drift", "d2984a3083094b93aa490521986a712f"},
-    KindInfo{"bypass", "49eae898e745474a8708fcd4a5987dda"},
-    KindInfo{"binding", "7d3e1a5c20964f8b9c51e6f40b2a8d17"},
-    KindInfo{"rollout", "4be0d1c72a5f4c0f9e8a7d36b15c2f90"},
-    KindInfo{"trouble", "11436d69f9dc477a90d4c483ce53572b"},
+#define MLCCA_EVENT(identifier, name, message_id, verdict, ...) \
+  KindInfo{name, message_id, Says::verdict},
+#include "control/event_kinds.inc"
 };
 
 /// Whether stderr is a journal stream: JOURNAL_STREAM has the device and inode of the stream that
@@ -65,21 +43,16 @@ bool stderr_is_journal() {
 }
 
 const char* verdict_of(Kind kind) {
-  switch (kind) {
-    case Kind::granted:
-    case Kind::switched:
-    case Kind::rerouted:
-      return "granted";
-    case Kind::refused:
-    case Kind::withdrawn:
-    case Kind::revoked:
-    case Kind::network_down:
-    case Kind::removed:
-    case Kind::released:
-      return "refused";
-    default:
+  switch (kKinds[static_cast<std::size_t>(kind)].verdict) {
+    case Says::none:
       return nullptr;
+    case Says::granted:
+      return "granted";
+    case Says::refused:
+    case Says::withdrawal:
+      return "refused";
   }
+  return nullptr;
 }
 
 /// Adds one field in the native protocol of journald (systemd.io/JOURNAL_NATIVE_PROTOCOL). Its

@@ -15,35 +15,10 @@
 
 namespace mlcca {
 
-/// The kinds of events. Each has its own MESSAGE_ID; docs/man/mlccad.8 lists them.
+/// The kinds of events, as control/event_kinds.inc lists them.
 enum class Kind : std::uint8_t {
-  started,
-  stopped,
-  granted,
-  refused,
-  withdrawn,
-  revoked,       ///< withdrawn by an operator
-  network_down,  ///< withdrawn because a network is not available
-  removed,       ///< was granted, and the description does not have it any more
-  switched,
-  rerouted,  ///< a granted delivery takes another route
-  released,
-  reinstated,  ///< an operator has undone the withdrawal of a channel
-  dropping,
-  excess,
-  missing,
-  restored,
-  late,  ///< a program that carries events took longer than the gateway states
-  interface,
-  gateway,  ///< another gateway has failed or is back, or this one gives way to it
-  mode,
-  reload,
-  lapsed,
-  drift,    ///< the kernel differs from what was set up
-  bypass,   ///< frames were sent past a gate
-  binding,  ///< the broker of a FAMOUSO bus has dealt a tag differently
-  rollout,  ///< of a description to all gateways of a cluster
-  trouble,
+#define MLCCA_EVENT(identifier, ...) identifier,
+#include "control/event_kinds.inc"
 };
 
 /// The name of a kind, for example "granted", as in events of the control protocol for clients that

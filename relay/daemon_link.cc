@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <string_view>
@@ -16,6 +15,7 @@
 
 #include "base/unix_address.hpp"
 #include "control/codec.hpp"
+#include "control/event_kinds.hpp"
 #include "control/slices.hpp"
 
 namespace mlcca::relay {
@@ -38,12 +38,6 @@ bool add_to(const Fd& epoll, const Fd& fd) {
   return ::epoll_ctl(epoll.get(), EPOLL_CTL_ADD, fd.get(), &event) == 0;
 }
 
-constexpr std::array<std::string_view, 9> kDecisions{"granted",    "refused",  "withdrawn",
-                                                     "switched",   "rerouted", "released",
-                                                     "reinstated", "binding",  "local"};
-constexpr std::array<std::string_view, 5> kOfAll{"reload", "lagged", "interface", "mode",
-                                                 "started"};
-
 /// Whether a list that this program asks for has more rows than any gateway can have.
 bool is_without_end(const control::Reply& reply) {
   if (const auto* some = std::get_if<control::Transfers>(&reply.body))
@@ -55,9 +49,10 @@ bool is_without_end(const control::Reply& reply) {
 }  // namespace
 
 Affects affected_by(const control::Event& event) {
-  if (std::ranges::find(kOfAll, event.kind) != kOfAll.end()) return Affects::all;
-  const bool decides = std::ranges::find(kDecisions, event.kind) != kDecisions.end();
-  return decides && event.subject != 0 ? Affects::subject : Affects::nothing;
+  const auto* const kind = control::event_kind(event.kind);
+  if (kind == nullptr || kind->decides == control::Decides::nothing) return Affects::nothing;
+  if (kind->decides == control::Decides::all) return Affects::all;
+  return event.subject != 0 ? Affects::subject : Affects::nothing;
 }
 
 DaemonLink::DaemonLink(std::string socket, Handlers handlers)

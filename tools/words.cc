@@ -5,6 +5,7 @@
 
 #include <array>
 
+#include "control/event_kinds.hpp"
 #include "mlcca/arithmetic.hpp"
 #include "tools/values.hpp"
 
@@ -42,13 +43,17 @@ Cell verdict_cell(bool granted) {
 }
 
 Style style_of_event(std::string_view kind) {
-  if (kind == "granted" || kind == "restored" || kind == "reinstated") return Style::good;
-  if (kind == "refused" || kind == "withdrawn" || kind == "revoked" || kind == "network-down" ||
-      kind == "removed" || kind == "lapsed" || kind == "missing")
-    return Style::bad;
-  if (kind == "dropping" || kind == "excess" || kind == "lagged" || kind == "mode" ||
-      kind == "switched" || kind == "rerouted" || kind == "gateway" || kind == "binding")
-    return Style::warning;
+  const auto* const known = control::event_kind(kind);
+  switch (known != nullptr ? known->tone : control::Tone::plain) {
+    case control::Tone::good:
+      return Style::good;
+    case control::Tone::bad:
+      return Style::bad;
+    case control::Tone::warning:
+      return Style::warning;
+    case control::Tone::plain:
+      break;
+  }
   return Style::plain;
 }
 

@@ -18,6 +18,7 @@
 #include "base/clock.hpp"
 #include "base/system_error.hpp"
 #include "control/codec.hpp"
+#include "control/event_kinds.hpp"
 #include "daemon/serve/places.hpp"
 #include "daemon/serve/session.hpp"
 
@@ -48,7 +49,8 @@ Standing standing_of(const Peer& peer) {
 
 /// Whether the event has one of the kinds that only clients know which ask for exact kinds.
 bool is_withdrawal(const control::Event& event) {
-  return event.kind == "revoked" || event.kind == "network-down" || event.kind == "removed";
+  const auto* const kind = control::event_kind(event.kind);
+  return kind != nullptr && kind->is_withdrawal;
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "base/clock.hpp"
 #include "base/many.hpp"
 #include "control/codec.hpp"
+#include "control/event_kinds.hpp"
 #include "control/slices.hpp"
 
 namespace mlcca::serve {
@@ -26,8 +27,8 @@ std::optional<Slice> too_large() {
 
 /// Whether the event concerns every channel of the gateway.
 bool concerns_all(const control::Event& event) {
-  return event.subject == 0 && (event.kind == "lapsed" || event.kind == "mode" ||
-                                event.kind == "reload" || event.kind == "stopped");
+  const auto* const kind = control::event_kind(event.kind);
+  return event.subject == 0 && kind != nullptr && kind->of_everyone;
 }
 
 }  // namespace
