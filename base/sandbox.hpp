@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Parts of a sandbox: what a process gives up for good before it reads untrusted input.
 #pragma once
+#include <fcntl.h>
 #include <linux/audit.h>
 #include <linux/capability.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -62,6 +65,83 @@ inline Result<void> drop_capabilities() {
   return {};
 }
 
+/// The most that a process may take.
+struct SandboxLimits {
+  rlim_t memory = 0;       ///< bytes of address space, including the stacks of threads
+  rlim_t descriptors = 0;  ///< open at the same time
+};
+
+/// Gives up for good what nobody needs who only reads and computes: capabilities, new privileges,
+/// core dumps, locked memory, and more than `limits`. Nobody can trace the process any more.
+inline Result<void> give_up_privileges(const SandboxLimits& limits) {
+  if (::prctl(PR_SET_DUMPABLE, 0) < 0) return system_error("prctl");  // NOLINT(*-vararg)
+  if (auto done = limit_resource(RLIMIT_NOFILE, limits.descriptors); !done) return done;
+  if (auto done = limit_resource(RLIMIT_CORE, 0); !done) return done;
+  if (auto done = limit_resource(RLIMIT_MEMLOCK, 0); !done) return done;
+  if constexpr (!kSanitized)
+    if (auto done = limit_resource(RLIMIT_AS, limits.memory); !done) return done;
+  if (auto dropped = drop_capabilities(); !dropped) return dropped;
+  if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) < 0)  // NOLINT(*-vararg)
+    return system_error("no new privileges");
+  return {};
+}
+
+/// System calls that every program needs which reads from sockets, with any arguments.
+inline constexpr std::array kUsualCalls{
+    SYS_read,
+    SYS_write,
+    SYS_writev,
+    SYS_close,
+    SYS_recvfrom,
+    SYS_recvmsg,
+    SYS_sendto,
+    SYS_sendmsg,
+    SYS_connect,
+    SYS_getsockopt,
+    SYS_getsockname,
+    SYS_getpeername,
+    SYS_epoll_create1,
+    SYS_epoll_ctl,
+    SYS_epoll_pwait,
+    SYS_timerfd_create,
+    SYS_timerfd_settime,
+    SYS_timerfd_gettime,
+    SYS_clock_gettime,
+    SYS_gettimeofday,
+    SYS_fstat,
+    SYS_newfstatat,
+    SYS_statx,
+    SYS_lseek,
+    SYS_munmap,
+    SYS_mremap,
+    SYS_brk,
+    SYS_madvise,
+    SYS_futex,
+    SYS_rt_sigprocmask,
+    SYS_rt_sigreturn,
+    SYS_exit,
+    SYS_exit_group,
+    SYS_getrandom,
+    SYS_getpid,
+    SYS_gettid,
+    SYS_getuid,
+    SYS_geteuid,
+    SYS_restart_syscall,
+    SYS_fcntl,
+    SYS_ppoll,
+    SYS_clock_nanosleep,
+#ifdef SYS_epoll_pwait2
+    SYS_epoll_pwait2,
+#endif
+#ifdef __x86_64__
+    SYS_epoll_wait,
+    SYS_poll,
+    SYS_stat,
+    SYS_lstat,
+    SYS_time,
+#endif
+};
+
 /// A seccomp filter (seccomp(2)) that permits the system calls that were allowed; all others fail
 /// with EPERM, and those of another architecture kill the process. allow_with() can be repeated for
 /// one call; after allow_with(), one of the other functions may follow for it, and nothing after
@@ -110,6 +190,16 @@ class SystemCallFilter {
     add(BPF_JMP | BPF_JEQ | BPF_K, value, 0, 1);
     add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
     load(offsetof(seccomp_data, nr));
+  }
+  /// Allows kUsualCalls, sockets of this host and of IP, to open files for reading, and memory that
+  /// is not executable.
+  void allow_usual() {
+    for (const long call : kUsualCalls) allow(call);
+    for (const int family : {AF_UNIX, AF_INET, AF_INET6})
+      allow_with(SYS_socket, static_cast<std::uint32_t>(family));
+    allow_without(SYS_openat, 2, O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND);
+    allow_without(SYS_mmap, 2, PROT_EXEC);
+    allow_without(SYS_mprotect, 2, PROT_EXEC);
   }
   /// Puts the filter in force for this thread and those that it starts. The process must have set
   /// PR_SET_NO_NEW_PRIVS.
