@@ -91,19 +91,9 @@ Result<Journal> Journal::open(const std::string& directory, Disk& disk) {
 
   journal.file_ = OpenFile(disk, disk.open(journal.path_, O_RDWR));
   if (!journal.file_ && errno != ENOENT) return system_error(journal.path_);
-  const auto ready = journal.file_ ? journal.read() : journal.begin();
+  const auto ready = journal.file_ ? journal.read() : journal.compact();
   if (!ready) return std::unexpected(ready.error());
   return journal;
-}
-
-/// Begins a new journal. Grants of a version without a journal must not be lost silently, so their
-/// file is an error.
-Result<void> Journal::begin() {
-  const std::string former = directory_path_ + "/admissions";
-  const OpenFile file(*disk_, disk_->open(former, O_RDONLY));
-  if (!file && errno != ENOENT) return system_error(former);
-  if (file) return unusable(former, "written before there was a journal");
-  return compact();
 }
 
 Result<void> Journal::read() {

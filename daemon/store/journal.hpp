@@ -94,7 +94,6 @@ class Journal {
  private:
   explicit Journal(Disk& disk) : disk_(&disk) {}
 
-  Result<void> begin();
   Result<void> read();
   Result<std::uint64_t> read_batch(std::string_view bytes, std::uint64_t sequence);
   Result<void> cut_tail(std::string_view bytes);

@@ -335,34 +335,5 @@ TEST(Compaction, WaitsForACommit) {
   EXPECT_TRUE(journal.dirty());
 }
 
-// --- what other versions have left ---------------------------------------------------------------
-
-TEST(AStoreFromBeforeTheJournal, IsRefusedAndLeftAlone) {
-  const Folder folder;
-  write_file(folder.file("admissions"), "MLCCA1 0\n9\n");
-  for (int start = 0; start < 2; ++start) {
-    const auto journal = Journal::open(folder.path());
-    ASSERT_FALSE(journal);
-    EXPECT_EQ(journal.error().text,
-              folder.file("admissions") +
-                  ": written before there was a journal, nothing of it is used: put a copy back, "
-                  "or move it away to start without the run-time admissions");
-    EXPECT_FALSE(std::filesystem::exists(folder.file("journal")));
-    EXPECT_EQ(read_file(folder.file("admissions")), "MLCCA1 0\n9\n");
-  }
-  std::filesystem::rename(folder.file("admissions"), folder.file("away"));
-  EXPECT_EQ(opened(folder).contents(), Contents{});
-}
-
-TEST(AStoreFromBeforeTheJournal, IsNotAskedForBesideAJournal) {
-  const Folder folder;
-  {
-    Journal journal = opened(folder);
-    must_write(journal, {admitted(1)});
-  }
-  write_file(folder.file("admissions"), "anything");
-  EXPECT_EQ(opened(folder).contents().admissions.size(), 1U);
-}
-
 }  // namespace
 }  // namespace mlcca::store::test
