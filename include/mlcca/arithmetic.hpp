@@ -35,7 +35,6 @@ constexpr Value div_up(Value a, Value b) {
 namespace detail {
 
 constexpr Value kLowHalf = 0xffffffff;
-constexpr int kDecimalDigits = 20;  // digits of the largest Value
 
 struct Product {
   Value high;
@@ -112,27 +111,6 @@ constexpr Value mul_div_down(Value a, Value b, Value c) {
 /// a * b / c rounded up, computed with 128 bits; kUnbounded if it does not fit or c == 0.
 constexpr Value mul_div_up(Value a, Value b, Value c) {
   return detail::mul_div(a, b, c, Rounding::up);
-}
-
-/// Sets *out = v * 10^exponent, for magnitudes as people write them. Returns false and leaves *out
-/// unchanged if the result does not fit a Value.
-constexpr bool scale_power_of_ten(Value v, int exponent, Rounding rounding, Value* out) {
-  bool inexact = false;
-  if (v == 0 || exponent <= -detail::kDecimalDigits) {
-    inexact = v != 0;
-    v = 0;
-    exponent = 0;
-  }
-  for (; exponent < 0; ++exponent) {
-    inexact = inexact || v % 10 != 0;
-    v /= 10;
-  }
-  for (; exponent > 0; --exponent) {
-    if (v > kUnbounded / 10) return false;
-    v *= 10;
-  }
-  *out = v + (inexact && rounding == Rounding::up ? 1 : 0);
-  return true;
 }
 
 }  // namespace mlcca

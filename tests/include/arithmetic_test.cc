@@ -79,45 +79,5 @@ TEST(ArithmeticTest, LargestProbabilityAndDivisorPatternsDivideExactly) {
         ASSERT_EQ(mul_div_down(a, b, c), quotient(Natural(a) * b, c)) << a << ' ' << b << ' ' << c;
 }
 
-struct Scaling {
-  const char* name;
-  Value value;
-  int exponent;
-  Rounding rounding;
-  bool fits;
-  Value result;
-};
-
-class PowerOfTenTest : public ::testing::TestWithParam<Scaling> {};
-
-TEST_P(PowerOfTenTest, ScalesAndRounds) {
-  const Scaling& row = GetParam();
-  Value out = 4711;
-  EXPECT_EQ(scale_power_of_ten(row.value, row.exponent, row.rounding, &out), row.fits);
-  EXPECT_EQ(out, row.fits ? row.result : 4711);
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    Table, PowerOfTenTest,
-    ::testing::Values(
-        Scaling{"Milliseconds", 50, 6, Rounding::down, true, 50000000},
-        Scaling{"Unscaled", kUnbounded, 0, Rounding::up, true, kUnbounded},
-        Scaling{"LargestThatFits", 1844674407370955161, 1, Rounding::up, true, kUnbounded - 5},
-        Scaling{"SmallestThatDoesNot", 1844674407370955162, 1, Rounding::down, false, 0},
-        Scaling{"LargestPower", 1, 19, Rounding::down, true, 10000000000000000000U},
-        Scaling{"PowerTooLarge", 1, 20, Rounding::down, false, 0},
-        Scaling{"HugePower", 1, 2147483647, Rounding::down, false, 0},
-        Scaling{"ZeroAtHugePower", 0, 2147483647, Rounding::up, true, 0},
-        Scaling{"RoundedDown", 1999, -3, Rounding::down, true, 1},
-        Scaling{"RoundedUp", 1001, -3, Rounding::up, true, 2},
-        Scaling{"ExactIsNotRoundedUp", 2000, -3, Rounding::up, true, 2},
-        Scaling{"AllDigitsGoneDown", kUnbounded, -20, Rounding::down, true, 0},
-        Scaling{"AllDigitsGoneUp", kUnbounded, -20, Rounding::up, true, 1},
-        Scaling{"LastDigit", kUnbounded, -19, Rounding::down, true, 1},
-        Scaling{"TinyPower", 1, -2147483647 - 1, Rounding::up, true, 1},
-        Scaling{"TinyPowerDown", 1, -2147483647 - 1, Rounding::down, true, 0},
-        Scaling{"ZeroStaysZero", 0, -5, Rounding::up, true, 0}),
-    [](const auto& row) { return row.param.name; });
-
 }  // namespace
 }  // namespace mlcca
