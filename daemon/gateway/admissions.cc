@@ -139,7 +139,7 @@ void Admissions::report_left_out() {
 
 /// The reason for which it waits, which is logged unless another one was shortly before.
 void Admissions::note_wait(core::AdmissionId id, const std::string& channel, const std::string& why,
-                           bool log, About about) {
+                           bool log, Note about) {
   const std::uint64_t now = clock_.monotonic_ns();
   Said& said = waiting_[id];
   control::LeftOutAdmission& entry = left_out_[id];
@@ -155,7 +155,7 @@ core::FormerRules Admissions::let_wait(const std::vector<Waiting>& all) {
   for (const auto& [id, why, log] : all) {
     const control::Admit* const admit = recorded(recorder_, id);
     if (admit == nullptr) continue;
-    About about = this->about(id);
+    Note about = this->about(id);
     remove_from_state(id, left);
     note_wait(id, admit->channel, why, log, std::move(about));
   }
@@ -210,7 +210,7 @@ std::vector<control::LeftOutAdmission> Admissions::left_out_report(
   return out;
 }
 
-About Admissions::about(core::AdmissionId id) const {
+Note Admissions::about(core::AdmissionId id) const {
   const core::State& state = *scene_.state;
   const auto* admit = recorded(recorder_, id);
   const auto in_force = state.admissions().find(id);
@@ -278,7 +278,7 @@ Result<void> Admissions::release(const std::vector<core::AdmissionId>& gone,
                                  const std::string& why) {
   turn_.commit();
   std::vector<store::Entry> entries;
-  std::vector<About> released;
+  std::vector<Note> released;
   entries.reserve(gone.size());
   released.reserve(gone.size());
   for (const core::AdmissionId id : gone) {
@@ -286,7 +286,7 @@ Result<void> Admissions::release(const std::vector<core::AdmissionId>& gone,
     released.push_back(about(id));
   }
   if (auto done = recorder_.write_at_once(entries); !done) return done;
-  for (About& one : released) {
+  for (Note& one : released) {
     const std::string of = one.channel.empty() ? "" : " of " + one.channel;
     const core::AdmissionId id = one.admissions.front();
     log_.notice(Kind::released, fmt::format("admission {}{}: {}", id, of, why), std::move(one));

@@ -141,12 +141,12 @@ class Admissions {
 
  private:
   /// The channel of an admission, also of one that is left out, for the log.
-  [[nodiscard]] About about(core::AdmissionId id) const;
+  [[nodiscard]] Note about(core::AdmissionId id) const;
   /// Removes admissions from everything except the disk. Returns the rules that the gates had for
   /// their channels.
   core::FormerRules forget(const std::vector<core::AdmissionId>& gone);
   void note_wait(core::AdmissionId id, const std::string& channel, const std::string& why, bool log,
-                 About about);
+                 Note about);
   void remove_from_state(core::AdmissionId id, core::FormerRules& left) const;
   [[nodiscard]] std::optional<control::LeftOutAdmission> restore_one(core::State& state,
                                                                      core::AdmissionId id) const;

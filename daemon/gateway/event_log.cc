@@ -12,19 +12,11 @@ bool is_history(Kind kind) { return kind != Kind::dropping; }
 
 }  // namespace
 
-void EventLog::write(Kind kind, int priority, std::string message, About about) {
-  write({.kind = kind,
-         .priority = priority,
-         .message = std::move(message),
-         .subject = about.subject,
-         .channel = std::move(about.channel),
-         .network = std::move(about.network),
-         .from = std::move(about.from),
-         .publisher = std::move(about.publisher),
-         .admissions = std::move(about.admissions),
-         .frames = about.frames,
-         .late = about.late,
-         .longest_ns = about.longest_ns});
+void EventLog::write(Kind kind, int priority, std::string message, Note about) {
+  about.kind = kind;
+  about.priority = priority;
+  about.message = std::move(message);
+  write(std::move(about));
 }
 
 void EventLog::write(Note note) {

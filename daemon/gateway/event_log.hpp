@@ -18,19 +18,6 @@ class History;
 
 namespace mlcca {
 
-/// What an event concerns; see Note.
-struct About {
-  std::uint64_t subject = 0;
-  std::string channel = {};
-  std::string network = {};
-  std::string from = {};
-  std::string publisher = {};
-  std::vector<std::uint64_t> admissions = {};
-  std::uint64_t frames = 0;
-  std::uint64_t late = 0;
-  std::uint64_t longest_ns = 0;
-};
-
 /// Writes events. Each one goes to the system log, to the history if there is one, and to clients.
 class EventLog {
  public:
@@ -42,40 +29,45 @@ class EventLog {
   /// Events are also written to `history` from now on. It must outlive this object.
   void keep_in(store::History& history) { history_ = &history; }
 
-  void critical(Kind kind, std::string message, About about = {}) {
+  // `about`: what the event concerns. Its kind, priority and message are set here.
+
+  void critical(Kind kind, std::string message, Note about = {}) {
     write(kind, 2, std::move(message), std::move(about));
   }
-  void error(Kind kind, std::string message, About about = {}) {
+  void error(Kind kind, std::string message, Note about = {}) {
     write(kind, 3, std::move(message), std::move(about));
   }
-  void warning(Kind kind, std::string message, About about = {}) {
+  void warning(Kind kind, std::string message, Note about = {}) {
     write(kind, 4, std::move(message), std::move(about));
   }
-  void notice(Kind kind, std::string message, About about = {}) {
+  void notice(Kind kind, std::string message, Note about = {}) {
     write(kind, 5, std::move(message), std::move(about));
   }
-  void info(Kind kind, std::string message, About about = {}) {
+  void info(Kind kind, std::string message, Note about = {}) {
     write(kind, 6, std::move(message), std::move(about));
   }
   void write(Note note);
   /// Passes an event to clients only, not to the log or the history.
   void notify_clients(control::Event event) const;
 
-  /// While it lives, events are attributed to `actor`, who requested the changes. nullopt: the
-  /// daemon acts by itself.
+  /// A request that is carried out. While it lives, events are attributed to `actor`, who made the
+  /// request. nullopt: the daemon acts by itself.
   class Acting {
    public:
     Acting(EventLog& log, std::optional<control::Actor> actor)
-        : log_(log), before_(std::exchange(log.actor_, std::move(actor))) {}
+        : log_(log), before_(std::exchange(log.actor_, std::move(actor))), rows_(log.rows_) {}
     Acting(const Acting&) = delete;
     Acting& operator=(const Acting&) = delete;
     Acting(Acting&&) = delete;
     Acting& operator=(Acting&&) = delete;
     ~Acting() { log_.actor_ = std::move(before_); }
+    /// The rows of the history that the request has cost so far.
+    [[nodiscard]] std::uint64_t rows() const { return log_.rows_ - rows_; }
 
    private:
     EventLog& log_;
     std::optional<control::Actor> before_;
+    std::uint64_t rows_;
   };
   [[nodiscard]] const std::optional<control::Actor>& actor() const { return actor_; }
 
@@ -86,7 +78,7 @@ class EventLog {
   void add_rows(std::uint64_t rows) { rows_ += rows; }
 
  private:
-  void write(Kind kind, int priority, std::string message, About about);
+  void write(Kind kind, int priority, std::string message, Note about);
 
   SystemLog log_;
   store::History* history_ = nullptr;

@@ -101,9 +101,8 @@ Body Reloads::refuse(const Error& no_gates) {
 Body Reloads::take(DescribedResult read) {
   const auto actor = current_ ? current_->actor : std::nullopt;
   const EventLog::Acting acting(parts_.log, actor);
-  const std::uint64_t rows = parts_.log.rows();
   Body done = put_in_force(std::move(read));
-  if (actor) parts_.charge(actor->uid, parts_.log.rows() - rows);
+  if (actor) parts_.charge(actor->uid, acting.rows());
   return done;
 }
 

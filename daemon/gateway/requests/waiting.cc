@@ -58,12 +58,11 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
   /// Runs `call` in the name and at the cost of the client that has asked.
   template <class Call>
   std::invoke_result_t<const Call&> acting(const Call& call) {
-    const EventLog::Acting acting(context_.log, actor_);
-    const std::uint64_t rows = context_.log.rows();
+    const EventLog::Acting request(context_.log, actor_);
     if (request_.unlisted) context_.tags.claim();
     auto result = call();
     if (request_.unlisted) context_.tags.leave_unused();
-    context_.membership->charge(asker_.peer.uid, context_.log.rows() - rows);
+    context_.membership->charge(asker_.peer.uid, request.rows());
     return result;
   }
 
