@@ -16,9 +16,23 @@ struct Row {
   Privilege privilege;
   Trace trace;
   Response (*handler)(Context&, const Asker&, const Request&);
+  /// See takes_away(); nothing: the request may let more pass.
+  bool (*takes_away)(const Context&, const Request&) = nullptr;
 };
 template <class Request>
 Row(Privilege, Trace, Response (*)(Context&, const Asker&, const Request&)) -> Row<Request>;
+template <class Request>
+Row(Privilege, Trace, Response (*)(Context&, const Asker&, const Request&),
+    bool (*)(const Context&, const Request&)) -> Row<Request>;
+
+template <class Request>
+bool always(const Context& /*context*/, const Request& /*request*/) {
+  return true;
+}
+
+bool enforces_now(const Context& context, const control::ModeRequest& request) {
+  return request.mode == "enforce" && request.when_clean_ns == 0 && context.modes.is_audit();
+}
 
 constexpr std::tuple kTable{
     Row{Privilege::anyone, Trace::none, status},
@@ -44,13 +58,13 @@ constexpr std::tuple kTable{
     Row{Privilege::anyone, Trace::none, cluster},
     Row{Privilege::member, Trace::none, renew},
     Row{Privilege::member, Trace::history, admit},
-    Row{Privilege::member, Trace::history, release},
-    Row{Privilege::member, Trace::history, withdraw},
+    Row{Privilege::member, Trace::history, release, always},
+    Row{Privilege::member, Trace::history, withdraw, always},
     Row{Privilege::member, Trace::history, reinstate},
-    Row{Privilege::member, Trace::history, drain},
+    Row{Privilege::member, Trace::history, drain, always},
     Row{Privilege::member, Trace::history, join},
-    Row{Privilege::member, Trace::history, mode},
-    Row{Privilege::member, Trace::history, reload},
+    Row{Privilege::member, Trace::history, mode, enforces_now},
+    Row{Privilege::member, Trace::history_of_reload, reload},
     Row{Privilege::member, Trace::history, rollout},
     Row{Privilege::anyone, Trace::none, rollout_state},
 };
@@ -72,15 +86,24 @@ Trace trace_of(const control::Request& request) {
 }
 
 std::uint64_t least_rows_of(const control::Request& request) {
-  return std::holds_alternative<control::ReloadRequest>(request.body) ? Quotas::kRowsOfReload : 1;
+  switch (trace_of(request)) {
+    case Trace::none:
+      break;
+    case Trace::history:
+      return 1;
+    case Trace::history_of_reload:
+      return Quotas::kRowsOfReload;
+  }
+  return 0;
 }
 
 bool takes_away(const Context& context, const control::Request& request) {
-  if (const auto* mode = std::get_if<control::ModeRequest>(&request.body))
-    return mode->mode == "enforce" && mode->when_clean_ns == 0 && context.modes.is_audit();
-  return std::holds_alternative<control::WithdrawRequest>(request.body) ||
-         std::holds_alternative<control::ReleaseRequest>(request.body) ||
-         std::holds_alternative<control::DrainRequest>(request.body);
+  return std::visit(
+      [&](const auto& body) {
+        const auto& row = row_of(body);
+        return row.takes_away != nullptr && row.takes_away(context, body);
+      },
+      request.body);
 }
 
 Response handle(Context& context, const Asker& asker, const control::Request& request) {

@@ -15,13 +15,14 @@ enum class Privilege : std::uint8_t {
 
 /// What a request leaves behind.
 enum class Trace : std::uint8_t {
-  none,     ///< nothing, or only something in memory
-  history,  ///< rows of the history, which are charged to the quota of the user
+  none,               ///< nothing, or only something in memory
+  history,            ///< rows of the history, which are charged to the quota of the user
+  history_of_reload,  ///< the same, at least as many rows as a reload makes
 };
 
 [[nodiscard]] Privilege privilege_of(const control::Request& request);
 [[nodiscard]] Trace trace_of(const control::Request& request);
-/// The least number of rows that a request of this kind makes if it is not refused.
+/// The least number of rows that a request of this kind makes in the history if it is not refused.
 [[nodiscard]] std::uint64_t least_rows_of(const control::Request& request);
 /// Whether the request only lets less pass than now. No quota delays such a request, but its rows
 /// count. What it takes away can only be restored by requests that may have to wait.
