@@ -91,7 +91,7 @@ void mark_lower_bounds(std::vector<control::Finding>& findings) {
 
 /// Whether the frame came by the granted interface from the granted station: then it is refused
 /// because the gate there has not admitted it as this delivery.
-bool is_granted_source(const GateDriver& gates, const core::GateEntry& entry,
+bool is_granted_source(const GateReader& gates, const core::GateEntry& entry,
                        const enforce::RefusedSender& sender) {
   return sender.reason == GATE_R_SOURCE && entry.source_port &&
          gates.gated_interface(*entry.source_port) == static_cast<int>(sender.source) &&
@@ -106,7 +106,7 @@ std::string address_of(const enforce::UnknownFrame& f) {
 }
 
 /// The interface of a gate from which a frame came to another one.
-std::string interface_of(const GateDriver& gates, std::uint32_t ifindex) {
+std::string interface_of(const GateReader& gates, std::uint32_t ifindex) {
   if (ifindex == GATE_NO_SOURCE) return kFromKernel;
   for (std::size_t p = 0; p < gates.size(); ++p)
     if (gates.gated_interface(p) == static_cast<int>(ifindex)) return gates.interface_name(p);
@@ -380,7 +380,7 @@ control::Audit AuditLog::contents() const {
 namespace {
 
 /// The port that the finding is about; nullopt if it is no longer there.
-std::optional<std::size_t> port_of(const GateDriver& gates, const control::Finding& f) {
+std::optional<std::size_t> port_of(const GateReader& gates, const control::Finding& f) {
   for (std::size_t port = 0; port < gates.size(); ++port)
     if (gates.interface_name(port) == f.interface && gates.network_of(port) == f.network)
       return port;

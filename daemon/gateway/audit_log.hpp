@@ -17,7 +17,7 @@
 #include "core/gates/plan.hpp"
 #include "daemon/gateway/drops.hpp"
 #include "daemon/gateway/scene.hpp"
-#include "daemon/outside/gate_driver.hpp"
+#include "daemon/outside/gate_reader.hpp"
 
 namespace mlcca {
 
@@ -28,7 +28,7 @@ class AuditLog {
   static constexpr std::size_t kMost = 1024;
 
   /// All references must outlive this object.
-  AuditLog(const Scene& scene, const GateDriver& gates, const Clock& clock)
+  AuditLog(const Scene& scene, const GateReader& gates, const Clock& clock)
       : scene_(scene),
         gates_(gates),
         clock_(clock),
@@ -149,7 +149,7 @@ class AuditLog {
   void add_to_others(const Key& key, const Finding& removed);
 
   const Scene& scene_;
-  const GateDriver& gates_;
+  const GateReader& gates_;
   const Clock& clock_;
   std::map<Key, Finding> findings_;
   std::map<int, Polled> polled_;  ///< by index of the interface

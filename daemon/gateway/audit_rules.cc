@@ -5,6 +5,7 @@
 #include <bit>
 #include <utility>
 
+#include "bpf/gate.h"
 #include "core/gates/control_traffic.hpp"
 #include "core/model/text.hpp"
 #include "core/profiles/profile.hpp"
@@ -86,7 +87,7 @@ void add_identifiers(const core::Network& network,
 
 // --- rules ---------------------------------------------------------------------------------------
 
-AuditRules::AuditRules(const Scene& scene, const GateDriver& gates) : gates_(gates) {
+AuditRules::AuditRules(const Scene& scene, const PortFacts& gates) : gates_(gates) {
   const core::State& state = *scene.state;
   add(core::control_rules(state.system(), scene.self));
   add(core::gate_state(state.system(), state.members(), state.decisions(), scene.self));

@@ -12,7 +12,7 @@
 #include "control/messages.hpp"
 #include "core/gates/plan.hpp"
 #include "daemon/gateway/scene.hpp"
-#include "daemon/outside/gate_driver.hpp"
+#include "daemon/outside/port_facts.hpp"
 
 namespace mlcca {
 
@@ -22,7 +22,7 @@ inline constexpr const char* kFromKernel = "kernel";
 /// The frames for which this gateway has rules.
 class AuditRules {
  public:
-  AuditRules(const Scene& scene, const GateDriver& gates);
+  AuditRules(const Scene& scene, const PortFacts& gates);
 
   /// Whether a rule is for such frames, whoever sends them.
   [[nodiscard]] bool has(std::size_t port, const control::Finding& frame) const;
@@ -44,7 +44,7 @@ class AuditRules {
   bool any(std::size_t port, const control::Finding& frame, auto&& is_meant) const;
   [[nodiscard]] bool is_of(const Sender& sender, const control::Finding& frame) const;
 
-  const GateDriver& gates_;
+  const PortFacts& gates_;
   std::map<Gate, Senders> by_gate_;  ///< Ethernet: mask 0
 };
 
@@ -52,7 +52,7 @@ class AuditRules {
 class AuditNames {
  public:
   /// Both references must outlive this object.
-  AuditNames(const Scene& scene, const GateDriver& gates) : scene_(scene), gates_(gates) {}
+  AuditNames(const Scene& scene, const PortFacts& gates) : scene_(scene), gates_(gates) {}
 
   /// The name of the channel that the description has for a frame without a rule, whoever sends it;
   /// empty if there is none.
@@ -82,7 +82,7 @@ class AuditNames {
                                                         const control::Finding& frame) const;
 
   const Scene& scene_;
-  const GateDriver& gates_;
+  const PortFacts& gates_;
   std::map<std::string, Identifiers> by_network_;  ///< filled for the networks that were asked for
   std::unordered_map<std::string, std::size_t> channels_;  ///< by name; filled when it is needed
 };

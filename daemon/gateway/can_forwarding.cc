@@ -7,7 +7,7 @@
 
 namespace mlcca {
 
-CanForwarding::CanForwarding(const Scene& scene, const GateDriver& gates, const LinkMonitor& links,
+CanForwarding::CanForwarding(const Scene& scene, const PortFacts& gates, const LinkMonitor& links,
                              EventLog& log, std::unique_ptr<net::CanRules> kernel,
                              std::function<void()> pulse)
     : scene_(scene),

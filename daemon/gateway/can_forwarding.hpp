@@ -15,8 +15,8 @@
 #include "daemon/gateway/forwarder.hpp"
 #include "daemon/gateway/scene.hpp"
 #include "daemon/net/can_routes.hpp"
-#include "daemon/outside/gate_driver.hpp"
 #include "daemon/outside/link_monitor.hpp"
+#include "daemon/outside/port_facts.hpp"
 
 namespace mlcca {
 
@@ -26,8 +26,8 @@ class CanForwarding {
  public:
   /// `pulse` is called after each step of long work, for the heart-beat. All references must
   /// outlive this object.
-  CanForwarding(const Scene& scene, const GateDriver& gates, const LinkMonitor& links,
-                EventLog& log, std::unique_ptr<net::CanRules> kernel, std::function<void()> pulse);
+  CanForwarding(const Scene& scene, const PortFacts& gates, const LinkMonitor& links, EventLog& log,
+                std::unique_ptr<net::CanRules> kernel, std::function<void()> pulse);
 
   /// Takes the rules that a channel needs by its current decision. act() makes them effective.
   void want(std::size_t channel);
@@ -54,7 +54,7 @@ class CanForwarding {
 
  private:
   const Scene& scene_;
-  const GateDriver& gates_;
+  const PortFacts& gates_;
   const LinkMonitor& links_;
   EventLog& log_;
   Forwarder forwarder_;

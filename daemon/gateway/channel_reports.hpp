@@ -14,7 +14,7 @@
 #include "daemon/gateway/meshes.hpp"
 #include "daemon/gateway/requests/asked.hpp"
 #include "daemon/gateway/scene.hpp"
-#include "daemon/outside/gate_driver.hpp"
+#include "daemon/outside/gate_reader.hpp"
 #include "daemon/serve/server.hpp"
 
 namespace mlcca {
@@ -22,7 +22,7 @@ namespace mlcca {
 class ChannelReports {
  public:
   /// All references must outlive this object.
-  ChannelReports(const Scene& scene, const GateDriver& gates, const DeliveryHealth& health,
+  ChannelReports(const Scene& scene, const GateReader& gates, const DeliveryHealth& health,
                  const DeliveryEvents& deliveries, const CanForwarding& forwarding,
                  const Meshes& meshes)
       : scene_(scene),
@@ -64,7 +64,7 @@ class ChannelReports {
       const std::vector<const core::Verdict*>& verdicts) const;
 
   const Scene& scene_;
-  const GateDriver& gates_;
+  const GateReader& gates_;
   const DeliveryHealth& health_;
   const DeliveryEvents& deliveries_;
   const CanForwarding& forwarding_;

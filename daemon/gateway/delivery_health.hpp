@@ -20,14 +20,14 @@
 #include "daemon/gateway/health.hpp"
 #include "daemon/gateway/reported_silences.hpp"
 #include "daemon/gateway/scene.hpp"
-#include "daemon/outside/gate_driver.hpp"
+#include "daemon/outside/gate_reader.hpp"
 
 namespace mlcca {
 
 class DeliveryHealth {
  public:
   /// All references must outlive this object.
-  DeliveryHealth(const Scene& scene, const GateDriver& gates, const DropReports& drops,
+  DeliveryHealth(const Scene& scene, const GateReader& gates, const DropReports& drops,
                  const CanForwarding& forwarding, const Carriers& carriers, const Clock& clock,
                  const ReportedSilences& silences)
       : scene_(scene),
@@ -100,7 +100,7 @@ class DeliveryHealth {
                                                       const core::GateEntry& out) const;
 
   const Scene& scene_;
-  const GateDriver& gates_;
+  const GateReader& gates_;
   const DropReports& drops_;
   const CanForwarding& forwarding_;
   const Carriers& carriers_;

@@ -21,7 +21,7 @@
 #include "daemon/gateway/misfit_causes.hpp"
 #include "daemon/gateway/misfit_senders.hpp"
 #include "daemon/gateway/scene.hpp"
-#include "daemon/outside/gate_driver.hpp"
+#include "daemon/outside/gate_reader.hpp"
 
 namespace mlcca {
 
@@ -42,7 +42,7 @@ class DropReports {
 
   /// `pulse` is called after each step of long work, for the heart-beat. All references must
   /// outlive this object.
-  DropReports(const Scene& scene, const GateDriver& gates, EventLog& log,
+  DropReports(const Scene& scene, const GateReader& gates, EventLog& log,
               DeliveryEvents& deliveries, AuditLog& audit, const Clock& clock,
               std::function<void()> pulse)
       : scene_(scene),
@@ -111,7 +111,7 @@ class DropReports {
   void poll_unknown(std::size_t port, Reporting reporting);
 
   const Scene& scene_;
-  const GateDriver& gates_;
+  const GateReader& gates_;
   EventLog& log_;
   DeliveryEvents& deliveries_;
   AuditLog& audit_;

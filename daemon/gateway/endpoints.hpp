@@ -10,7 +10,7 @@
 #include "core/gates/plan.hpp"
 #include "daemon/gateway/local_ends.hpp"
 #include "daemon/gateway/scene.hpp"
-#include "daemon/outside/gate_driver.hpp"
+#include "daemon/outside/port_facts.hpp"
 #include "daemon/serve/server.hpp"
 
 namespace mlcca {
@@ -18,7 +18,7 @@ namespace mlcca {
 class Endpoints {
  public:
   /// All references must outlive this object.
-  Endpoints(const Scene& scene, const GateDriver& gates, const LocalEnds& local_ends)
+  Endpoints(const Scene& scene, const PortFacts& gates, const LocalEnds& local_ends)
       : scene_(scene), gates_(gates), local_ends_(local_ends) {}
 
   /// Where a publisher that is a program here sends. Empty if nothing of it is granted.
@@ -57,7 +57,7 @@ class Endpoints {
   [[nodiscard]] std::uint32_t event_bytes(const core::Passage& passage) const;
 
   const Scene& scene_;
-  const GateDriver& gates_;
+  const PortFacts& gates_;
   const LocalEnds& local_ends_;
 };
 

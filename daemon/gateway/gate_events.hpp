@@ -12,7 +12,7 @@
 #include "daemon/gateway/scene.hpp"
 #include "daemon/gateway/silence_reports.hpp"
 #include "daemon/gateway/tag_bindings.hpp"
-#include "daemon/outside/gate_driver.hpp"
+#include "daemon/outside/gate_reader.hpp"
 #include "daemon/outside/link_monitor.hpp"
 
 namespace mlcca {
@@ -22,7 +22,7 @@ class GateEvents {
   /// All references must outlive the object.
   struct Parts {
     const Scene& scene;
-    const GateDriver& gates;
+    const GateReader& gates;
     const LinkMonitor& links;
     EventLog& log;
     SilenceReports& silences;

@@ -22,7 +22,7 @@
 #include "daemon/gateway/scene.hpp"
 #include "daemon/gateway/tag_bindings.hpp"
 #include "daemon/outside/gate_control.hpp"
-#include "daemon/outside/gate_driver.hpp"
+#include "daemon/outside/gate_reader.hpp"
 #include "daemon/outside/link_monitor.hpp"
 
 namespace mlcca {
@@ -41,7 +41,7 @@ class HealthReport {
   /// All references must outlive this object.
   struct Parts {
     const Scene& scene;
-    const GateDriver& gates;
+    const GateReader& gates;
     const GateControl& control;
     const LinkMonitor& links;
     const Meshes& meshes;
@@ -62,7 +62,7 @@ class HealthReport {
   /// The gates had closed by themselves, and have opened again now. This counts as a problem for
   /// some time.
   void note_lapse(Lapse reason) { lapse_ = {reason, parts_.clock.monotonic_s()}; }
-  /// The health of the gateway. `interfaces` is the result of GateDriver::report().
+  /// The health of the gateway. `interfaces` is the result of PortFacts::report().
   [[nodiscard]] control::Health health(const std::vector<control::Interface>& interfaces) const;
   /// The problems that keep the gateway from doing its work, most serious first.
   [[nodiscard]] std::vector<std::string> problems() const;

@@ -12,14 +12,14 @@
 
 #include "core/gates/plan.hpp"
 #include "daemon/gateway/drops.hpp"
-#include "daemon/outside/gate_driver.hpp"
+#include "daemon/outside/gate_reader.hpp"
 
 namespace mlcca {
 
 class MisfitCauses {
  public:
   /// `gates` must outlive this object.
-  explicit MisfitCauses(const GateDriver& gates) : gates_(gates) {}
+  explicit MisfitCauses(const GateReader& gates) : gates_(gates) {}
 
   /// Starts a round, in which all slots are sampled once.
   void begin_round();
@@ -45,7 +45,7 @@ class MisfitCauses {
   /// Frames by port, direction, fate and reason.
   using Explained = std::map<std::tuple<std::size_t, bool, Fate, std::string_view>, std::uint64_t>;
 
-  const GateDriver& gates_;
+  const GateReader& gates_;
   Counts before_;        ///< at the beginning of the last round
   Counts began_;         ///< at the beginning of this round
   Explained explained_;  ///< in this round

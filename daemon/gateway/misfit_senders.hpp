@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/gates/plan.hpp"
-#include "daemon/outside/gate_driver.hpp"
+#include "daemon/outside/gate_reader.hpp"
 
 namespace mlcca {
 
@@ -19,7 +19,7 @@ class MisfitSenders {
   static constexpr unsigned kReadsOfRound = 64;
 
   /// `gates` must outlive this object.
-  explicit MisfitSenders(const GateDriver& gates) : gates_(gates) {}
+  explicit MisfitSenders(const GateReader& gates) : gates_(gates) {}
 
   /// Starts a round, in which all slots are sampled once. What gates that are new have counted
   /// before is taken as the starting point. What a gate has noted before the last round began, and
@@ -49,7 +49,7 @@ class MisfitSenders {
     BySender began;    ///< at the beginning of this round
   };
 
-  const GateDriver& gates_;
+  const GateReader& gates_;
   std::map<std::size_t, OfPort> of_ports_;
 };
 

@@ -17,7 +17,7 @@
 #include "daemon/gateway/event_log.hpp"
 #include "daemon/gateway/patience.hpp"
 #include "daemon/gateway/scene.hpp"
-#include "daemon/outside/gate_driver.hpp"
+#include "daemon/outside/gate_reader.hpp"
 #include "daemon/store/journal.hpp"
 
 namespace mlcca {
@@ -30,7 +30,7 @@ class Recorder {
 
   /// `pulse` is called after each step of long operations, to give a heart-beat. All references
   /// must outlive this object.
-  Recorder(const Scene& scene, const GateDriver& gates, EventLog& log, Patience& patience,
+  Recorder(const Scene& scene, const GateReader& gates, EventLog& log, Patience& patience,
            std::function<void()> pulse)
       : scene_(scene), gates_(gates), log_(log), patience_(patience), pulse_(std::move(pulse)) {}
 
@@ -105,7 +105,7 @@ class Recorder {
   void append(const store::Entry& entry);
 
   const Scene& scene_;
-  const GateDriver& gates_;
+  const GateReader& gates_;
   EventLog& log_;
   Patience& patience_;
   std::function<void()> pulse_;

@@ -9,7 +9,7 @@
 namespace mlcca {
 
 SilenceReports::SilenceReports(sd_event* loop, const Scene& scene, const Clock& clock,
-                               const GateDriver& gates, DeliveryEvents& deliveries,
+                               const GateReader& gates, DeliveryEvents& deliveries,
                                DeliveryHealth& health, ReportedSilences& reported)
     : scene_(scene),
       clock_(clock),

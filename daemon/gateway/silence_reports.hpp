@@ -20,7 +20,7 @@
 #include "daemon/gateway/reported_silences.hpp"
 #include "daemon/gateway/scene.hpp"
 #include "daemon/net/sources/timer.hpp"
-#include "daemon/outside/gate_driver.hpp"
+#include "daemon/outside/gate_reader.hpp"
 
 namespace mlcca {
 
@@ -28,7 +28,7 @@ namespace mlcca {
 class SilenceReports {
  public:
   /// All references must outlive this object.
-  SilenceReports(sd_event* loop, const Scene& scene, const Clock& clock, const GateDriver& gates,
+  SilenceReports(sd_event* loop, const Scene& scene, const Clock& clock, const GateReader& gates,
                  DeliveryEvents& deliveries, DeliveryHealth& health, ReportedSilences& reported);
 
   /// The gate reports that events of a granted delivery are missing, or have come again.
@@ -53,7 +53,7 @@ class SilenceReports {
 
   const Scene& scene_;
   const Clock& clock_;
-  const GateDriver& gates_;
+  const GateReader& gates_;
   DeliveryEvents& deliveries_;
   DeliveryHealth& health_;
   ReportedSilences& reported_;
