@@ -100,34 +100,24 @@ bool note_subscribers(const Members& members, const Verdict& v, const WayIn& in,
 
 }  // namespace
 
-std::vector<Hop> State::hops_of_granted(const Verdict& v) {
-  Situation measuring = situation();
-  measuring.keeps_hops = true;
-  Verdict again = undecided(measuring, v.channel, v.publisher, {v.to, v.subscribers}, v.set);
-  again.route = v.route;
-  const Ledger::Mark before = ledger_.mark();
-  check_route(measuring, ledger_, targets_of(members_, v.channel), again);
-  ledger_.roll_back(before);
-  ledger_.commit();
-  return std::move(again.hops);
-}
-
-std::vector<OnwardSubscription> State::onward(std::size_t gateway, std::size_t channel) {
+std::vector<OnwardSubscription> onward_of(State& state, std::size_t gateway, std::size_t channel) {
   std::map<std::size_t, OnwardSubscription> by_network;
   std::size_t seen = 0;
-  for (const Verdict& v : decisions_[channel].verdicts) {
+  for (const Verdict& v : state.decisions()[channel].verdicts) {
     const auto in = v.granted ? way_in(v, gateway) : std::nullopt;
     if (!in) continue;
     const std::size_t network = hops_of(v.route)[in->hop].index;
-    if (system_.networks[network].subscriptions.accept < Subscribing::with_attributes) continue;
+    if (state.system().networks[network].subscriptions.accept < Subscribing::with_attributes)
+      continue;
     OnwardSubscription fresh{channel, network, {}};
     const auto known = by_network.find(network);
-    if (!note_subscribers(members_, v, *in, known == by_network.end() ? fresh : known->second))
+    if (!note_subscribers(state.members(), v, *in,
+                          known == by_network.end() ? fresh : known->second))
       continue;
     OnwardSubscription& one = by_network.try_emplace(network, std::move(fresh)).first->second;
     if (auto why = keeps_back(v, ++seen); !why.empty()) one.problem = std::move(why);
     if (!one.problem.empty()) continue;
-    const auto hops = hops_of_granted(v);
+    const auto hops = state.hops_of_granted(v);
     if (hops.size() <= in->hop) continue;
     const std::size_t behind = hops.size() - in->hop - 1;
     one.required = strictest(

@@ -11,6 +11,8 @@
 
 namespace mlcca::core {
 
+class State;
+
 /// What the hops before must provide so that the requirement is met together with the hops behind,
 /// which provide `used` (their composition). Latency, Deadline and Jitter are reduced by what is
 /// used. For Omission (a + 1)(b + 1) - 1 and for loss 1 - (1 - p)(1 - q) is solved for the first
@@ -34,5 +36,12 @@ struct OnwardSubscription {
 
 /// The most deliveries of a channel that are considered. With more, no subscription is passed on.
 inline constexpr std::size_t kMostOnward = 256;
+
+/// What the gateway subscribes of a channel on its networks, for subscribers behind it or on it
+/// that are granted: to the network that the events come from, where that accepts subscriptions.
+/// Where they have come by another gateway of this description, that one knows who is described,
+/// and subscribes for them itself.
+[[nodiscard]] std::vector<OnwardSubscription> onward_of(State& state, std::size_t gateway,
+                                                        std::size_t channel);
 
 }  // namespace mlcca::core

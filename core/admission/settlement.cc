@@ -177,20 +177,20 @@ class State::Settlement {
 
   void collect() {
     invalidate_shared_background();
-    for (const auto& [network, condition] : s_.new_conditions_) {
+    for (const auto& [network, condition] : s_.new_.conditions) {
       touch(s_.usage_.carried_by(network));
       s_.relieved_.insert(network);
     }
-    for (auto& [network, links] : s_.new_graphs_) collect_mesh(network, std::move(links));
-    s_.new_graphs_.clear();
-    for (const auto& [gateway, failed] : s_.new_failed_) {
+    for (auto& [network, links] : s_.new_.graphs) collect_mesh(network, std::move(links));
+    s_.new_.graphs.clear();
+    for (const auto& [gateway, failed] : s_.new_.failed) {
       s_.world_.failed[gateway] = failed;
       collect_ways_over(gateway);
     }
-    if (!s_.new_failed_.empty() && s_.permits_ != nullptr)
+    if (!s_.new_.failed.empty() && s_.permits_ != nullptr)
       for (std::size_t n = 0; n < s_.system_.networks.size(); ++n)
         if (s_.world_.shared[n]) s_.others_stale_.insert(n);
-    s_.new_failed_.clear();
+    s_.new_.failed.clear();
     collect_others();
   }
 
@@ -200,7 +200,7 @@ class State::Settlement {
     s_.note_permits();
     for (const NewView& now : views_)
       if (s_.has_others(now.network)) s_.others_stale_.insert(now.network);
-    for (const auto& [network, condition] : s_.new_conditions_)
+    for (const auto& [network, condition] : s_.new_.conditions)
       if (s_.has_others(network)) rebuilt_.insert(network);
     for (const std::size_t n : std::exchange(s_.others_stale_, {})) {
       const auto view = std::ranges::find(views_, n, &NewView::network);
@@ -257,13 +257,13 @@ class State::Settlement {
   /// analysed: a change of one of them concerns all.
   void invalidate_shared_background() {
     for (std::size_t n = 0; n < s_.world_.conditions.size(); ++n) {
-      if (s_.world_.conditions[n].observed.empty() || s_.new_conditions_.contains(n)) continue;
+      if (s_.world_.conditions[n].observed.empty() || s_.new_.conditions.contains(n)) continue;
       const auto& here = s_.usage_.carried_by(n);
       if (std::ranges::any_of(s_.touched_, [&](std::size_t c) {
             Progress::step();
             return here.contains(c);
           }))
-        s_.new_conditions_.emplace(n, s_.world_.conditions[n]);
+        s_.new_.conditions.emplace(n, s_.world_.conditions[n]);
     }
   }
 
@@ -325,12 +325,12 @@ class State::Settlement {
 
   /// No channel that is touched holds anything any more.
   void renew_world() {
-    for (auto& [network, condition] : s_.new_conditions_) {
+    for (auto& [network, condition] : s_.new_.conditions) {
       s_.world_.conditions[network] = std::move(condition);
       s_.ledger_.set_bus(network, bus_of(s_.system_, s_.world_.conditions[network], network));
       Progress::made();
     }
-    s_.new_conditions_.clear();
+    s_.new_.conditions.clear();
     for (auto& [network, view, same_domains] : views_) {
       if (!same_domains) s_.ledger_.set_domains(network, view ? view->domains().count() : 0);
       s_.world_.meshes[network] = std::move(view);
@@ -389,12 +389,6 @@ class State::Settlement {
   std::map<std::size_t, std::map<std::size_t, std::vector<std::size_t>>> domain_users_;
 };
 
-std::vector<Change> State::settle() {
-  if (new_conditions_.empty() && new_graphs_.empty() && new_failed_.empty() && touched_.empty() &&
-      relieved_.empty() && others_stale_.empty() && are_permits_seen())
-    return {};
-  for (const auto& [network, condition] : new_conditions_) held_.erase(network);
-  return Settlement(*this).run();
-}
+std::vector<Change> settle_news(State& state) { return State::Settlement(state).run(); }
 
 }  // namespace mlcca::core

@@ -5,11 +5,10 @@
 #include <numeric>
 #include <utility>
 
-#include "base/many.hpp"
-#include "base/number.hpp"
 #include "core/admission/allocation.hpp"
+#include "core/admission/permit_check.hpp"
+#include "core/admission/route_check.hpp"
 #include "core/model/progress.hpp"
-#include "core/model/text.hpp"
 
 namespace mlcca::core {
 namespace {
@@ -19,20 +18,27 @@ System sorted(System system) {
   return system;
 }
 
-}  // namespace
-
-// --- the state ----------------------------------------------------------------------------------
-
-std::optional<std::string> State::exceeds_capacity(std::size_t gateway) const {
-  for (std::size_t c = 0; c < decisions_.size(); ++c) {
-    if (const auto lack =
-            core::exceeds_capacity(system_, members_, c, decisions_[c].verdicts, gateway))
-      return "channel " + system_.channels[c].name + ": " + *lack;
-  }
-  return std::nullopt;
+/// What gateways count together cannot be counted there.
+bool is_uncountable(const Network& network, bool analysed, bool evaluated) {
+  if (network.kind == NetworkKind::can && network.profile != Profile::none)
+    return !analysed || network.bus.bitrate == 0;
+  return network.mesh.has_value() && (network.mesh->nodes.empty() || !evaluated);
 }
 
-namespace {
+void note_shared(const World& world, const Route& route, std::set<std::size_t>& networks) {
+  for (const Place hop : hops_of(route))
+    if (hop.kind == Place::Kind::network && world.shared[hop.index]) networks.insert(hop.index);
+}
+
+/// Networks of several gateways on the ways that deliveries of the channel may take.
+std::set<std::size_t> shared_ways(const Situation& s, std::size_t channel) {
+  std::set<std::size_t> networks;
+  for (const std::size_t p : s.members.publishers_of(channel))
+    for (const Target& target : targets_of(s.members, channel))
+      for (const Route& route : s.topology.routes(s.members.publisher(p).place, target.place))
+        note_shared(s.world, route, networks);
+  return networks;
+}
 
 /// What is sized by the channels holds for those that come at run time too.
 System with_room_for_unlisted(System system) {
@@ -43,6 +49,8 @@ System with_room_for_unlisted(System system) {
 }
 
 }  // namespace
+
+// --- the state ----------------------------------------------------------------------------------
 
 State::State(System system)
     : system_(with_room_for_unlisted(sorted(std::move(system)))),
@@ -55,28 +63,28 @@ State::State(System system)
       ages_(system_.channels.size(), 0),
       usage_(system_),
       own_there_(system_.networks.size(), false) {
-  for (std::size_t c = 0; c < system_.channels.size(); ++c) {
-    if (system_.channels[c].name.empty()) continue;
-    channel_of_name_.emplace(system_.channels[c].name, c);
-    channel_of_subject_.emplace(system_.channels[c].subject, c);
-  }
-  for (std::size_t n = 0; n < system_.networks.size(); ++n)
-    place_of_name_.emplace(system_.networks[n].name, Place{Place::Kind::network, n});
-  for (std::size_t g = 0; g < system_.gateways.size(); ++g)
-    place_of_name_.emplace(system_.gateways[g].name, Place{Place::Kind::gateway, g});
   decide();
+}
+
+std::optional<std::string> State::exceeds_capacity(std::size_t gateway) const {
+  for (std::size_t c = 0; c < decisions_.size(); ++c) {
+    if (const auto lack =
+            core::exceeds_capacity(system_, members_, c, decisions_[c].verdicts, gateway))
+      return "channel " + system_.channels[c].name + ": " + *lack;
+  }
+  return std::nullopt;
 }
 
 void State::set_condition(std::size_t network, Condition condition) {
   if (condition == world_.conditions[network])
-    new_conditions_.erase(network);
+    new_.conditions.erase(network);
   else
-    new_conditions_.insert_or_assign(network, std::move(condition));
+    new_.conditions.insert_or_assign(network, std::move(condition));
 }
 
 void State::set_graph(std::size_t network, std::optional<mesh::Graph> graph,
                       std::vector<std::string> addresses) {
-  new_graphs_.insert_or_assign(network, NewGraph{std::move(graph), std::move(addresses)});
+  new_.graphs.insert_or_assign(network, NewGraph{std::move(graph), std::move(addresses)});
 }
 
 void State::set_withdrawn(std::size_t channel, bool withdrawn) {
@@ -98,100 +106,13 @@ bool State::is_used(std::size_t channel) const {
          touched_.contains(channel);
 }
 
-/// One that has no name was decided since it had one: nothing of it is granted, even if all
-/// channels are about to be decided again.
-std::optional<std::size_t> State::free_unlisted() const {
-  for (std::size_t end = system_.channels.size(); end > 0; --end) {
-    const std::size_t c = end - 1;
-    if (!system_.channels[c].unlisted) break;
-    if (system_.channels[c].name.empty() || !is_used(c)) return c;
-  }
-  return std::nullopt;
-}
-
-Result<void> State::check_room_for_unlisted(std::size_t channel,
-                                            const UnlistedChannel& wanted) const {
-  std::set<std::size_t> networks(wanted.networks.begin(), wanted.networks.end());
-  for (const UnlistedBinding& b : wanted.bindings) networks.insert(b.network);
-  for (const std::size_t n : networks) {
-    const auto there = std::ranges::count_if(unlisted_, [&](const auto& other) {
-      return other.first != channel && is_used(other.first) && other.second.contains(n);
-    });
-    if (static_cast<std::size_t>(there) >= system_.networks[n].unlisted.most)
-      return fail(system_.networks[n].name + " has " +
-                  many(there, "channel that is", "channels that are") +
-                  " not described, and its Unlisted allows no more");
-  }
-  return {};
-}
-
-Result<void> State::check_same_identifiers(std::size_t channel,
-                                           const UnlistedChannel& wanted) const {
-  for (const UnlistedBinding& b : wanted.bindings) {
-    const Binding* const there = system_.networks[b.network].binding_of(channel);
-    if (there != nullptr && there->id != b.id)
-      return fail("channel " + system_.channels[channel].name + " is admitted on " +
-                  system_.networks[b.network].name + " with another identifier");
-  }
-  return {};
-}
-
-void State::empty_unlisted(std::size_t channel) {
-  channel_of_name_.erase(system_.channels[channel].name);
-  channel_of_subject_.erase(system_.channels[channel].subject);
-  for (const std::size_t n : unlisted_[channel])
-    std::erase_if(system_.networks[n].bindings,
-                  [channel](const Binding& b) { return b.channel == channel; });
-  unlisted_.erase(channel);
-  system_.channels[channel] = {};
-  system_.channels[channel].unlisted = true;
-}
-
 bool State::unlist_unused() {
-  std::vector<std::size_t> unused;
-  for (const auto& [channel, networks] : unlisted_)
-    if (!is_used(channel)) unused.push_back(channel);
-  for (const std::size_t channel : unused) empty_unlisted(channel);
-  return !unused.empty();
+  return unlisted_.remove_unused([this](std::size_t channel) { return is_used(channel); });
 }
 
 Result<std::size_t> State::list(const UnlistedChannel& wanted) {
-  const std::string name = format_subject(wanted.subject);
-  if (wanted.subject == 0) return fail("subject 0 is not valid: a channel has another one");
-  unlist_unused();
-  const auto known = channel_of(wanted.subject);
-  if (known && !system_.channels[*known].unlisted)
-    return fail(name + " is described as channel " + system_.channels[*known].name + ": name that");
-  if (!known && channel_of_name_.contains(name))
-    return fail("a channel of another subject is called " + name);
-  const auto at = known ? known : free_unlisted();
-  if (!at) {
-    // A client that is refused for lack of room asks again. So a refusal that lasts comes first: a
-    // subject that a network does not allow never has room.
-    if (auto allowed = check_unlisted(system_, system_.channels.size(), wanted); !allowed)
-      return std::unexpected(allowed.error());
-    return fail("there is no room for another channel that is not described: " +
-                std::to_string(unlisted_.size()) + " are admitted");
-  }
-  if (auto allowed = check_unlisted(system_, *at, wanted); !allowed)
-    return std::unexpected(allowed.error());
-  if (auto room = check_room_for_unlisted(*at, wanted); !room) return std::unexpected(room.error());
-  if (auto same = check_same_identifiers(*at, wanted); !same) return std::unexpected(same.error());
-  if (auto free = check_foreign(system_, world_.foreign, wanted); !free)
-    return std::unexpected(free.error());
-  EventChannel& channel = system_.channels[*at];
-  channel.name = name;
-  channel.subject = wanted.subject;
-  channel_of_name_.insert_or_assign(name, *at);
-  channel_of_subject_.insert_or_assign(wanted.subject, *at);
-  auto& networks = unlisted_[*at];
-  networks.insert(wanted.networks.begin(), wanted.networks.end());
-  for (const UnlistedBinding& b : wanted.bindings) {
-    networks.insert(b.network);
-    Network& network = system_.networks[b.network];
-    if (network.binding_of(*at) == nullptr) bind(network, *at, b);
-  }
-  return *at;
+  return unlisted_.list(wanted, world_.foreign,
+                        [this](std::size_t channel) { return is_used(channel); });
 }
 
 void State::restore(Admission admission) {
@@ -380,30 +301,158 @@ GateChanges State::gate_changes(const std::vector<Change>& changes, std::size_t 
   return difference(before, after);
 }
 
-// --- names --------------------------------------------------------------------------------------
-
-std::optional<std::size_t> State::find_channel(const std::string& name_or_subject) const {
-  if (const auto subject = parse_subject(name_or_subject)) return channel_of(*subject);
-  const auto it = channel_of_name_.find(name_or_subject);
-  if (it == channel_of_name_.end()) return std::nullopt;
-  return it->second;
+std::vector<Hop> State::hops_of_granted(const Verdict& v) {
+  Situation measuring = situation();
+  measuring.keeps_hops = true;
+  Verdict again = undecided(measuring, v.channel, v.publisher, {v.to, v.subscribers}, v.set);
+  again.route = v.route;
+  const Ledger::Mark before = ledger_.mark();
+  check_route(measuring, ledger_, targets_of(members_, v.channel), again);
+  ledger_.roll_back(before);
+  ledger_.commit();
+  return std::move(again.hops);
 }
 
-std::optional<std::size_t> State::channel_of(Subject subject) const {
-  const auto it = channel_of_subject_.find(subject);
-  if (it == channel_of_subject_.end()) return std::nullopt;
-  return it->second;
+std::vector<Change> State::settle() {
+  const bool permits_are_seen = permits_ == nullptr || seen_permits_.has_seen(*permits_);
+  if (new_.empty() && touched_.empty() && relieved_.empty() && others_stale_.empty() &&
+      permits_are_seen)
+    return {};
+  for (const auto& [network, condition] : new_.conditions) held_.forget(network);
+  return settle_news(*this);
 }
 
-std::optional<Place> State::find_place(const std::string& name) const {
-  const auto it = place_of_name_.find(name);
-  if (it == place_of_name_.end()) return std::nullopt;
-  return it->second;
+// --- where many gateways share networks
+// ------------------------------------------------------------
+
+void State::set_foreign(std::size_t network, cluster::Foreign foreign) {
+  held_.forget(network);
+  if (foreign == world_.foreign[network]) return;
+  world_.foreign[network] = std::move(foreign);
+  note_own_there(network);
+  others_stale_.insert(network);
 }
 
-std::optional<Subject> parse_subject(const std::string& text) {
-  if (!text.starts_with("0x") && !text.starts_with("0X")) return std::nullopt;
-  return number_in<Subject>(std::string_view(text).substr(2), kHexadecimalBase);
+/// In numbers of this gateway: see note_reservations().
+void State::note_own_there(std::size_t network) {
+  own_there_[network] = permits_ != nullptr &&
+                        std::ranges::any_of(world_.foreign[network].rates, [&](const auto& rate) {
+                          return rate.gateway == permits_->self();
+                        });
+}
+
+void State::set_permits(const Permits* permits) {
+  if (permits == permits_) return;
+  permits_ = permits;
+  seen_permits_.reset(system_.networks.size());
+  world_.elects = permits != nullptr;
+  wished_.clear();
+  for (std::size_t n = 0; n < system_.networks.size(); ++n) {
+    note_own_there(n);
+    if (world_.shared[n]) others_stale_.insert(n);
+  }
+  invalidate_all();
+}
+
+void State::share_all(std::size_t gateway) {
+  for (const Port& port : system_.gateways[gateway].ports) world_.shared[port.network] = true;
+}
+
+/// What may not be held any more is decided again, and so is what could be given more.
+void State::note_permits() {
+  if (permits_ == nullptr) return;
+  const PermitWatch::Changes now = seen_permits_.look(*permits_);
+  others_stale_.insert(now.networks.begin(), now.networks.end());
+  for (const PermitWatch::Ended& ended : now.ended) touch_ended(ended.network, ended.since);
+  if (now.disagreed_since) touch_disagreed(*now.disagreed_since);
+  if (!now.more) return;
+  std::ranges::copy_if(wished_, std::inserter(touched_, touched_.end()), [this](std::size_t c) {
+    return !is_best(c) || usage_.detours().contains(c);
+  });
+}
+
+/// Nothing is better than what the channel is given, but for the ways.
+bool State::is_best(std::size_t channel) const {
+  const Decision& now = decisions_[channel];
+  return now.set == 0 && now.granted != 0 && now.all_granted();
+}
+
+/// Channels that may be given less of the network than when that had not ended.
+void State::touch_ended(std::size_t network, std::uint64_t shrunk) {
+  const auto& carried = usage_.carried_by(network);
+  const auto ended = permits_->ended_since(network, shrunk);
+  if (!ended || !ledger_.counts_all(network)) {
+    touched_.insert(carried.begin(), carried.end());
+    return;
+  }
+  for (const cluster::Source& source : *ended) {
+    const auto publisher = source.admission == 0 ? std::optional(source.publisher)
+                                                 : members_.admitted(source.admission).publisher;
+    if (!publisher || (source.admission == 0 && *publisher >= system_.publishers.size())) continue;
+    const std::size_t channel = members_.publisher(*publisher).channel;
+    if (carried.contains(channel)) touched_.insert(channel);
+  }
+  touch_detours(network);
+}
+
+/// Channels of which another gateway may carry less. All of its way leads over shared networks.
+void State::touch_disagreed(std::uint64_t less_agreed) {
+  const auto admissions = permits_->disagreed_since(less_agreed);
+  for (const AdmissionId id : admissions.value_or(std::span<const AdmissionId>()))
+    if (const auto known = admissions_.find(id); known != admissions_.end())
+      touched_.insert(known->second);
+  for (std::size_t n = 0; !admissions && n < system_.networks.size(); ++n)
+    if (world_.shared[n]) touched_.insert(usage_.carried_by(n).begin(), usage_.carried_by(n).end());
+}
+
+/// Which way a delivery takes does not depend on the past where gateways are elected. So one that
+/// does not take its first way is decided again with whatever changes here.
+void State::touch_detours(std::size_t network) {
+  const auto& carried = usage_.carried_by(network);
+  for (const std::size_t c : usage_.detours())
+    if (carried.contains(c)) touched_.insert(c);
+}
+
+/// The publisher of the admission comes or goes, and with it the flows that they are of.
+void State::note_reservations(AdmissionId id) {
+  if (permits_ == nullptr) return;
+  for (std::size_t n = 0; n < system_.networks.size(); ++n)
+    if (own_there_[n] || permits_->has_reserved(n, id)) others_stale_.insert(n);
+}
+
+/// Networks of which nothing can be reserved for a channel now.
+std::map<std::size_t, Obstacle> State::barred_to_wishes(std::size_t channel) {
+  std::map<std::size_t, Obstacle> barred;
+  for (const std::size_t n : shared_ways(situation(), channel)) {
+    const bool known = others_complete_.empty() || others_complete_[n];
+    if (!known || is_uncountable(system_.networks[n], ledger_.schedule(n) != nullptr,
+                                 world_.meshes[n] != nullptr))
+      barred.emplace(n, Obstacle::others_unknown);
+    else if (!ledger_.raise(n))
+      barred.emplace(n, Obstacle::crowded);
+  }
+  return barred;
+}
+
+bool State::is_permitted(const Verdict& v) const {
+  const Situation now = situation();
+  return !unpermitted(now, ledger_, v) && !disagreement(now, v);
+}
+
+std::vector<std::size_t> State::wishes() const {
+  if (permits_ == nullptr) return {};
+  const Place self{Place::Kind::gateway, permits_->self()};
+  const auto is_ours = [&](const Verdict& v) {
+    const auto& routes = topology_.routes(members_.publisher(v.publisher).place, v.to);
+    return std::ranges::any_of(
+        routes, [&](const Route& route) { return std::ranges::find(route, self) != route.end(); });
+  };
+  std::erase_if(wished_, [this](std::size_t c) { return is_best(c); });
+  std::vector<std::size_t> all;
+  std::ranges::copy_if(wished_, std::back_inserter(all), [&](std::size_t c) {
+    return std::ranges::any_of(decisions_[c].verdicts, is_ours);
+  });
+  return all;
 }
 
 }  // namespace mlcca::core

@@ -5,23 +5,23 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <optional>
 #include <set>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "core/admission/admission.hpp"
-#include "core/admission/holders.hpp"
-#include "core/admission/onward.hpp"
+#include "core/admission/held_by_others.hpp"
+#include "core/admission/permit_watch.hpp"
 #include "core/admission/permits.hpp"
-#include "core/admission/unlisted.hpp"
+#include "core/admission/promised.hpp"
+#include "core/admission/unlisted_channels.hpp"
 #include "core/admission/usage.hpp"
 #include "core/admission/world.hpp"
 #include "core/gates/plan.hpp"
 #include "core/model/members.hpp"
+#include "core/model/names.hpp"
 #include "core/model/system.hpp"
 #include "core/model/topology.hpp"
 #include "core/reserve/ledger.hpp"
@@ -144,8 +144,8 @@ class State {
   void set_withdrawn(std::size_t channel, bool withdrawn);
   /// See World::failed.
   void set_failed(std::size_t gateway, bool failed) {
-    new_failed_.erase(gateway);
-    if (failed != world_.failed[gateway]) new_failed_.emplace(gateway, failed);
+    new_.failed.erase(gateway);
+    if (failed != world_.failed[gateway]) new_.failed.emplace(gateway, failed);
   }
 
   // Where many gateways share networks and reserve in one store.
@@ -158,19 +158,9 @@ class State {
   /// the only gateway.
   void set_permits(const Permits* permits);
   [[nodiscard]] const Permits* permits() const { return permits_; }
-  /// From where refusals know who holds what; it must outlive this. Null: they name nobody.
-  void set_holdings(const Holdings* holdings) {
-    holdings_ = holdings;
-    held_.clear();
-  }
-  /// What other gateways have reserved of a network; nothing without set_holdings().
-  [[nodiscard]] const std::vector<HeldBy>& held_by_others(std::size_t network) const;
-  /// If other gateways have reserved more of a network than it has: how much, and who they are.
-  /// Empty otherwise.
-  [[nodiscard]] std::string excess_of_others(std::size_t network) const;
-  /// Of a refusal for want of room on a shared network: which gateways hold it, as the end of the
-  /// line that reason() gives. Empty for all others, and where nobody holds anything.
-  [[nodiscard]] std::string who_holds(const Verdict& verdict) const;
+  /// Who holds what of shared networks, for texts.
+  [[nodiscard]] HeldByOthers& held_by_others() { return held_; }
+  [[nodiscard]] const HeldByOthers& held_by_others() const { return held_; }
 
   /// Others may be on all networks of that gateway: before anything is decided.
   void share_all(std::size_t gateway);
@@ -245,31 +235,38 @@ class State {
   [[nodiscard]] GateChanges gate_changes(const std::vector<Change>& changes, std::size_t gateway,
                                          const FormerRules& left = {}) const;
 
-  /// What the gateway subscribes of a channel on its networks, for subscribers behind it or on it
-  /// that are granted: to the network that the events come from, where that accepts subscriptions.
-  /// Where they have come by another gateway of this description, that one knows who is described,
-  /// and subscribes for them itself.
-  [[nodiscard]] std::vector<OnwardSubscription> onward(std::size_t gateway, std::size_t channel);
+  /// What each hop of a granted delivery provides now. Nothing may be waiting for settle(). The
+  /// ledger is as it was afterwards.
+  [[nodiscard]] std::vector<Hop> hops_of_granted(const Verdict& verdict);
 
-  [[nodiscard]] std::optional<std::size_t> find_channel(const std::string& name_or_subject) const;
-  [[nodiscard]] std::optional<std::size_t> channel_of(Subject subject) const;
-  [[nodiscard]] std::optional<Place> find_place(const std::string& name) const;
+  /// See NameIndex.
+  [[nodiscard]] std::optional<std::size_t> find_channel(const std::string& name_or_subject) const {
+    return names_.find_channel(name_or_subject);
+  }
+  [[nodiscard]] std::optional<std::size_t> channel_of(Subject subject) const {
+    return names_.channel_of(subject);
+  }
+  [[nodiscard]] std::optional<Place> find_place(const std::string& name) const {
+    return names_.find_place(name);
+  }
 
  private:
   friend class Proposal;
-  class Settlement;
+  friend std::vector<Change> settle_news(State& state);
+  class Settlement;  // core/admission/settlement.cc
   [[nodiscard]] Situation situation() const {
     Situation s{system_, topology_, members_, world_, withdrawn_};
     s.permits = permits_;
     s.wished = &wished_;
     return s;
   }
-  [[nodiscard]] Others others_on(std::size_t network, const MeshView* view) const;
+  [[nodiscard]] Others others_on(std::size_t network, const MeshView* view) const {
+    return promised_beside(situation(), network, view);
+  }
   [[nodiscard]] bool has_others(std::size_t network) const {
     return permits_ != nullptr || !world_.foreign[network].empty() || ledger_.has_others(network);
   }
   [[nodiscard]] std::map<std::size_t, Obstacle> barred_to_wishes(std::size_t channel);
-  [[nodiscard]] std::string why_others_unknown(std::size_t network) const;
   void note_reservations(AdmissionId id);
   void note_own_there(std::size_t network);
   void note_permits();
@@ -277,19 +274,10 @@ class State {
   void touch_ended(std::size_t network, std::uint64_t shrunk);
   void touch_disagreed(std::uint64_t less_agreed);
   void touch_detours(std::size_t network);
-  [[nodiscard]] bool are_permits_seen() const;
-  /// What each hop of a granted delivery gives now. Leaves the ledger as it was.
-  [[nodiscard]] std::vector<Hop> hops_of_granted(const Verdict& verdict);
   [[nodiscard]] Decision known(std::size_t channel, const Grants& grants) const;
   bool keep_after_restart(std::size_t channel, const Decision& old);
   void note_age(std::size_t channel);
   [[nodiscard]] bool is_used(std::size_t channel) const;
-  [[nodiscard]] std::optional<std::size_t> free_unlisted() const;
-  [[nodiscard]] Result<void> check_room_for_unlisted(std::size_t channel,
-                                                     const UnlistedChannel& wanted) const;
-  [[nodiscard]] Result<void> check_same_identifiers(std::size_t channel,
-                                                    const UnlistedChannel& wanted) const;
-  void empty_unlisted(std::size_t channel);
   void forget_deliveries(std::size_t channel, AdmissionId leaving);
 
   System system_;
@@ -302,32 +290,27 @@ class State {
   std::vector<std::uint64_t> ages_;  // of each channel: id of its oldest admission, 0: described
   Usage usage_;
   std::map<AdmissionId, std::size_t> admissions_;
-  /// Of channels that are not described: the networks where they begin, end or have an identifier.
-  std::map<std::size_t, std::set<std::size_t>> unlisted_;
+  NameIndex names_{system_};
+  UnlistedChannels unlisted_{system_, names_};
 
-  std::map<std::size_t, Condition> new_conditions_;
   struct NewGraph {
     std::optional<mesh::Graph> graph;
     std::vector<std::string> addresses;
   };
-  std::map<std::size_t, NewGraph> new_graphs_;
-  std::map<std::size_t, bool> new_failed_;  // by gateway
-  std::unordered_map<std::string, std::size_t> channel_of_name_;
-  std::unordered_map<Subject, std::size_t> channel_of_subject_;
-  std::unordered_map<std::string, Place> place_of_name_;
-
-  /// What held_by_others() has found, as long as that lasts.
-  struct Held {
-    std::shared_ptr<const MeshView> view;
-    std::vector<HeldBy> by;
+  /// What has been set since the last settle().
+  struct News {
+    std::map<std::size_t, Condition> conditions;  ///< by network
+    std::map<std::size_t, NewGraph> graphs;       ///< by network
+    std::map<std::size_t, bool> failed;           ///< by gateway
+    [[nodiscard]] bool empty() const {
+      return conditions.empty() && graphs.empty() && failed.empty();
+    }
   };
-  const Holdings* holdings_ = nullptr;
-  mutable std::map<std::size_t, Held> held_;  // by network
+  News new_;
 
+  HeldByOthers held_{system_, world_, ledger_};
   const Permits* permits_ = nullptr;
-  std::vector<std::uint64_t> seen_grown_;  // of the permits, by network
-  std::vector<std::uint64_t> seen_shrunk_;
-  std::uint64_t seen_more_agreed_ = 0, seen_less_agreed_ = 0;
+  PermitWatch seen_permits_;
   std::vector<bool> own_there_;         // by network: among what others hold is this gateway's own
   std::set<std::size_t> others_stale_;  // networks of which others hold something else now
   std::vector<bool> others_complete_;   // by network: all is known that others hold
@@ -337,8 +320,5 @@ class State {
   std::set<std::size_t> touched_;   // channels that must be decided again
   std::set<std::size_t> relieved_;  // resources that carry less now
 };
-
-/// 64-bit subject of "0x…" with up to 16 hex digits; nothing otherwise.
-[[nodiscard]] std::optional<Subject> parse_subject(const std::string& text);
 
 }  // namespace mlcca::core

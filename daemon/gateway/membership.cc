@@ -189,7 +189,7 @@ core::FormerRules Membership::take_up_state(bool is_in_force) {
   if (!member_ || parts_.scene.digest != digest_ || parts_.scene.self != self_) begin();
   state.set_permits(nullptr);
   state.set_permits(&networks_->permits());
-  state.set_holdings(this);
+  state.held_by_others().set_source(this);
   for (const cc::Event& event : std::exchange(early_, {})) take_in(event);
   adopting_->restore();
   forget_orphans();

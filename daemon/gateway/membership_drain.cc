@@ -106,7 +106,7 @@ void Membership::add_troubles(std::vector<std::string>& to) const {
           fmt::format("cluster {}: what the store has of {} cannot be read: nothing more "
                       "is granted there: {}",
                       system_, now.system().networks[n].name, words));
-    if (const auto words = now.excess_of_others(n); !words.empty())
+    if (const auto words = now.held_by_others().excess(n); !words.empty())
       to.push_back(fmt::format("cluster {}: {}", system_, words));
   }
   if (const auto words = cc::unreadable_words(records, *keys_); !words.empty())

@@ -115,7 +115,8 @@ std::string why(const core::State& state, const core::Verdict& v) {
     if (const auto* found =
             state.world().conditions[v.obstacle_at.index].contradiction_of(v.channel))
       problem = found->how;
-  return core::reason(state.system(), state.members(), v, problem) + state.who_holds(v);
+  return core::reason(state.system(), state.members(), v, problem) +
+         state.held_by_others().of_refusal(v);
 }
 
 control::MediumUse medium_report(const core::State& state, const core::Verdict& v,

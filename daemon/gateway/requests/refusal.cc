@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/text.hpp"
+#include "core/admission/onward.hpp"
 #include "core/model/text.hpp"
 #include "daemon/gateway/event_log.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
@@ -27,7 +28,7 @@ Response refusal(Context& context, const Asker& asker, const control::RefusalReq
   core::State& state = *context.scene.state;
   const auto channel = channel_named(state, core::format_subject(request.subject));
   if (!channel) return invalid(channel.error().text);
-  const auto onward = state.onward(context.scene.self, *channel);
+  const auto onward = core::onward_of(state, context.scene.self, *channel);
   const bool is_ours = std::ranges::any_of(onward, [&](const core::OnwardSubscription& one) {
     return state.system().networks[one.network].name == request.network;
   });

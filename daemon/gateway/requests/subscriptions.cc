@@ -30,7 +30,7 @@ void add_channel(Context& context, std::size_t channel, control::Subscriptions& 
   core::State& state = *context.scene.state;
   const core::System& system = state.system();
   const core::EventChannel& described = system.channels[channel];
-  for (const core::OnwardSubscription& one : state.onward(context.scene.self, channel))
+  for (const core::OnwardSubscription& one : core::onward_of(state, context.scene.self, channel))
     to.onward.push_back({.subject = described.subject,
                          .channel = described.name,
                          .network = system.networks[one.network].name,

@@ -130,9 +130,9 @@ System accepting(Value bridge_omission) {
 
 TEST(OnwardTest, AGatewaySubscribesWhereTheEventsComeFrom) {
   State state(accepting(1));
-  EXPECT_TRUE(state.onward(kBridge, 0).empty());
+  EXPECT_TRUE(onward_of(state, kBridge, 0).empty());
   state.propose(subscription(1, heart_beat())).accept();
-  const auto onward = state.onward(kBridge, 0);
+  const auto onward = onward_of(state, kBridge, 0);
   ASSERT_EQ(onward.size(), 1U);
   EXPECT_EQ(onward[0].channel, 0U);
   EXPECT_EQ(onward[0].network, kSecondCan);
@@ -143,7 +143,7 @@ TEST(OnwardTest, AGatewaySubscribesWhereTheEventsComeFrom) {
   EXPECT_EQ(onward[0].required[Attribute::period], 50 * kMs);
   EXPECT_TRUE(state.remove(1));
   state.settle();
-  EXPECT_TRUE(state.onward(kBridge, 0).empty());
+  EXPECT_TRUE(onward_of(state, kBridge, 0).empty());
 }
 
 TEST(OnwardTest, TheStricterOfTwoSubscribersIsPassedOn) {
@@ -152,7 +152,7 @@ TEST(OnwardTest, TheStricterOfTwoSubscribersIsPassedOn) {
   Admission strict = subscription(2, heart_beat().set(Attribute::omission, 4));
   strict.subscriber->place = gateway(kBridge);
   state.propose(std::move(strict)).accept();
-  const auto onward = state.onward(kBridge, 0);
+  const auto onward = onward_of(state, kBridge, 0);
   ASSERT_EQ(onward.size(), 1U);
   EXPECT_EQ(onward[0].required[Attribute::omission], 2U);  // of the publisher
 }
@@ -161,7 +161,7 @@ TEST(OnwardTest, ADescribedSubscriberIsPassedOnLikeOneThatWasAdmitted) {
   System system = accepting(0);
   system.subscribers.push_back(subscriber("motors", network(kRobotCan), heart_beat()));
   State state(std::move(system));
-  const auto onward = state.onward(kBridge, 0);
+  const auto onward = onward_of(state, kBridge, 0);
   ASSERT_EQ(onward.size(), 1U);
   EXPECT_EQ(onward[0].network, kSecondCan);
   EXPECT_EQ(onward[0].required[Attribute::deadline], 43 * kMs);
@@ -173,7 +173,7 @@ TEST(OnwardTest, ADescribedSubscriberOnTheGatewayItselfIsPassedOn) {
   System system = accepting(0);
   system.subscribers.push_back(subscriber("logger", gateway(kBridge), heart_beat()));
   State state(std::move(system));
-  const auto onward = state.onward(kBridge, 0);
+  const auto onward = onward_of(state, kBridge, 0);
   ASSERT_EQ(onward.size(), 1U);
   EXPECT_EQ(onward[0].network, kSecondCan);
   EXPECT_EQ(onward[0].required[Attribute::deadline], 50 * kMs);  // there is nothing behind
@@ -194,13 +194,13 @@ TEST(OnwardTest, ADescribedSubscriberIsNotPassedOnToAGatewayOfTheSameDescription
   system.subscribers.push_back(subscriber("motors", network(kRobotCan), heart_beat()));
   State state(std::move(system));
   ASSERT_EQ(state.granted(), 1U);
-  EXPECT_TRUE(state.onward(kBridge, 0).empty());
-  const auto first = state.onward(1, 0);
+  EXPECT_TRUE(onward_of(state, kBridge, 0).empty());
+  const auto first = onward_of(state, 1, 0);
   ASSERT_EQ(first.size(), 1U) << "the first gateway of the way begins";
   EXPECT_EQ(first[0].network, third);
   // Who was admitted at one gateway alone is not known to the other one.
   state.propose(subscription(1, heart_beat())).accept();
-  const auto onward = state.onward(kBridge, 0);
+  const auto onward = onward_of(state, kBridge, 0);
   ASSERT_EQ(onward.size(), 1U);
   EXPECT_EQ(onward[0].network, kSecondCan);
   EXPECT_FALSE(onward[0].described);
@@ -212,7 +212,7 @@ TEST(OnwardTest, NothingIsPassedOnToANetworkThatAcceptsNoSubscriptions) {
   system.networks[kSecondCan].subscriptions.accept = Subscribing::nobody;
   State state(std::move(system));
   state.propose(subscription(1, heart_beat())).accept();
-  EXPECT_TRUE(state.onward(kBridge, 0).empty());
+  EXPECT_TRUE(onward_of(state, kBridge, 0).empty());
 }
 
 /// What is asked leaves nothing behind in the ledger.
@@ -225,7 +225,7 @@ TEST(OnwardTest, AnAdmittedPublisherCanLeaveAfterIt) {
   spare.publisher = state.system().publishers[0];
   spare.publisher->name = "spare";
   state.restore(std::move(spare));
-  ASSERT_EQ(state.onward(kBridge, 0).size(), 1U);
+  ASSERT_EQ(onward_of(state, kBridge, 0).size(), 1U);
   EXPECT_TRUE(state.remove(1));
   state.settle();
   EXPECT_EQ(state.granted(), 1U);

@@ -52,13 +52,13 @@ std::string refusal(State& state, const Admission& admission) {
   const Proposal wish = state.wish(admission);
   EXPECT_FALSE(wish.fit());
   const Verdict& v = *wish.verdicts().front();
-  return reason(state.system(), state.members(), v) + state.who_holds(v);
+  return reason(state.system(), state.members(), v) + state.held_by_others().of_refusal(v);
 }
 
 /// The first gateway with what the others hold.
 struct One {
   explicit One(const System& system) : baseline(system), peer(system, baseline, 0, store) {
-    peer.state.set_holdings(&stated);
+    peer.state.held_by_others().set_source(&stated);
   }
   void read(std::size_t network) {
     stated.there = network;
@@ -122,7 +122,7 @@ TEST(HoldersTest, ARefusalForTheScheduleOfABusNamesMessagesAndTime) {
   Stated stated;
   stated.there = kShared;
   stated.held = pair.store.without(1, kShared);
-  pair[1].state.set_holdings(&stated);
+  pair[1].state.held_by_others().set_source(&stated);
   Admission b = both_ends(first, 2, every(5 * kMs, 4 * kMs), 1);
   b.publisher->place = at(1);
   const std::string text = refusal(pair[1].state, b);
@@ -188,7 +188,9 @@ TEST(HoldersTest, WhoeverClaimsMoreThanThereIsIsNamed) {
   System system = six_gateways();
   add_channel(system, every(50 * kMs));
   One one(system);
-  const auto excess = [&](std::size_t network) { return one.peer.state.excess_of_others(network); };
+  const auto excess = [&](std::size_t network) {
+    return one.peer.state.held_by_others().excess(network);
+  };
   one.stated.add_rate(1, 3'000);
   one.stated.add_rate(2, 1'000);
   one.read(kWire);
