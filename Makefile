@@ -174,6 +174,7 @@ check-quick: check-layers check-format ## what a commit breaks most easily: laye
 
 check-layers: ## who may include whom, and no name that means another thing in a bundle
 	$(Q)tests/support/check-layers
+	$(Q)tests/support/check-classes
 	$(Q)tests/mutants/run check
 	$(Q)tests/support/check-bundles
 

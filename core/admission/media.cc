@@ -10,6 +10,7 @@
 #include "core/can/of_system.hpp"
 #include "core/gates/relay_gate.hpp"
 #include "core/mesh/roles.hpp"
+#include "core/model/carrier.hpp"
 #include "core/model/medium.hpp"
 #include "mlcca/arithmetic.hpp"
 #include "mlcca/check.hpp"
@@ -76,6 +77,8 @@ std::vector<std::uint32_t> exits(const Situation& s, const Verdict& v, std::size
   }
   return nodes;
 }
+
+constexpr unsigned kAddressBits = 8;  // width of an address in can::Message::sender
 
 }  // namespace
 
@@ -492,6 +495,38 @@ void Media::take_mesh(std::size_t hop) {
   provide_events(provision, offered, c.best_case);
   if (c.available != kUnbounded) compare_medium_time(c, hop);
   v_.media.push_back(std::move(c.use));
+}
+
+// --- senders of messages -------------------------------------------------------------------------
+
+/// The pauses of the sender between the frames of an event, in ns; 0 if the kernel forwards the
+/// frames. A stated provision is one of single frames, so the pauses are added to it.
+Value Media::pauses_at(std::size_t hop) const {
+  if (is_forwarded(s_.system, places_, hop)) return 0;
+  const Network& network = s_.system.networks[places_[hop].index];
+  const AttributeSet& offered = attributes_in(s_.members.publisher(v_.publisher), v_.set);
+  return pauses_of(network, network.binding_of(v_.channel), offered[Attribute::max_payload]);
+}
+
+std::uint32_t Media::sender_queue(std::size_t hop) const {
+  const Place sender = hop > 0 ? places_[hop - 1] : v_.route.front();
+  if (sender.kind != Place::Kind::gateway) return can::kOwnQueue;
+  return queue_of(s_.system, sender.index, places_[hop].index);
+}
+
+/// Sets the message's sender to the owner of the source address on that bus: a node, mlcca-relay, a
+/// program of a user, or the bus from which the kernel forwards. In the last case the pauses are
+/// already part of the jitter.
+void Media::name_sender(std::size_t hop, const Publisher& publisher, can::Message& message) const {
+  constexpr std::uint32_t of_user = 1U << 31U;
+  std::uint32_t who = 0;
+  if (is_forwarded(s_.system, places_, hop)) {
+    message.pauses = 0;
+    who = static_cast<std::uint32_t>(places_[hop - 2].index + 1) << kAddressBits;
+  } else if (hop == 0 && publisher.place.kind == Place::Kind::gateway) {
+    who = of_user | publisher.uid.value_or(0) << kAddressBits;
+  }
+  message.sender |= who;
 }
 
 }  // namespace mlcca::core

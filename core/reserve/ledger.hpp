@@ -112,7 +112,7 @@ class Ledger {
   /// The same for the domains of a mesh.
   void set_domains(std::size_t network, std::size_t count);
 
-  // What is promised to others, and what is promised here and not held (core/reserve/others.cc). A
+  // What is promised to others, and what is promised here and not held. A
   // placeholder counts in full, whether or not its flow is carried and whatever is held of it: all
   // others count it so, too. Only one that did not fit does not, or that was given up (relax()).
   // Without any, none of this costs anything.

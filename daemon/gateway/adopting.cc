@@ -6,8 +6,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <map>
+#include <optional>
+#include <string>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "base/sha256.hpp"
 #include "control/protobuf.hpp"
@@ -38,6 +41,31 @@ WhichRequest which_of(std::size_t gateway, const control::Request& request) {
   hash.add(
       control::bytes_of(control::Request{.id = 0, .body = requests::what_others_need(request)}));
   return {.gateway = gateway, .number = request.id, .content = hash.digest()};
+}
+
+/// Whether it brings a publisher, or names one.
+bool has_publisher(const control::Request& request) {
+  return !std::get<control::Admit>(request.body).from.empty();
+}
+
+/// `other` with the publisher of `one`, which has one; nullopt if `other` brings its own, or names
+/// another one.
+std::optional<control::Request> with_publisher_of(const control::Request& one,
+                                                  const control::Request& other) {
+  const auto& first = std::get<control::Admit>(one.body);
+  control::Request both = other;
+  auto& second = std::get<control::Admit>(both.body);
+  if (describes_publisher(second) || (!second.from.empty() && second.from != first.from))
+    return std::nullopt;
+  second.from = first.from;
+  second.from_node = first.from_node;
+  second.publisher = first.publisher;
+  second.address = first.address;
+  second.node = first.node;
+  second.priority = first.priority;
+  second.user = first.user;
+  second.offered = first.offered;
+  return both;
 }
 
 }  // namespace
@@ -461,6 +489,139 @@ bool Adopting::has(core::AdmissionId id) const {
 bool Adopting::is_twin(core::AdmissionId id) const {
   const Adopted* const holder = holder_of(id);
   return holder != nullptr && is_made_for_this(*holder);
+}
+
+// --- on behalf of other gateways -----------------------------------------------------------------
+
+Adopting::Adopted* Adopting::find(const Ref& ref) {
+  const auto it = adopted_.find({ref.origin.gateway, ref.origin.id});
+  return it == adopted_.end() || it->second.number != ref.number ? nullptr : &it->second;
+}
+
+/// The other gateway asks again after a refusal, unless the publisher is gone.
+void Adopting::answer(Adopted& adopted, const std::string& why) {
+  adopted.answer = vote_of(why);
+  adopted.answer.final =
+      !why.empty() && !adopted.ours.empty() && hands_.is_publisher_gone(adopted.ours.front());
+  set_due(adopted, Due::answer);
+}
+
+/// Asks the store for what the subscriber of another gateway needs. The vote is the result.
+void Adopting::begin_on_behalf(Adopted& adopted) {
+  const auto& requests = adopted.asked->requests;
+  if (requests.size() != 1 || describes_publisher(std::get<control::Admit>(requests.front().body)))
+    return answer(adopted, "what is asked for is not understood here");
+  const WhichRequest& which = adopted.asks.back();
+  if (const std::string why = end_former(adopted, which); !why.empty()) return answer(adopted, why);
+  if (requests_.held(which) != nullptr) return answer(adopted, kAskedBefore);
+  hold(adopted, which, with_own_number(requests.front()));
+  const Ref ref{.origin = adopted.origin, .number = adopted.number};
+  const auto asked = hands_.ask({.decide = [this, ref] { return wish_on_behalf(ref); },
+                                 .granted = [this, ref] { return open_on_behalf(ref); },
+                                 .refused =
+                                     [this, ref](const std::string& why) {
+                                       if (auto* const there = find(ref)) answer(*there, why);
+                                     },
+                                 .gateway = ref.origin.gateway,
+                                 .adopted = ref.number});
+  if (!asked) answer(adopted, asked.error().text);
+}
+
+/// An earlier process of this gateway may have admitted it, and it is reserved.
+void Adopting::resume(Adopted& adopted) {
+  const auto& requests = adopted.asked->requests;
+  const auto found = found_.find({hands_.name_of(adopted.origin.gateway), adopted.origin.id});
+  if (found == found_.end() || requests.size() != 1 ||
+      found->second.body != requests.front().body || requests_.held(adopted.asks.back()) != nullptr)
+    return;
+  hold(adopted, adopted.asks.back(), found->second);
+  adopted.open = true;
+  set_due(adopted, Due::resume);
+  found_.erase(found);
+}
+
+std::optional<Reserving::Wish> Adopting::wish_on_behalf(const Ref& ref) {
+  auto* const adopted = find(ref);
+  if (adopted == nullptr) return std::nullopt;
+  auto wish = hands_.wish(adopted->ours.front(), ref.origin.gateway);
+  if (!wish) {
+    answer(*adopted, wish.error().text);
+    return std::nullopt;
+  }
+  wish->asked.for_gateway = hands_.name_of(ref.origin.gateway);
+  wish->asked.for_number = ref.origin.id;
+  return std::move(*wish);
+}
+
+bool Adopting::open_on_behalf(const Ref& ref) {
+  auto* const adopted = find(ref);
+  if (adopted == nullptr) return false;
+  const auto done = hands_.admit(adopted->ours.front());
+  adopted->open = done.has_value();
+  answer(*adopted, done ? std::string() : done.error().text);
+  return adopted->open;
+}
+
+bool Adopting::keep_found(const cluster::Asked& asked) {
+  if (asked.for_gateway.empty() || asked.requests.size() != 1) return false;
+  found_.insert_or_assign(For(asked.for_gateway, asked.for_number), asked.requests.front());
+  return true;
+}
+
+void Adopting::publishers_gone() { to_check_.insert(on_behalf_.begin(), on_behalf_.end()); }
+
+bool Adopting::ends_with_publisher(Adopted& adopted) {
+  if (!adopted.open || !hands_.is_without_publisher(adopted.ours.front())) return false;
+  close(adopted);
+  answer(adopted, "the publisher that it is for is not admitted any more");
+  return true;
+}
+
+void Adopting::withdrawn(core::AdmissionId id, const std::string& why) {
+  const auto holder = holders_.find(id);
+  if (holder == holders_.end()) return;
+  Adopted& adopted = adopted_.at(holder->second);
+  if (!adopted.is_on_behalf() || !adopted.open) return;
+  close(adopted);
+  answer(adopted, why);
+}
+
+// --- what does not fit ---------------------------------------------------------------------------
+
+/// Each request is tried alone, and one that only adds a subscriber also with publishers that come
+/// with it. On average each request has one further try. What comes only for its publisher need not
+/// fit.
+std::string Adopting::misfit(const Adopted& adopted) const {
+  if (!mapped(adopted)) return "it takes traffic of an admission that is not known here";
+  std::size_t further = adopted.ours.size();
+  std::vector<const control::Request*> publishers;
+  for (std::size_t i = 0; i < adopted.ours.size(); ++i) {
+    const control::Request& request = adopted.ours[i];
+    std::string why = is_also(adopted, adopted.theirs[i]) ? std::string() : hands_.misfit(request);
+    for (auto it = publishers.begin(); it != publishers.end() && !why.empty(); ++it) {
+      const auto both = with_publisher_of(**it, request);
+      if (!both) continue;
+      if (further == 0) return why;
+      --further;
+      why = hands_.misfit(*both);
+    }
+    if (!why.empty()) return why;
+    if (has_publisher(request)) publishers.push_back(&request);
+  }
+  return misfit_of_held(adopted);
+}
+
+/// Of what another admission of the same gateway holds, and this one asks for, too.
+std::string Adopting::misfit_of_held(const Adopted& adopted) const {
+  for (const WhichRequest& which : adopted.asks) {
+    const auto* const held = requests_.held(which);
+    const bool is_of_another = held != nullptr && held->holder != key_of(adopted);
+    const control::Request* const there =
+        is_of_another && !is_also(adopted, which) ? ours_of(which) : nullptr;
+    if (there == nullptr) continue;
+    if (std::string why = hands_.misfit(*there); !why.empty()) return why;
+  }
+  return {};
 }
 
 }  // namespace mlcca

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/gateway/rollout.hpp"
 
+#include <fmt/core.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <optional>
 #include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
+#include "base/many.hpp"
 #include "core/cluster/keys.hpp"
 #include "core/cluster/shared.hpp"
 #include "daemon/gateway/stored_octets.hpp"
@@ -28,6 +33,64 @@ std::vector<std::string> chunks_of(const std::string& text) {
     chunks.push_back(text.substr(at, cc::kMostChunkBytes));
   return chunks;
 }
+
+constexpr const char* kUnchecked =
+    "whether this description takes others off a network is not known: the one in force in the "
+    "cluster is not kept here";
+
+void note_damage(Described& described, const std::string& damage) {
+  if (!damage.empty()) described.notes.push_back("what is kept of the cluster: " + damage);
+}
+
+/// The description that a rollout has put in force in place of the file; nullopt if its text is
+/// lost or damaged.
+std::optional<Described> rolled_out(Described& file, const TextSource& rolled,
+                                    const ReadText& read_text) {
+  std::string damage;
+  const auto text = rolled.text(damage);
+  note_damage(file, damage);
+  if (!text) return std::nullopt;
+  auto other = read_text(*text);
+  if (!other || other->digest != rolled.digest) return std::nullopt;
+  other->file_digest = file.file_digest;
+  other->notes = std::move(file.notes);
+  return std::move(*other);
+}
+
+using SharedPorts = std::optional<std::vector<cc::SharedPort>>;
+
+/// The shared ports of the description in force; nullopt if its text is not available.
+SharedPorts ports_in(const TextSource& in_force, const ReadText& read_text, Described& file) {
+  std::string damage;
+  const auto text = in_force.text(damage);
+  note_damage(file, damage);
+  if (!text) return std::nullopt;
+  const auto known = read_text(*text);
+  if (!known || known->digest != in_force.digest) return std::nullopt;
+  return cc::shared_ports(known->state->system(), known->self);
+}
+
+/// Checks that a file which is not the description in force takes no other gateways off a network.
+/// If that is not known, the file is refused; at a start it is loaded, and others are assumed to be
+/// on all networks.
+DescribedResult held_against(Described file, const SharedPorts& in_force, bool starts) {
+  if (!in_force && !starts) {
+    std::vector<std::string> lines{kUnchecked};
+    lines.insert(lines.end(), file.notes.begin(), file.notes.end());
+    return std::unexpected(StartError{.lines = std::move(lines)});
+  }
+  if (!in_force) {
+    file.notes.push_back(std::string(kUnchecked) + ": all its networks are closed until it is");
+    file.unchecked = true;
+    file.state->share_all(file.self);
+    return file;
+  }
+  std::string why = cc::no_longer_shared(*in_force, file.state->system(), file.self);
+  if (why.empty()) return file;
+  return std::unexpected(StartError{.lines = {std::move(why)}, .bad_input = true});
+}
+
+Response not_handed_over(const std::string& why) { return failed("nothing was changed: " + why); }
 
 }  // namespace
 
@@ -411,6 +474,143 @@ void Rollout::finish(const std::string& why) {
   const EventLog::Acting acting(parts_.log, own_.actor);
   parts_.log.warning(Kind::rollout, fmt::format("description {} does not come into force: {}",
                                                 shown_digits(own_.digest), why));
+}
+
+// --- the description to be loaded ----------------------------------------------------------------
+
+/// A file that has changed since the rollout is what the operator wants, so it takes precedence.
+ReadDescription Rollout::reader(ReadDescription read, const cc::Member* member) const {
+  const auto source = [&](const Digest& digest) {
+    return TextSource{.digest = digest,
+                      .kept = parts_.texts.reader(),
+                      .stored = member == nullptr ? nullptr : in_store(digest, *member)};
+  };
+  const Scene& scene = parts_.scene;
+  SharedPorts here;
+  if (scene.state && scene.digest == following_.in_force)
+    here = cc::shared_ports(scene.state->system(), scene.self);
+  return [read = std::move(read), rolled = source(following_.rolled),
+          in_force = source(following_.in_force), here = std::move(here), following = following_,
+          read_text = parts_.read, starts = member == nullptr]() -> DescribedResult {
+    auto file = read();
+    if (!file) return file;
+    file->file_digest = file->digest;
+    if (following.replaces(file->digest))
+      if (auto other = rolled_out(*file, rolled, read_text)) return std::move(*other);
+    if (file->digest == in_force.digest || in_force.digest == Digest{}) return file;
+    const SharedPorts ports = here ? here : ports_in(in_force, read_text, *file);
+    return held_against(std::move(*file), ports, starts);
+  };
+}
+
+// --- requests of clients -------------------------------------------------------------------------
+
+void Rollout::session_closed(std::uint64_t session) { uploads_.end(session); }
+
+Response Rollout::take(const Asker& asker, const control::RolloutRequest& request,
+                       const cc::Member& member) {
+  const std::uint64_t session = asker.peer.session;
+  if (request.back || request.accept) {
+    uploads_.end(session);
+    return request.back ? back(request, member) : accept(member);
+  }
+  if (request.more) {
+    const auto size = uploads_.add(session, asker.peer.uid, request.part);
+    if (!size) return not_handed_over(size.error().text);
+    return control::Done{many(*size, "byte")};
+  }
+  auto text = uploads_.finish(session, asker.peer.uid, request.part);
+  if (!text) return not_handed_over(text.error().text);
+  return begin(std::move(*text), request.without, member);
+}
+
+Response Rollout::begin(std::string text, const std::vector<std::string>& without,
+                        const cc::Member& member) {
+  const auto& keys = member.view().keys();
+  if (text.empty()) return invalid("there is no description");
+  for (const std::string& name : without) {
+    if (keys.gateway(name) == member.self())
+      return invalid(name + " is this gateway, which is not off");
+  }
+  const auto& next = member.view().records().next;
+  if (next.mod != 0 && !next.value)
+    return failed(
+        "nothing was changed: what is proposed in the store cannot be read (d/next); it is removed "
+        "after two minutes");
+  const bool gives_way = cc::Rollouts::gives_way(member.view().records(), without);
+  const bool open = check_ || next_check_ || staged_ || own_.state == "staging" ||
+                    own_.state == "judged" || (next.mod != 0 && !gives_way);
+  if (open) return failed("nothing was changed: another description is being rolled out");
+  own_ = Own{.number = own_.number + 1,
+             .digest = {},
+             .state = "checking",
+             .why = {},
+             .without = without,
+             .actor = parts_.log.actor()};
+  next_check_ =
+      std::make_shared<Check>(Check{.why = Why::propose,
+                                    .digest = {},
+                                    .text = std::make_shared<const std::string>(std::move(text))});
+  return state(member);
+}
+
+Response Rollout::back(const control::RolloutRequest& request, const cc::Member& member) {
+  const auto& current = member.view().records().current.value;
+  if (!current || current->former == Digest{})
+    return failed("nothing was changed: there was no description before");
+  // The one before may be coming back already.
+  const Digest& before = current->undone && !current->open ? current->digest : current->former;
+  auto text = kept(before);
+  if (const Text stored = text ? nullptr : in_store(before, member)) text = *stored;
+  if (!text)
+    return failed(fmt::format("nothing was changed: description {} is not kept any more",
+                              shown_digits(before)));
+  return begin(std::move(*text), request.without, member);
+}
+
+Response Rollout::accept(const cc::Member& member) {
+  const auto& current = member.view().records().current.value;
+  if (!current) return failed("nothing was changed: no description is in force in the cluster");
+  if (current->digest == parts_.scene.digest)
+    return control::Done{"this gateway has the description that is in force: nothing was changed"};
+  if (!in_store(current->digest, member) && !kept(current->digest))
+    return failed(fmt::format("nothing was changed: the store does not have the text of {}",
+                              shown_digits(current->digest)));
+  following_.wanted = current->digest;
+  return control::Done{
+      fmt::format("description {} is taken up from the cluster", shown_digits(current->digest))};
+}
+
+control::Rollout Rollout::state(const cc::Member& member) const {
+  const auto& view = member.view();
+  const auto& records = view.records();
+  control::Rollout out{.number = own_.number,
+                       .state = own_.state,
+                       .why = own_.why,
+                       .waiting = {},
+                       .description = hex_of_digest(parts_.scene.digest)};
+  if (const auto& current = records.current.value) {
+    out.current = hex_of_digest(current->digest);
+    out.former = hex_of_digest(current->former);
+    out.open = current->open;
+    out.generation = current->generation;
+  }
+  const auto& next = records.next.value;
+  if (next) {
+    out.next = hex_of_digest(next->digest);
+    out.by = next->by;
+  }
+  for (std::size_t g = 0; g < view.keys().gateways(); ++g) {
+    const std::string& name = view.keys().gateway_name(g);
+    const auto& vote = records.rollout_votes[g].value;
+    const bool voted = vote && vote->next == records.next.mod;
+    const bool is_off = next && std::ranges::find(next->without, name) != next->without.end();
+    const bool missing = next ? !voted && !is_off
+                              : records.current.value && !records.current.value->open &&
+                                    !core::cluster::Rollouts::is_in(view, g);
+    if (missing) out.waiting.push_back(name);
+  }
+  return out;
 }
 
 }  // namespace mlcca
