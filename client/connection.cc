@@ -230,7 +230,7 @@ void Client::Connection::ask(const PartOf& part) {
     return;
   }
   part->asked = ++last_id_;
-  asked_.emplace(part->asked, Asked{part});
+  asked_.emplace(part->asked, PendingRequest{part});
   out_ += request;
 }
 
@@ -376,7 +376,7 @@ void Client::Connection::on_reply(control::Reply reply) {
     return;
   }
   if (found->second.whole->more) return;
-  const Asked asked = std::move(found->second);
+  const PendingRequest asked = std::move(found->second);
   asked_.erase(found);
   retry_ = options_.first_retry;
   if (const PartOf part = asked.part.lock()) on_answer(part, *asked.whole);

@@ -46,7 +46,7 @@ class Client::Connection {
 
  private:
   /// A request that has not been answered completely. Its channel may have been destroyed.
-  struct Asked {
+  struct PendingRequest {
     std::weak_ptr<Channel::Part> part;
     std::optional<control::Reply> whole{};  ///< the slices of the reply received so far, joined
     /// Channels in these slices; bounded, since the daemon is not trusted to end.
@@ -102,7 +102,7 @@ class Client::Connection {
   bool hangs_ = false;       ///< it has not answered the ping in time
   bool knows_pings_ = true;  ///< false: an older daemon, which closes the connection instead
   /// Pending requests by their ids.
-  std::map<std::uint64_t, Asked> asked_;
+  std::map<std::uint64_t, PendingRequest> asked_;
   std::vector<std::weak_ptr<Channel::Part>> parts_;
   Data data_{epoll_};
 };

@@ -114,15 +114,15 @@ std::string render(const control::Audit& audit, Color color) {
   if (audits) out += '\n';
   if (audit.findings.empty())
     return out + "\nnothing was refused when the gates were last read, about a second ago\n";
-  Table table({{"INTERFACE"},
-               {"WAY"},
-               {"FRAME OR DELIVERY"},
-               {"SENDER"},
-               {"WOULD DROP", Align::right},
-               {"DROPPED", Align::right},
-               {"FIRST"},
-               {"LATEST"},
-               {"WHY"}});
+  TextTable table({{"INTERFACE"},
+                   {"WAY"},
+                   {"FRAME OR DELIVERY"},
+                   {"SENDER"},
+                   {"WOULD DROP", Align::right},
+                   {"DROPPED", Align::right},
+                   {"FIRST"},
+                   {"LATEST"},
+                   {"WHY"}});
   const auto number = [](const control::Finding& f, std::uint64_t n) {
     if (n == 0) return std::string();
     return fmt::format("{}{}", f.at_least ? "at least " : "", n);

@@ -52,12 +52,12 @@ std::string provided(const control::Row& row) {
 }
 
 std::string rows_of(const control::Channel& channel, Color color) {
-  Table table({{"WHERE"},
-               {"ATTRIBUTE"},
-               {"REQUIRED", Align::right},
-               {"PROVIDED", Align::right},
-               {"OUTCOME"},
-               {"MARGIN"}});
+  TextTable table({{"WHERE"},
+                   {"ATTRIBUTE"},
+                   {"REQUIRED", Align::right},
+                   {"PROVIDED", Align::right},
+                   {"OUTCOME"},
+                   {"MARGIN"}});
   for (const auto& row : channel.rows)
     table.add({{row.where},
                {row.attribute},
@@ -202,19 +202,19 @@ std::string left_out_text(const control::Channels& channels, Color color) {
 }  // namespace
 
 std::string render(const control::Channels& channels, Color color) {
-  Table table({{"CHANNEL"},
-               {"SUBJECT"},
-               {"FROM"},
-               {"TO"},
-               {"VERDICT"},
-               {"NOW"},
-               {"SET"},
-               {"PASSED", Align::right},
-               {"DROPPED", Align::right},
-               {"WOULD DROP", Align::right},
-               {"ADMISSION", Align::right},
-               {"MEDIA"},
-               {"REASON"}});
+  TextTable table({{"CHANNEL"},
+                   {"SUBJECT"},
+                   {"FROM"},
+                   {"TO"},
+                   {"VERDICT"},
+                   {"NOW"},
+                   {"SET"},
+                   {"PASSED", Align::right},
+                   {"DROPPED", Align::right},
+                   {"WOULD DROP", Align::right},
+                   {"ADMISSION", Align::right},
+                   {"MEDIA"},
+                   {"REASON"}});
   for (const auto& channel : channels.channels)
     table.add({{channel.name},
                {core::format_subject(channel.subject)},

@@ -156,15 +156,15 @@ std::string render(const control::Cluster& cluster, Color color) {
 
 std::string render(const control::ClusterMembers& members, Color color) {
   if (members.system.empty()) return in_no_cluster(members.gateway);
-  Table table({{"GATEWAY"},
-               {"STATE"},
-               {"BEAT", Align::right},
-               {"LEASE", Align::right},
-               {"LASTS", Align::right},
-               {"DESCRIPTION"},
-               {"RESERVED", Align::right},
-               {"BESIDE"},
-               {"CARRIES"}});
+  TextTable table({{"GATEWAY"},
+                   {"STATE"},
+                   {"BEAT", Align::right},
+                   {"LEASE", Align::right},
+                   {"LASTS", Align::right},
+                   {"DESCRIPTION"},
+                   {"RESERVED", Align::right},
+                   {"BESIDE"},
+                   {"CARRIES"}});
   for (const auto& one : members.members) {
     std::uint64_t reserved = 0;
     for (const auto& share : one.shares) reserved += share.reservations;
@@ -183,15 +183,15 @@ std::string render(const control::ClusterMembers& members, Color color) {
 
 std::string render(const control::ClusterReservations& reservations, Color color) {
   if (reservations.system.empty()) return in_no_cluster(reservations.gateway);
-  Table table({{"NETWORK"},
-               {"GATEWAY"},
-               {"CHANNEL"},
-               {"PUBLISHER"},
-               {"AMOUNT", Align::right},
-               {"MESSAGES", Align::right},
-               {"PATHS", Align::right},
-               {"STATE"},
-               {"THROUGH"}});
+  TextTable table({{"NETWORK"},
+                   {"GATEWAY"},
+                   {"CHANNEL"},
+                   {"PUBLISHER"},
+                   {"AMOUNT", Align::right},
+                   {"MESSAGES", Align::right},
+                   {"PATHS", Align::right},
+                   {"STATE"},
+                   {"THROUGH"}});
   for (const auto& one : reservations.reservations)
     table.add({{one.network, Style::bold},
                {one.gateway == reservations.gateway ? one.gateway + " *" : one.gateway},

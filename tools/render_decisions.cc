@@ -61,7 +61,7 @@ std::string render(const control::WhatIf& what_if, Color color) {
                                            "deliveries are as they are now\n");
   auto outlooks = what_if.outlooks;
   std::ranges::stable_sort(outlooks, {}, effect_of);
-  Table table({{"EFFECT"}, {"CHANNEL"}, {"PUBLISHER"}, {"TO"}, {"NOW"}, {"THEN"}, {"REASON"}});
+  TextTable table({{"EFFECT"}, {"CHANNEL"}, {"PUBLISHER"}, {"TO"}, {"NOW"}, {"THEN"}, {"REASON"}});
   std::array<std::size_t, kEffects> counts{};
   for (const auto& outlook : outlooks) {
     const auto effect = effect_of(outlook);
@@ -82,7 +82,7 @@ std::string render(const control::WhatIf& what_if, Color color) {
 }
 
 std::string render(const control::History& history, Color color) {
-  Table table({{"TIME"}, {"KIND"}, {"CHANNEL"}, {"FROM"}, {"TO"}, {"NETWORK"}, {"MESSAGE"}});
+  TextTable table({{"TIME"}, {"KIND"}, {"CHANNEL"}, {"FROM"}, {"TO"}, {"NETWORK"}, {"MESSAGE"}});
   for (const auto& entry : history.entries | std::views::reverse)
     table.add({{print_moment(entry.unix_ns)},
                {entry.kind, style_of_event(entry.kind)},

@@ -61,20 +61,20 @@ Cell mask(const control::GateSlot& slot, bool ethernet) {
 std::string slots(const std::vector<control::GateSlot>& all, bool control, bool ethernet,
                   Color color) {
   const char* const other = ethernet ? "OTHER TRAFFIC" : "CONTROL TRAFFIC";
-  Table table({{control ? other : "CHANNEL"},
-               {"DIRECTION"},
-               {"FROM"},
-               {"IDENTIFIER"},
-               {"MASK"},
-               {"FORMATS"},
-               {"BYTES", Align::right},
-               {"STATE"},
-               {"LIMIT"},
-               {"PASSED", Align::right},
-               {"DROPPED", Align::right},
-               {"WOULD DROP", Align::right},
-               {"EXCESS", Align::right},
-               {"LAST DROP"}});
+  TextTable table({{control ? other : "CHANNEL"},
+                   {"DIRECTION"},
+                   {"FROM"},
+                   {"IDENTIFIER"},
+                   {"MASK"},
+                   {"FORMATS"},
+                   {"BYTES", Align::right},
+                   {"STATE"},
+                   {"LIMIT"},
+                   {"PASSED", Align::right},
+                   {"DROPPED", Align::right},
+                   {"WOULD DROP", Align::right},
+                   {"EXCESS", Align::right},
+                   {"LAST DROP"}});
   for (const auto& slot : all)
     table.add({{slot.name, Style::bold},
                {slot.egress ? "out" : "in"},
@@ -105,7 +105,7 @@ std::string attachment(const control::Gate& gate, const control::Interface* inte
 }
 
 std::string reasons(const control::Interface& interface, Color color) {
-  Table table({{"REASON"}, {"DIRECTION"}, {"FRAMES", Align::right}});
+  TextTable table({{"REASON"}, {"DIRECTION"}, {"FRAMES", Align::right}});
   for (const auto* traffic : {&interface.ingress, &interface.egress})
     for (const auto& count : traffic->reasons)
       table.add({{count.reason},

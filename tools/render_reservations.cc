@@ -31,12 +31,12 @@ Cell left(const control::Resource& resource) {
 }
 
 std::string overview(const control::Reservations& reservations, Color color) {
-  Table table({{"RESOURCE"},
-               {"KIND"},
-               {"CAPACITY", Align::right},
-               {"RESERVED", Align::right},
-               {"BACKGROUND", Align::right},
-               {"FREE", Align::right}});
+  TextTable table({{"RESOURCE"},
+                   {"KIND"},
+                   {"CAPACITY", Align::right},
+                   {"RESERVED", Align::right},
+                   {"BACKGROUND", Align::right},
+                   {"FREE", Align::right}});
   for (const auto& resource : reservations.resources)
     table.add({{resource.name, Style::bold},
                {resource.kind},
@@ -58,14 +58,14 @@ std::string share(const control::Resource& resource, const control::Reservation&
 }
 
 std::string holders(const control::Resource& resource, Color color) {
-  Table table({{"CHANNEL"},
-               {"PUBLISHER"},
-               {"AMOUNT", Align::right},
-               {"SHARE", Align::right},
-               {"ADMISSION", Align::right},
-               {"SET", Align::right},
-               {"IMPORTANCE", Align::right},
-               {"LEASE", Align::right}});
+  TextTable table({{"CHANNEL"},
+                   {"PUBLISHER"},
+                   {"AMOUNT", Align::right},
+                   {"SHARE", Align::right},
+                   {"ADMISSION", Align::right},
+                   {"SET", Align::right},
+                   {"IMPORTANCE", Align::right},
+                   {"LEASE", Align::right}});
   for (const auto& one : resource.reservations)
     table.add({{one.channel},
                {one.publisher},

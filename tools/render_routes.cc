@@ -27,7 +27,8 @@ Cell places_of(const control::RouteReport& route) {
 }
 
 std::string ways(const std::vector<control::RouteReport>& all, Color color) {
-  Table table({{"FROM"}, {"TO"}, {"GRANTED", Align::right}, {"REFUSED", Align::right}, {"ROUTE"}});
+  TextTable table(
+      {{"FROM"}, {"TO"}, {"GRANTED", Align::right}, {"REFUSED", Align::right}, {"ROUTE"}});
   for (const auto& route : all)
     table.add({{route.from},
                {route.to},
@@ -37,7 +38,8 @@ std::string ways(const std::vector<control::RouteReport>& all, Color color) {
   return table.empty() ? "no channel has a publisher and a subscriber\n" : table.text(color);
 }
 
-void add_medium(Table& table, const control::RouteReport& route, const control::MediumUse& use) {
+void add_medium(TextTable& table, const control::RouteReport& route,
+                const control::MediumUse& use) {
   const bool mesh = use.paper_rate != 0;
   table.add({{route.from},
              {route.to},
@@ -51,15 +53,15 @@ void add_medium(Table& table, const control::RouteReport& route, const control::
 }
 
 std::string media(const std::vector<control::RouteReport>& all, Color color) {
-  Table table({{"FROM"},
-               {"TO"},
-               {"MEDIUM"},
-               {"RESPONSE", Align::right},
-               {"GUARANTEED", Align::right},
-               {"PATH"},
-               {"BY THE LINKS", Align::right},
-               {"AVAILABLE", Align::right},
-               {"LIMITED BY"}});
+  TextTable table({{"FROM"},
+                   {"TO"},
+                   {"MEDIUM"},
+                   {"RESPONSE", Align::right},
+                   {"GUARANTEED", Align::right},
+                   {"PATH"},
+                   {"BY THE LINKS", Align::right},
+                   {"AVAILABLE", Align::right},
+                   {"LIMITED BY"}});
   for (const auto& route : all)
     for (const auto& use : route.media) add_medium(table, route, use);
   return table.empty() ? "" : "\nwhat their media give\n" + table.text(color, "  ");
@@ -71,17 +73,17 @@ Cell believed(const control::MeshLink& link) {
 }
 
 std::string links(const std::vector<control::MeshLink>& all, Color color) {
-  Table table({{"NETWORK"},
-               {"FROM"},
-               {"TO"},
-               {"RATE", Align::right},
-               {"BELIEVED", Align::right},
-               {"KIND"},
-               {"LOSS", Align::right},
-               {"BUSY", Align::right},
-               {"AGE", Align::right},
-               {"STATE"},
-               {"SOURCE"}});
+  TextTable table({{"NETWORK"},
+                   {"FROM"},
+                   {"TO"},
+                   {"RATE", Align::right},
+                   {"BELIEVED", Align::right},
+                   {"KIND"},
+                   {"LOSS", Align::right},
+                   {"BUSY", Align::right},
+                   {"AGE", Align::right},
+                   {"STATE"},
+                   {"SOURCE"}});
   for (const auto& link : all)
     table.add({{link.network},
                {link.from},
@@ -117,17 +119,17 @@ Cell frames(std::uint64_t n, Style style = Style::plain) {
 }
 
 std::string can_rules(const std::vector<control::CanRule>& all, Color color) {
-  Table table({{"FROM"},
-               {"TO"},
-               {"FILTER"},
-               {"FORMAT"},
-               {"WHOSE"},
-               {"HANDLED", Align::right},
-               {"DROPPED", Align::right},
-               {"DELETED", Align::right},
-               {"HOPS", Align::right},
-               {"CHANGES"},
-               {"CHANNEL"}});
+  TextTable table({{"FROM"},
+                   {"TO"},
+                   {"FILTER"},
+                   {"FORMAT"},
+                   {"WHOSE"},
+                   {"HANDLED", Align::right},
+                   {"DROPPED", Align::right},
+                   {"DELETED", Align::right},
+                   {"HOPS", Align::right},
+                   {"CHANGES"},
+                   {"CHANNEL"}});
   for (const auto& rule : all)
     table.add({{rule.from},
                {rule.to},
@@ -143,8 +145,8 @@ std::string can_rules(const std::vector<control::CanRule>& all, Color color) {
   return table.empty() ? "" : "\ncan-gw rules\n" + table.text(color, "  ");
 }
 
-Table table_of(const std::vector<control::Transfer>& all) {
-  Table table({{"CHANNEL"}, {"PUBLISHER"}, {"FROM"}, {"TO"}, {"USER", Align::right}});
+TextTable table_of(const std::vector<control::Transfer>& all) {
+  TextTable table({{"CHANNEL"}, {"PUBLISHER"}, {"FROM"}, {"TO"}, {"USER", Align::right}});
   for (const auto& one : all)
     table.add({{one.channel},
                {one.publisher},
@@ -155,7 +157,7 @@ Table table_of(const std::vector<control::Transfer>& all) {
 }
 
 std::string transfers(const control::Routes& routes, Color color) {
-  const Table table = table_of(routes.transfers);
+  const TextTable table = table_of(routes.transfers);
   if (table.empty()) return "";
   std::string text = "\ncarried by programs\n" + table.text(color, "  ");
   if (routes.transfers_left_out != 0)
@@ -181,7 +183,7 @@ std::string render(const control::Routes& routes, Color color) {
 }
 
 std::string render(const control::Transfers& transfers, Color color) {
-  const Table table = table_of(transfers.transfers);
+  const TextTable table = table_of(transfers.transfers);
   return table.empty() ? "no program carries anything\n" : table.text(color);
 }
 
@@ -197,14 +199,14 @@ std::string render(const control::Presence& presence, Color /*color*/) {
 }
 
 std::string render(const control::Subscriptions& subscriptions, Color color) {
-  Table networks({{"NETWORK"}, {"INTERFACE"}, {"FROM"}, {"MOST", Align::right}, {"PROBLEM"}});
+  TextTable networks({{"NETWORK"}, {"INTERFACE"}, {"FROM"}, {"MOST", Align::right}, {"PROBLEM"}});
   for (const auto& one : subscriptions.networks)
     networks.add({{one.network},
                   {one.endpoint.interface},
                   {std::string(subscribers_of(one))},
                   {fmt::format("{}", one.most)},
                   {one.problem, Style::bad}});
-  Table onward({{"CHANNEL"}, {"SUBSCRIBED ON"}, {"REQUIRED"}, {"PROBLEM"}});
+  TextTable onward({{"CHANNEL"}, {"SUBSCRIBED ON"}, {"REQUIRED"}, {"PROBLEM"}});
   for (const auto& one : subscriptions.onward) {
     std::string required;
     for (const auto& attribute : one.required)

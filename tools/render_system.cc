@@ -45,22 +45,22 @@ Cell number_if_any(std::uint64_t n) {
 }
 
 std::string interfaces(const std::vector<control::Interface>& all, Color color) {
-  Table table({{"INTERFACE"},
-               {"NETWORK"},
-               {"PROFILE"},
-               {"LINK"},
-               {"CAN STATE"},
-               {"BITRATE", Align::right},
-               {"GATE"},
-               {"SLOTS", Align::right},
-               {"IN PASSED", Align::right},
-               {"IN DROPPED", Align::right},
-               {"IN WOULD DROP", Align::right},
-               {"OUT PASSED", Align::right},
-               {"OUT DROPPED", Align::right},
-               {"OUT WOULD DROP", Align::right},
-               {"MANAGED"},
-               {"IDENTITY"}});
+  TextTable table({{"INTERFACE"},
+                   {"NETWORK"},
+                   {"PROFILE"},
+                   {"LINK"},
+                   {"CAN STATE"},
+                   {"BITRATE", Align::right},
+                   {"GATE"},
+                   {"SLOTS", Align::right},
+                   {"IN PASSED", Align::right},
+                   {"IN DROPPED", Align::right},
+                   {"IN WOULD DROP", Align::right},
+                   {"OUT PASSED", Align::right},
+                   {"OUT DROPPED", Align::right},
+                   {"OUT WOULD DROP", Align::right},
+                   {"MANAGED"},
+                   {"IDENTITY"}});
   for (const auto& one : all)
     table.add({{one.name, Style::bold},
                {one.network},
@@ -81,7 +81,7 @@ std::string interfaces(const std::vector<control::Interface>& all, Color color) 
   return table.text(color);
 }
 
-void add_reasons(Table& table, const std::string& interface, const char* direction,
+void add_reasons(TextTable& table, const std::string& interface, const char* direction,
                  const control::Traffic& traffic) {
   const auto frames_of = [](const auto& reasons, const std::string& reason) -> std::uint64_t {
     for (const auto& count : reasons)
@@ -105,11 +105,11 @@ void add_reasons(Table& table, const std::string& interface, const char* directi
 }
 
 std::string reasons(const std::vector<control::Interface>& all, Color color) {
-  Table table({{"INTERFACE"},
-               {"DIRECTION"},
-               {"REASON"},
-               {"FRAMES", Align::right},
-               {"WOULD DROP", Align::right}});
+  TextTable table({{"INTERFACE"},
+                   {"DIRECTION"},
+                   {"REASON"},
+                   {"FRAMES", Align::right},
+                   {"WOULD DROP", Align::right}});
   for (const auto& one : all) {
     add_reasons(table, one.name, "in", one.ingress);
     add_reasons(table, one.name, "out", one.egress);
@@ -133,14 +133,14 @@ std::string format_of_unknown(const control::Unknown& frame) {
 }
 
 std::string unknown_frames(const std::vector<control::Interface>& all, Color color) {
-  Table table({{"INTERFACE"},
-               {"DIRECTION"},
-               {"IDENTIFIER"},
-               {"FORMAT"},
-               {"LENGTH", Align::right},
-               {"SEEN", Align::right},
-               {"SENDER"},
-               {"CHANNEL"}});
+  TextTable table({{"INTERFACE"},
+                   {"DIRECTION"},
+                   {"IDENTIFIER"},
+                   {"FORMAT"},
+                   {"LENGTH", Align::right},
+                   {"SEEN", Align::right},
+                   {"SENDER"},
+                   {"CHANNEL"}});
   for (const auto& one : all)
     for (const auto& frame : one.unknown)
       table.add({{one.name},
@@ -265,14 +265,14 @@ std::string check_line(const control::Health& health) {
 }
 
 std::string render(const control::Networks& networks, Color color) {
-  Table table({{"NETWORK"},
-               {"KIND"},
-               {"PROFILE"},
-               {"STATE"},
-               {"RESERVED", Align::right},
-               {"CAPACITY", Align::right},
-               {"GATEWAYS"},
-               {"PROVISION"}});
+  TextTable table({{"NETWORK"},
+                   {"KIND"},
+                   {"PROFILE"},
+                   {"STATE"},
+                   {"RESERVED", Align::right},
+                   {"CAPACITY", Align::right},
+                   {"GATEWAYS"},
+                   {"PROVISION"}});
   for (const auto& network : networks.networks)
     table.add({{network.name, Style::bold},
                {network.kind},

@@ -66,13 +66,13 @@ std::string styled(std::string_view text, Style style, Color color) {
   return "\x1b[" + std::string(code(style)) + "m" + clean + "\x1b[0m";
 }
 
-void Table::add(std::vector<Cell> row) {
+void TextTable::add(std::vector<Cell> row) {
   assert(row.size() == columns_.size());
   for (auto& cell : row) cell.text = printable(cell.text);
   rows_.push_back(std::move(row));
 }
 
-std::string Table::text(Color color, std::string_view indent) const {
+std::string TextTable::text(Color color, std::string_view indent) const {
   std::vector<std::size_t> shown;
   std::vector<std::size_t> widths(columns_.size());
   for (std::size_t i = 0; i < columns_.size(); ++i) {

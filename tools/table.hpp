@@ -36,9 +36,9 @@ struct Column {
 };
 
 /// Collects rows and aligns them in columns.
-class Table {
+class TextTable {
  public:
-  explicit Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
+  explicit TextTable(std::vector<Column> columns) : columns_(std::move(columns)) {}
 
   /// Adds a row with one cell for each column.
   void add(std::vector<Cell> row);

@@ -106,7 +106,8 @@ GateChanges Proposal::changes(std::size_t gateway) const {
   const Members& members = state_->members_;
   const GateState now =
       core::gate_state(state_->system_, members, c, state_->decisions_[c].verdicts, gateway, id_);
-  return difference(now, core::gate_state(state_->system_, members, c, next_.verdicts, gateway));
+  return gate_changes_between(
+      now, core::gate_state(state_->system_, members, c, next_.verdicts, gateway));
 }
 
 std::optional<std::string> Proposal::exceeds_capacity(std::size_t gateway) const {

@@ -360,7 +360,7 @@ class RouteCheck {
 
   void check_overhearing_subscriber(const Target& target, std::size_t hop) {
     const Place place = hops()[hop];
-    const Asked asked = asked_together(s_, v_.publisher, target.subscribers, v_.set);
+    const JointRequirements asked = asked_together(s_, v_.publisher, target.subscribers, v_.set);
     add_rows(Against::overhearing, place, check_normalised_layer(asked.set, composed(hop + 1)));
     if (!asked.user.empty())
       add_rows(Against::overhearing, place, asked.user, user_provision(0, hop + 1));

@@ -27,15 +27,16 @@ struct Target {
                            std::size_t hop);
 
 /// The joint requirements of some endpoints towards the networks between them.
-struct Asked {
+struct JointRequirements {
   AttributeSet set;  ///< normalised: a Period implies a Deadline
   UserValues user;
 };
 
 /// The union of the requirements of a publisher and all of these subscribers, in the channel's
 /// attribute set of that number.
-[[nodiscard]] Asked asked_together(const Situation& situation, std::size_t publisher,
-                                   const std::vector<std::size_t>& subscribers, std::size_t set);
+[[nodiscard]] JointRequirements asked_together(const Situation& situation, std::size_t publisher,
+                                               const std::vector<std::size_t>& subscribers,
+                                               std::size_t set);
 
 /// The verdict of a publisher towards a target before any route has been checked, with the union of
 /// their requirements.

@@ -36,7 +36,7 @@ class State::Settlement {
  public:
   explicit Settlement(State& state) : s_(state) {}
 
-  std::vector<Change> run() {
+  std::vector<DecisionChange> run() {
     collect();
     Allocation allocation(s_.situation(), s_.ages_, s_.decisions_, s_.ledger_, &before_);
     for (const std::size_t c : s_.touched_) allocation.take_out(c);
@@ -371,8 +371,8 @@ class State::Settlement {
     return {waiting.begin(), waiting.end()};
   }
 
-  std::vector<Change> changes() {
-    std::vector<Change> all;
+  std::vector<DecisionChange> changes() {
+    std::vector<DecisionChange> all;
     for (auto& [channel, before] : before_) {
       s_.usage_.set(s_.situation(), channel, s_.decisions_[channel]);
       all.push_back({channel, std::move(before)});
@@ -389,6 +389,6 @@ class State::Settlement {
   std::map<std::size_t, std::map<std::size_t, std::vector<std::size_t>>> domain_users_;
 };
 
-std::vector<Change> settle_news(State& state) { return State::Settlement(state).run(); }
+std::vector<DecisionChange> settle_news(State& state) { return State::Settlement(state).run(); }
 
 }  // namespace mlcca::core

@@ -280,14 +280,14 @@ bool State::keep_after_restart(std::size_t channel, const Decision& old) {
 
 // --- gates --------------------------------------------------------------------------------------
 
-GateChanges State::gate_changes(const std::vector<Change>& changes, std::size_t gateway,
+GateChanges State::gate_changes(const std::vector<DecisionChange>& changes, std::size_t gateway,
                                 const FormerRules& left) const {
   GateState before;
   GateState after;
   const auto append = [](GateState& to, const GateState& rules) {
     to.insert(to.end(), rules.begin(), rules.end());
   };
-  for (const Change& change : changes) {
+  for (const DecisionChange& change : changes) {
     const std::size_t c = change.channel;
     const auto known = left.find(c);
     append(before, known != left.end()
@@ -298,7 +298,7 @@ GateChanges State::gate_changes(const std::vector<Change>& changes, std::size_t 
   }
   std::ranges::sort(before, {}, Progress::At<&GateRule::entry>{});
   std::ranges::sort(after, {}, Progress::At<&GateRule::entry>{});
-  return difference(before, after);
+  return gate_changes_between(before, after);
 }
 
 std::vector<Hop> State::hops_of_granted(const Verdict& v) {
@@ -313,7 +313,7 @@ std::vector<Hop> State::hops_of_granted(const Verdict& v) {
   return std::move(again.hops);
 }
 
-std::vector<Change> State::settle() {
+std::vector<DecisionChange> State::settle() {
   const bool permits_are_seen = permits_ == nullptr || seen_permits_.has_seen(*permits_);
   if (new_.empty() && touched_.empty() && relieved_.empty() && others_stale_.empty() &&
       permits_are_seen)

@@ -104,7 +104,7 @@ struct Grants {
 using FormerRules = std::map<std::size_t, GateState>;
 
 /// A channel whose decision is another one now.
-struct Change {
+struct DecisionChange {
   std::size_t channel = 0;
   Decision before;
 };
@@ -180,7 +180,7 @@ class State {
   /// Decides what these changes touch, and nothing else: what was granted is kept as far as it can
   /// be, then waiting channels are admitted, then attribute sets are upgraded
   /// (core/admission/allocation.hpp).
-  std::vector<Change> settle();
+  std::vector<DecisionChange> settle();
 
   /// Decides everything again, with described ends and admissions, whether they fit or not, as
   /// after a start. `before`: what was granted, by channel; that is granted first, before any other
@@ -232,8 +232,8 @@ class State {
   }
   /// What the gates of a gateway have to change after settle(). `left`: what they had of the
   /// channels that a member has left since; of the others that follows from the changes.
-  [[nodiscard]] GateChanges gate_changes(const std::vector<Change>& changes, std::size_t gateway,
-                                         const FormerRules& left = {}) const;
+  [[nodiscard]] GateChanges gate_changes(const std::vector<DecisionChange>& changes,
+                                         std::size_t gateway, const FormerRules& left = {}) const;
 
   /// What each hop of a granted delivery provides now. Nothing may be waiting for settle(). The
   /// ledger is as it was afterwards.
@@ -252,7 +252,7 @@ class State {
 
  private:
   friend class Proposal;
-  friend std::vector<Change> settle_news(State& state);
+  friend std::vector<DecisionChange> settle_news(State& state);
   class Settlement;  // core/admission/settlement.cc
   [[nodiscard]] Situation situation() const {
     Situation s{system_, topology_, members_, world_, withdrawn_};

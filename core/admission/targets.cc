@@ -22,11 +22,11 @@ std::vector<Target> targets_of(const Members& members, std::size_t channel) {
   return targets;
 }
 
-Asked asked_together(const Situation& situation, std::size_t publisher,
-                     const std::vector<std::size_t>& subscribers, std::size_t set) {
+JointRequirements asked_together(const Situation& situation, std::size_t publisher,
+                                 const std::vector<std::size_t>& subscribers, std::size_t set) {
   const Publisher& p = situation.members.publisher(publisher);
   const AttributeSet& offered = attributes_in(p, set);
-  Asked asked{requirement_between(offered, {}), user_values_in(p, set)};
+  JointRequirements asked{requirement_between(offered, {}), user_values_in(p, set)};
   for (const std::size_t s : subscribers) {
     const Subscriber& subscriber = situation.members.subscriber(s);
     asked.set = with_subscriber(asked.set, offered, attributes_in(subscriber, set));
@@ -45,7 +45,7 @@ Verdict undecided(const Situation& situation, std::size_t channel, std::size_t p
   v.subscribers = target.subscribers;
   v.set = set;
   v.sporadic = situation.system.channels[channel].arrival == Arrival::sporadic;
-  Asked asked = asked_together(situation, publisher, target.subscribers, set);
+  JointRequirements asked = asked_together(situation, publisher, target.subscribers, set);
   v.requirement = asked.set;
   v.user_requirement = std::move(asked.user);
   return v;

@@ -351,10 +351,11 @@ Work Admissions::reservation(const Own& own, const View& view, const Codec& code
   }
   work.compares.push_back({.key = keys.current(), .revision = view.records().current.mod});
   const bool alone = wanted.footprint.gateways.empty();
-  work.puts.push_back({.key = keys.asked(self_, wanted.id),
-                       .value = codec.write(Asked{.stage = alone ? Stage::granted : Stage::prepared,
-                                                  .admission = wanted.admission,
-                                                  .gateways = wanted.footprint.gateways})});
+  work.puts.push_back(
+      {.key = keys.asked(self_, wanted.id),
+       .value = codec.write(RouteRequest{.stage = alone ? Stage::granted : Stage::prepared,
+                                         .admission = wanted.admission,
+                                         .gateways = wanted.footprint.gateways})});
   return work;
 }
 
@@ -373,19 +374,20 @@ std::optional<Work> Admissions::opening(const Own& own, const View& view,
     work.reads.push_back(keys.vote(gateway, self_, wanted.id));
   }
   work.puts.push_back({.key = keys.asked(self_, wanted.id),
-                       .value = codec.write(Asked{.stage = Stage::granted,
-                                                  .admission = wanted.admission,
-                                                  .gateways = wanted.footprint.gateways})});
+                       .value = codec.write(RouteRequest{.stage = Stage::granted,
+                                                         .admission = wanted.admission,
+                                                         .gateways = wanted.footprint.gateways})});
   return work;
 }
 
 Work Admissions::ending(const Own& own, const View& view, const Codec& codec) const {
-  return {.kind = Work::Kind::end,
-          .id = own.wanted.id,
-          .puts = {{.key = view.keys().asked(self_, own.wanted.id),
-                    .value = codec.write(Asked{.stage = Stage::ending,
-                                               .admission = own.wanted.admission,
-                                               .gateways = own.wanted.footprint.gateways})}}};
+  return {
+      .kind = Work::Kind::end,
+      .id = own.wanted.id,
+      .puts = {{.key = view.keys().asked(self_, own.wanted.id),
+                .value = codec.write(RouteRequest{.stage = Stage::ending,
+                                                  .admission = own.wanted.admission,
+                                                  .gateways = own.wanted.footprint.gateways})}}};
 }
 
 /// All that the store has of it.

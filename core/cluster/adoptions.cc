@@ -15,7 +15,7 @@ constexpr std::size_t kMostVotes = 8;
 static_assert(kMostVotes < kMostPuts);
 
 /// What was reserved for an admission on all networks, and who has to agree to it.
-Footprint taken_for(const View& view, const Records::AskedKey& key, const Asked& asked) {
+Footprint taken_for(const View& view, const Records::AskedKey& key, const RouteRequest& asked) {
   Footprint footprint{.parts = {}, .gateways = asked.gateways};
   const auto& reservations = view.records().reservations;
   for (std::size_t n = 0; n < view.keys().networks(); ++n) {

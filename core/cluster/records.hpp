@@ -52,7 +52,7 @@ struct StrangeEntry {
 enum class Exceeded : std::uint8_t { no, reservations, strange, changes };
 /// A request for an admission that others must agree to: x/<gateway>/<id>.
 struct AskedRecord {
-  Asked asked;
+  RouteRequest asked;
   std::int64_t create = 0, mod = 0;
 };
 /// A decoded entry with the revision of its last change.

@@ -68,7 +68,7 @@ enum class Stage : std::uint8_t {
 };
 
 /// x/<gateway>/<id>: a request to the gateways on the way of an admission.
-struct Asked {
+struct RouteRequest {
   Stage stage = Stage::prepared;
   std::string admission;              ///< in the encoding of the caller
   std::vector<std::size_t> gateways;  ///< whose agreement is needed
@@ -140,7 +140,7 @@ class Codec {
   virtual ~Codec() = default;
   [[nodiscard]] virtual std::string write(const Beat& beat) const = 0;
   [[nodiscard]] virtual std::string write(const Taken& taken) const = 0;
-  [[nodiscard]] virtual std::string write(const Asked& asked) const = 0;
+  [[nodiscard]] virtual std::string write(const RouteRequest& asked) const = 0;
   [[nodiscard]] virtual std::string write(const VoteOf& vote) const = 0;
   [[nodiscard]] virtual std::string write(const Current& current) const = 0;
   [[nodiscard]] virtual std::string write(const Next& next) const = 0;
@@ -149,7 +149,7 @@ class Codec {
   /// `network`: index of the network in the record's key.
   [[nodiscard]] virtual std::optional<Taken> taken(std::string_view value,
                                                    std::size_t network) const = 0;
-  [[nodiscard]] virtual std::optional<Asked> asked(std::string_view value) const = 0;
+  [[nodiscard]] virtual std::optional<RouteRequest> asked(std::string_view value) const = 0;
   [[nodiscard]] virtual std::optional<VoteOf> vote(std::string_view value) const = 0;
   [[nodiscard]] virtual std::optional<Current> current(std::string_view value) const = 0;
   [[nodiscard]] virtual std::optional<Next> next(std::string_view value) const = 0;

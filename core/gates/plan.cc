@@ -452,7 +452,7 @@ std::vector<GateEntry> entries_of(const std::vector<SharedRule>& shared) {
   return entries;
 }
 
-GateChanges difference(const GateState& now, const GateState& next) {
+GateChanges gate_changes_between(const GateState& now, const GateState& next) {
   return difference_of<GateChanges>(
       now, next, [](const GateRule& a, const GateRule& b) { return a.entry < b.entry; },
       [](const GateRule& rule) { return rule.entry; },

@@ -94,7 +94,7 @@ struct GateChanges {
   bool operator==(const GateChanges&) const = default;
 };
 /// The changes that lead from `now` to `next`.
-[[nodiscard]] GateChanges difference(const GateState& now, const GateState& next);
+[[nodiscard]] GateChanges gate_changes_between(const GateState& now, const GateState& next);
 
 /// The traffic specification of a publisher with these attributes, as policing of frames. `frames`:
 /// frames per event. It admits one event per Period, or Bandwidth bytes/s in events of MaxPayload

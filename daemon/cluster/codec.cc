@@ -243,13 +243,13 @@ std::optional<cc::Taken> Codec::taken(Text value, std::size_t network) const {
   return sound ? std::optional(std::move(taken)) : std::nullopt;
 }
 
-std::string Codec::write(const cc::Asked& asked) const {
+std::string Codec::write(const cc::RouteRequest& asked) const {
   return control::bytes_of(AskedEntry{.stage = static_cast<std::uint32_t>(asked.stage),
                                       .asking = asked.admission,
                                       .gateways = names_of(asked.gateways)});
 }
 
-std::optional<cc::Asked> Codec::asked(Text value) const {
+std::optional<cc::RouteRequest> Codec::asked(Text value) const {
   auto entry = control::message_in<AskedEntry>(value);
   if (!entry || entry->stage > static_cast<std::uint32_t>(cc::Stage::ending)) return std::nullopt;
   auto gateways = gateways_of(entry->gateways);
@@ -260,10 +260,10 @@ std::optional<cc::Asked> Codec::asked(Text value) const {
   std::optional<std::size_t> for_whom;
   for (const std::size_t g : *gateways)
     if (asking && asking->for_gateway == gateways_[g]) for_whom = g;
-  return cc::Asked{.stage = static_cast<cc::Stage>(entry->stage),
-                   .admission = std::move(entry->asking),
-                   .gateways = std::move(*gateways),
-                   .made_for = for_whom};
+  return cc::RouteRequest{.stage = static_cast<cc::Stage>(entry->stage),
+                          .admission = std::move(entry->asking),
+                          .gateways = std::move(*gateways),
+                          .made_for = for_whom};
 }
 
 std::string Codec::write(const cc::VoteOf& vote) const {
@@ -357,7 +357,7 @@ std::optional<cc::Epoch> Codec::epoch(Text value) const {
   return octets_in<std::tuple_size_v<cc::Epoch>>(std::string(value));
 }
 
-std::string text_of(const Asked& asked) {
+std::string text_of(const StoredRequest& asked) {
   return control::bytes_of(Asking{.channel = asked.channel,
                                   .requests = asked.requests,
                                   .also = asked.also,
@@ -366,7 +366,7 @@ std::string text_of(const Asked& asked) {
                                   .for_number = asked.for_number});
 }
 
-std::optional<Asked> asked_in(std::string_view text) {
+std::optional<StoredRequest> asked_in(std::string_view text) {
   auto asking = control::message_in<Asking>(text);
   const auto admits = [](const control::Request& request) {
     return std::holds_alternative<control::Admit>(request.body);
@@ -374,12 +374,12 @@ std::optional<Asked> asked_in(std::string_view text) {
   if (!asking || !std::ranges::all_of(asking->requests, admits) ||
       !std::ranges::all_of(asking->also, admits))
     return std::nullopt;
-  return Asked{.channel = std::move(asking->channel),
-               .requests = std::move(asking->requests),
-               .also = std::move(asking->also),
-               .on_behalf = asking->on_behalf,
-               .for_gateway = std::move(asking->for_gateway),
-               .for_number = asking->for_number};
+  return StoredRequest{.channel = std::move(asking->channel),
+                       .requests = std::move(asking->requests),
+                       .also = std::move(asking->also),
+                       .on_behalf = asking->on_behalf,
+                       .for_gateway = std::move(asking->for_gateway),
+                       .for_number = asking->for_number};
 }
 
 }  // namespace mlcca::cluster

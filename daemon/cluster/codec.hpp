@@ -23,7 +23,7 @@ class Codec final : public core::cluster::Codec {
 
   [[nodiscard]] std::string write(const core::cluster::Beat& beat) const override;
   [[nodiscard]] std::string write(const core::cluster::Taken& taken) const override;
-  [[nodiscard]] std::string write(const core::cluster::Asked& asked) const override;
+  [[nodiscard]] std::string write(const core::cluster::RouteRequest& asked) const override;
   [[nodiscard]] std::string write(const core::cluster::VoteOf& vote) const override;
   [[nodiscard]] std::string write(const core::cluster::Current& current) const override;
   [[nodiscard]] std::string write(const core::cluster::Next& next) const override;
@@ -33,7 +33,7 @@ class Codec final : public core::cluster::Codec {
   [[nodiscard]] std::optional<core::cluster::Beat> beat(Text value) const override;
   [[nodiscard]] std::optional<core::cluster::Taken> taken(Text value,
                                                           std::size_t network) const override;
-  [[nodiscard]] std::optional<core::cluster::Asked> asked(Text value) const override;
+  [[nodiscard]] std::optional<core::cluster::RouteRequest> asked(Text value) const override;
   [[nodiscard]] std::optional<core::cluster::VoteOf> vote(Text value) const override;
   [[nodiscard]] std::optional<core::cluster::Current> current(Text value) const override;
   [[nodiscard]] std::optional<core::cluster::Next> next(Text value) const override;
@@ -57,7 +57,7 @@ class Codec final : public core::cluster::Codec {
 };
 
 /// The request for a reservation, as the store has it under x/<gateway>/<number>.
-struct Asked {
+struct StoredRequest {
   /// The most requests of one, `requests` and `also` together: each of them is decided by itself at
   /// each gateway on the way.
   static constexpr std::size_t kMostRequests = 256;
@@ -71,8 +71,8 @@ struct Asked {
   std::uint64_t for_number = 0;
   [[nodiscard]] std::size_t size() const { return requests.size() + also.size(); }
 };
-[[nodiscard]] std::string text_of(const Asked& asked);
+[[nodiscard]] std::string text_of(const StoredRequest& asked);
 /// nullopt if it is not such a text, or has requests of another kind.
-[[nodiscard]] std::optional<Asked> asked_in(std::string_view text);
+[[nodiscard]] std::optional<StoredRequest> asked_in(std::string_view text);
 
 }  // namespace mlcca::cluster

@@ -32,7 +32,7 @@ struct Named {
 };
 
 /// Our programs in the TCX list that a pin names, except `without`.
-Result<std::vector<Named>> named_programs(const Place& place, Direction direction,
+Result<std::vector<Named>> named_programs(const GateLocation& place, Direction direction,
                                           std::uint32_t without = 0) {
   std::vector<Named> named;
   const auto order = tcx_order(place.ifindex, direction);
@@ -47,7 +47,7 @@ Result<std::vector<Named>> named_programs(const Place& place, Direction directio
   return named;
 }
 
-Result<std::uint32_t> first_named(const Place& place, Direction direction) {
+Result<std::uint32_t> first_named(const GateLocation& place, Direction direction) {
   const auto named = named_programs(place, direction);
   if (!named) return std::unexpected(named.error());
   return named->empty() ? 0 : named->front().id;
@@ -66,7 +66,7 @@ Result<std::uint32_t> id_of(int program_fd) {
   return id;
 }
 
-Result<void> put_in_order(const Place& place, Direction direction, int program_fd) {
+Result<void> put_in_order(const GateLocation& place, Direction direction, int program_fd) {
   const auto id = id_of(program_fd);
   if (!id) return std::unexpected(id.error());
   const auto there = is_in_order(place.ifindex, direction, *id);
@@ -80,7 +80,7 @@ Result<void> put_in_order(const Place& place, Direction direction, int program_f
 }
 
 /// If two processes race, the one that gets the name first holds the place.
-Result<bool> put_in_empty_order(const Place& place, Direction direction, int program_fd) {
+Result<bool> put_in_empty_order(const GateLocation& place, Direction direction, int program_fd) {
   const auto there = first_named(place, direction);
   if (!there) return std::unexpected(there.error());
   if (*there != 0) return false;
@@ -95,7 +95,7 @@ Result<bool> put_in_empty_order(const Place& place, Direction direction, int pro
 }
 
 /// Up to layout 3 programs were held by BPF links: removing the links' pins detaches them at once.
-Result<void> end_links_of_other_layouts(const Place& place) {
+Result<void> end_links_of_other_layouts(const GateLocation& place) {
   const std::filesystem::path directory(place.directory);
   const std::filesystem::path root = directory.parent_path().parent_path();
   const auto layouts = names_in(root.string());
@@ -113,7 +113,7 @@ Result<void> end_links_of_other_layouts(const Place& place) {
 
 /// Removes other programs of ours. They would obey their own control words, which get no heart-beat
 /// any more, and drop everything. If they cannot be found out they stay, which is the safe side.
-Result<void> remove_others_of_ours(const Place& place, const InPlace& ours) {
+Result<void> remove_others_of_ours(const GateLocation& place, const InPlace& ours) {
   if (auto ended = end_links_of_other_layouts(place); !ended) return ended;
   for (const auto direction : kBothDirections) {
     const auto named = named_programs(place, direction, ours.of(direction));
@@ -125,14 +125,14 @@ Result<void> remove_others_of_ours(const Place& place, const InPlace& ours) {
   return {};
 }
 
-Result<bool> is_in_place(const Place& place, Direction direction, std::uint32_t program) {
+Result<bool> is_in_place(const GateLocation& place, Direction direction, std::uint32_t program) {
   if (place.hook == Hook::tcx) return is_in_order(place.ifindex, direction, program);
   const auto there = program_in_place(place.ifindex, direction);
   if (!there) return std::unexpected(there.error());
   return *there == program;
 }
 
-Result<bool> are_in_place(const Place& place, const InPlace& ours) {
+Result<bool> are_in_place(const GateLocation& place, const InPlace& ours) {
   for (const auto direction : kBothDirections) {
     const auto there = is_in_place(place, direction, ours.of(direction));
     if (!there || !*there) return there;
@@ -175,7 +175,7 @@ Result<InPlace> ids_of(const GatePrograms& programs) {
   return InPlace{.ingress = *in, .egress = *out};
 }
 
-Result<InPlace> in_place(const Place& place) {
+Result<InPlace> in_place(const GateLocation& place) {
   const auto find = [&](Direction direction) {
     return place.hook == Hook::tcx ? first_named(place, direction)
                                    : program_in_place(place.ifindex, direction);
@@ -187,7 +187,7 @@ Result<InPlace> in_place(const Place& place) {
   return InPlace{.ingress = *in, .egress = *out};
 }
 
-Result<void> put_in_place(const Place& place, Direction direction, int program_fd) {
+Result<void> put_in_place(const GateLocation& place, Direction direction, int program_fd) {
   if (place.hook == Hook::clsact) {
     if (auto made = make_hooks(place.ifindex); !made) return made;
     return put_filter(place.ifindex, direction, program_fd);
@@ -195,13 +195,13 @@ Result<void> put_in_place(const Place& place, Direction direction, int program_f
   return put_in_order(place, direction, program_fd);
 }
 
-Result<bool> put_in_empty_place(const Place& place, Direction direction, int program_fd) {
+Result<bool> put_in_empty_place(const GateLocation& place, Direction direction, int program_fd) {
   if (place.hook == Hook::tcx) return put_in_empty_order(place, direction, program_fd);
   if (auto made = make_hooks(place.ifindex); !made) return std::unexpected(made.error());
   return put_filter_if_empty(place.ifindex, direction, program_fd);
 }
 
-void withdraw(const Place& place) {
+void withdraw(const GateLocation& place) {
   for (const auto direction : kBothDirections) {
     if (place.hook == Hook::clsact) {
       remove_filter(place.ifindex, direction);
@@ -214,13 +214,13 @@ void withdraw(const Place& place) {
   }
 }
 
-Result<bool> are_in_place(const Place& place, const GatePrograms& programs) {
+Result<bool> are_in_place(const GateLocation& place, const GatePrograms& programs) {
   const auto ours = ids_of(programs);
   if (!ours) return std::unexpected(ours.error());
   return are_in_place(place, *ours);
 }
 
-Result<bool> are_both_removed(const Place& place, const GatePrograms& programs) {
+Result<bool> are_both_removed(const GateLocation& place, const GatePrograms& programs) {
   const auto ours = ids_of(programs);
   if (!ours) return std::unexpected(ours.error());
   for (const auto direction : kBothDirections) {
@@ -231,7 +231,7 @@ Result<bool> are_both_removed(const Place& place, const GatePrograms& programs) 
   return true;
 }
 
-Result<void> put_gate_in_place(const Place& place, const GatePrograms& programs) {
+Result<void> put_gate_in_place(const GateLocation& place, const GatePrograms& programs) {
   for (const auto direction : kBothDirections)
     if (auto put = put_in_place(place, direction, programs.of(direction)); !put) return put;
   const auto ours = ids_of(programs);
@@ -242,13 +242,13 @@ Result<void> put_gate_in_place(const Place& place, const GatePrograms& programs)
     return fail(
         "the programs are not where they were put: remove the qdisc that stands in the place of "
         "clsact (tc qdisc show; tc qdisc del dev … ingress)");
-  Place other = place;
+  GateLocation other = place;
   other.hook = place.hook == Hook::tcx ? Hook::clsact : Hook::tcx;
   withdraw(other);
   return remove_others_of_ours(place, *ours);
 }
 
-Result<std::vector<Ahead>> tcx_ahead(const Place& place, const InPlace& ours) {
+Result<std::vector<Ahead>> tcx_ahead(const GateLocation& place, const InPlace& ours) {
   std::vector<Ahead> ahead;
   for (const auto direction : kBothDirections) {
     const auto order = tcx_order(place.ifindex, direction);
@@ -262,7 +262,7 @@ Result<std::vector<Ahead>> tcx_ahead(const Place& place, const InPlace& ours) {
   return ahead;
 }
 
-Result<void> put_gate_first(const Place& place, const GatePrograms& programs,
+Result<void> put_gate_first(const GateLocation& place, const GatePrograms& programs,
                             const GatePrograms& former) {
   for (const auto direction : kBothDirections) {
     const auto put = place.hook == Hook::tcx

@@ -25,7 +25,7 @@ Hook best_hook();
 inline constexpr std::array kBothDirections = {Direction::egress, Direction::ingress};
 
 /// The place of a gate: interface, hook, and the directory of its pins.
-struct Place {
+struct GateLocation {
   std::uint32_t ifindex = 0;
   std::string directory;  ///< in a bpffs; where the programs are pinned
   Hook hook = Hook::clsact;
@@ -43,16 +43,16 @@ struct InPlace {
   [[nodiscard]] bool is_gate() const { return ingress != 0 && egress != 0 && ingress != egress; }
 };
 /// Reads the programs that are in our places.
-Result<InPlace> in_place(const Place& place);
+Result<InPlace> in_place(const GateLocation& place);
 
 /// Puts a program in our place, replacing what is there: at every moment the old or the new program
 /// runs. The directory must exist. For clsact the hooks are made.
-Result<void> put_in_place(const Place& place, Direction direction, int program_fd);
+Result<void> put_in_place(const GateLocation& place, Direction direction, int program_fd);
 /// Puts a program in our place if that is empty; false if it is not. In TCX the program is pinned
 /// here.
-Result<bool> put_in_empty_place(const Place& place, Direction direction, int program_fd);
+Result<bool> put_in_empty_place(const GateLocation& place, Direction direction, int program_fd);
 /// Removes what we have in this place, and never anything else.
-void withdraw(const Place& place);
+void withdraw(const GateLocation& place);
 
 /// The descriptors of the two programs of a gate.
 struct GatePrograms {
@@ -64,16 +64,16 @@ struct GatePrograms {
 };
 /// Whether both programs are in their places. An `ingress` qdisc instead of clsact would use the
 /// egress filter for ingress; then the result is false.
-Result<bool> are_in_place(const Place& place, const GatePrograms& programs);
+Result<bool> are_in_place(const GateLocation& place, const GatePrograms& programs);
 /// Whether neither program is in its place.
-Result<bool> are_both_removed(const Place& place, const GatePrograms& programs);
+Result<bool> are_both_removed(const GateLocation& place, const GatePrograms& programs);
 /// Removes from the TCX list all programs of gates except `ours`. The error: the list or the
 /// programs cannot be read.
 Result<void> remove_orphans(std::uint32_t ifindex, Direction direction, std::uint32_t ours);
 
 /// Puts both programs in place. Then removes what we have in the other hook, and other programs of
 /// ours from TCX: of a daemon whose pins are gone, or of another layout.
-Result<void> put_gate_in_place(const Place& place, const GatePrograms& programs);
+Result<void> put_gate_in_place(const GateLocation& place, const GatePrograms& programs);
 
 /// A program of another owner that runs before ours, in the same hook or in an earlier one, and may
 /// let frames pass before the gate.
@@ -84,12 +84,12 @@ struct Ahead {
   bool operator==(const Ahead&) const = default;
 };
 /// The programs before ours in TCX. For clsact, see net/filters.
-Result<std::vector<Ahead>> tcx_ahead(const Place& place, const InPlace& ours);
+Result<std::vector<Ahead>> tcx_ahead(const GateLocation& place, const InPlace& ours);
 
 /// Puts programs before all others of their hook, in place of our `former` ones. Both run for a
 /// moment: a frame that is forwarded then may be dropped, but none passes unchecked. For TCX,
 /// `programs` must differ from those in place.
-Result<void> put_gate_first(const Place& place, const GatePrograms& programs,
+Result<void> put_gate_first(const GateLocation& place, const GatePrograms& programs,
                             const GatePrograms& former);
 
 /// The ids of the programs of a gate. An error if the kernel does not state one of them: without

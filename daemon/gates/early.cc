@@ -81,7 +81,7 @@ bool is_noted_early(const std::string& root, std::uint32_t program) {
   return notes && bpf_map_lookup_elem(notes.get(), &program, &noted) == 0;
 }
 
-Result<bool> put_early_in_place(const Place& place, int program_fd) {
+Result<bool> put_early_in_place(const GateLocation& place, int program_fd) {
   const std::string root =
       std::filesystem::path(place.directory).parent_path().parent_path().string();
   const std::uint32_t id = program_info(program_fd).id;

@@ -33,6 +33,6 @@ bool is_noted_early(const std::string& root, std::uint32_t program);
 /// Puts our program in the driver: in place of one of ours (of an earlier daemon, or that came back
 /// with its device), or where there is none. Returns whether it is there. Another program can be
 /// attached between the check and the attachment.
-Result<bool> put_early_in_place(const Place& place, int program_fd);
+Result<bool> put_early_in_place(const GateLocation& place, int program_fd);
 
 }  // namespace mlcca::enforce

@@ -49,7 +49,7 @@ class EtherObject final : public GateObject {
                                        .watches = programs_.map_fd(&EtherMaps::watches)},
                                       pin_path, take_over);
   }
-  [[nodiscard]] Table& table() override { return table_; }
+  [[nodiscard]] VerdictTable& table() override { return table_; }
   Result<void> read_again() override {
     auto read = EtherTable::read(mapping_.memory(), sizes_, false, 0, wait_for_grace_period);
     if (!read) return std::unexpected(read.error());

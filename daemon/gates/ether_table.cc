@@ -83,7 +83,7 @@ EtherSizes EtherSizes::for_slots(std::size_t slots, std::uint32_t cpus) {
 }
 
 EtherTable::EtherTable(const EtherMemory& memory, const EtherSizes& sizes, GracePeriod wait)
-    : Table(*memory.generation), memory_(memory), sizes_(sizes), wait_(std::move(wait)) {}
+    : VerdictTable(*memory.generation), memory_(memory), sizes_(sizes), wait_(std::move(wait)) {}
 
 Result<EtherTable> EtherTable::read(const EtherMemory& memory, const EtherSizes& sizes, bool fresh,
                                     std::uint64_t seed, GracePeriod wait) {

@@ -48,7 +48,7 @@ struct EtherMemory {
 };
 
 /// The table of an Ethernet gate: a hash table of slots whose traffic is in shared contracts.
-class EtherTable final : public Table {
+class EtherTable final : public VerdictTable {
  public:
   /// Adopts the memory as it is. `fresh`: writes its header first, with `seed` for the hash.
   /// Errors: another layout or size, broken chains.

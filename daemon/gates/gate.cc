@@ -38,7 +38,7 @@ class CanObject final : public GateObject {
         {.table = programs_.table_fd(), .control = shared.control, .events = shared.events},
         pin_path, take_over);
   }
-  [[nodiscard]] Table& table() override { return slots_; }
+  [[nodiscard]] VerdictTable& table() override { return slots_; }
   Result<void> read_again() override {
     auto read = read_slots(programs_, cpus_, false, config_.profile);
     if (!read) return std::unexpected(read.error());

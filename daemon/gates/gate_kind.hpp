@@ -42,7 +42,7 @@ class GateObject {
                                                              const std::string& pin_path,
                                                              bool take_over) const = 0;
 
-  [[nodiscard]] virtual Table& table() = 0;
+  [[nodiscard]] virtual VerdictTable& table() = 0;
   /// Reads the table again, because another object may have changed the same memory.
   virtual Result<void> read_again() = 0;
 

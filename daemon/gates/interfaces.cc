@@ -54,7 +54,7 @@ Result<void> unpin_vanished(const Control& control) {
 
 namespace {
 
-Result<bool> has_gate(Place place) {
+Result<bool> has_gate(GateLocation place) {
   for (const auto hook : {Hook::tcx, Hook::clsact}) {
     place.hook = hook;
     const auto there = in_place(place);
@@ -66,7 +66,7 @@ Result<bool> has_gate(Place place) {
 
 /// Puts programs where there are none. The interface has nothing to keep, so the maps are not
 /// pinned.
-Result<Closing> put_closed(const Place& place, const ClosedPrograms& programs) {
+Result<Closing> put_closed(const GateLocation& place, const ClosedPrograms& programs) {
   auto closing = Closing::was_gated;
   for (const auto direction : kBothDirections) {
     const auto put = put_in_empty_place(place, direction, programs.program_fd(direction));
@@ -78,7 +78,7 @@ Result<Closing> put_closed(const Place& place, const ClosedPrograms& programs) {
 
 /// Chooses the programs by the framing of the interface: where frames carry the subject, only
 /// frames that carry events are dropped. Uses clsact if nothing can be pinned.
-Result<Closing> put_closed(Place place, const Control& control) {
+Result<Closing> put_closed(GateLocation place, const Control& control) {
   const auto framing = framing_of(place.ifindex);
   if (!framing) return std::unexpected(framing.error());
   const auto programs =
@@ -102,8 +102,8 @@ Result<Closing> close_interface(const std::string& name, const Control& control,
   const std::uint32_t ifindex = if_nametoindex(name.c_str());
   if (ifindex == 0) return failure("close " + name, errno);
   const bool can_pin = !control.directory().empty();
-  const Place place{ifindex, can_pin ? gate_directory(control.directory(), ifindex) : "",
-                    hook.value_or(can_pin ? best_hook() : Hook::clsact)};
+  const GateLocation place{ifindex, can_pin ? gate_directory(control.directory(), ifindex) : "",
+                           hook.value_or(can_pin ? best_hook() : Hook::clsact)};
   const auto before = has_gate(place);
   if (!before) return in_context(before.error());
   if (*before) return Closing::was_gated;

@@ -32,7 +32,7 @@ GatePrograms programs_of(const GateObject& object) {
 
 struct PortGate::State {
   Config config;
-  Place place;
+  GateLocation place;
   SharedMaps shared;
   std::unique_ptr<GateObject> object;
   SilenceTimers silence_timers;
@@ -109,8 +109,8 @@ Result<void> PortGate::State::go_first() {
 }
 
 Result<PortGate> PortGate::load(const Config& config, GateKind& kind, const Control& control) {
-  const Place place{config.ifindex, gate_directory(control.directory(), config.ifindex),
-                    config.hook.value_or(best_hook())};
+  const GateLocation place{config.ifindex, gate_directory(control.directory(), config.ifindex),
+                           config.hook.value_or(best_hook())};
   const SharedMaps shared = control.shared();
   const auto attached = maps_of_attached(place.directory, config.ifindex);
   if (!attached) return of_gate(config.name, attached.error());
@@ -156,7 +156,7 @@ bool PortGate::reused() const { return state_->reused; }
 bool PortGate::judges_everything() const { return object().judges_everything(); }
 Hook PortGate::hook() const { return state_->place.hook; }
 const GateObject& PortGate::object() const { return *state_->object; }
-const Table& PortGate::table() const { return state_->object->table(); }
+const VerdictTable& PortGate::table() const { return state_->object->table(); }
 
 Result<void> PortGate::put() {
   if (auto done = state_->put(); !done) return of_gate(name(), done.error());
@@ -236,10 +236,10 @@ Result<void> PortGate::apply(const SlotChanges& changes) {
 }
 
 std::expected<void, PortGate::Refusal> PortGate::apply_together(std::span<const Change> changes) {
-  std::vector<Table::Change> tables;
+  std::vector<VerdictTable::Change> tables;
   tables.reserve(changes.size());
   for (const Change& c : changes) tables.push_back({&c.gate->state_->object->table(), &c.changes});
-  if (auto done = Table::apply_together(tables); !done)
+  if (auto done = VerdictTable::apply_together(tables); !done)
     return std::unexpected(
         Refusal{changes[done.error().change].gate, std::move(done.error().error)});
   for (const Change& c : changes)

@@ -151,7 +151,7 @@ class PortGate {
  private:
   struct State;
   explicit PortGate(std::unique_ptr<State> state);
-  [[nodiscard]] const Table& table() const;
+  [[nodiscard]] const VerdictTable& table() const;
   Result<void> arm_what_is_new();
   std::unique_ptr<State> state_;
 };

@@ -61,7 +61,8 @@ bool SlotSpec::same_traffic(const SlotSpec& other) const {
 
 bool SlotSpec::same_grant(const SlotSpec& other) const { return grant(*this) == grant(other); }
 
-SlotChanges difference(std::span<const SlotSpec> present, std::span<const SlotSpec> wanted) {
+SlotChanges slot_changes_between(std::span<const SlotSpec> present,
+                                 std::span<const SlotSpec> wanted) {
   const auto now = sorted(present);
   return core::difference_of<SlotChanges>(
       std::views::transform(now, [](const SlotSpec* s) -> const SlotSpec& { return *s; }),

@@ -80,7 +80,8 @@ struct ByGrant {
 /// The changes that turn `present` into `wanted`. Slots that are in both with the same verdict are
 /// not mentioned. What goes is denied in the same step in which what comes opens: see
 /// Table::apply().
-SlotChanges difference(std::span<const SlotSpec> present, std::span<const SlotSpec> wanted);
+SlotChanges slot_changes_between(std::span<const SlotSpec> present,
+                                 std::span<const SlotSpec> wanted);
 
 /// Waits until no CPU runs a program that began before the call (one RCU grace period).
 using GracePeriod = std::function<Result<void>()>;

@@ -80,7 +80,7 @@ Result<void> check_spec(const SlotSpec& s, std::uint32_t profile) {
 }  // namespace
 
 SlotTable::SlotTable(const Memory& memory, std::uint32_t profile, GracePeriod wait)
-    : Table(memory.generation),
+    : VerdictTable(memory.generation),
       table_(&memory.table),
       cpus_(memory.cpus),
       profile_(profile),

@@ -15,7 +15,7 @@
 namespace mlcca::enforce {
 
 /// The table of a CAN gate: chains of slots by key.
-class SlotTable final : public Table {
+class SlotTable final : public VerdictTable {
  public:
   /// The table, its counters, and the generation of the verdicts (in gate_control). Tables that
   /// share a generation must be changed by one thread.

@@ -12,14 +12,15 @@ namespace mlcca::enforce {
 
 static_assert(GATE_FIRST_SLOT == 2, "slots 0 and 1 count what has no slot, in every table");
 
-Result<void> Table::apply(const SlotChanges& changes) {
+Result<void> VerdictTable::apply(const SlotChanges& changes) {
   const Change change{this, &changes};
   if (auto done = apply_together({&change, 1}); !done)
     return std::unexpected(std::move(done.error().error));
   return {};
 }
 
-std::expected<void, Table::Refusal> Table::apply_together(std::span<const Change> changes) {
+std::expected<void, VerdictTable::Refusal> VerdictTable::apply_together(
+    std::span<const Change> changes) {
   const auto refusal = [&](const Change& change, Error error) {
     return std::unexpected(
         Refusal{static_cast<std::size_t>(&change - changes.data()), std::move(error)});
@@ -54,38 +55,38 @@ std::expected<void, Table::Refusal> Table::apply_together(std::span<const Change
   return {};
 }
 
-void Table::deny_what_goes(std::span<const Change> changes) {
+void VerdictTable::deny_what_goes(std::span<const Change> changes) {
   for (const auto& [table, change] : changes) table->stage_what_goes(*change);
   changes.front().table->next_generation();
   for (const Change& c : changes) c.table->settle();
 }
 
-void Table::stage_what_goes(const SlotChanges& changes) {
+void VerdictTable::stage_what_goes(const SlotChanges& changes) {
   stage(changes.close, GATE_DENY);
   stage(changes.remove, GATE_DENY);
 }
 
-void Table::stage_what_comes(const SlotChanges& changes) {
+void VerdictTable::stage_what_comes(const SlotChanges& changes) {
   for (const auto& s : changes.add)
     if (const auto slot = s.pass ? find(s) : std::nullopt) stage(*slot, GATE_PASS);
   stage(changes.open, GATE_PASS);
 }
 
-void Table::stage(const std::vector<SlotSpec>& specs, std::uint8_t verdict) {
+void VerdictTable::stage(const std::vector<SlotSpec>& specs, std::uint8_t verdict) {
   for (const auto& s : specs)
     if (const auto slot = find(s)) stage(*slot, verdict);
 }
 
-void Table::stage(std::uint32_t slot, std::uint8_t verdict) {
+void VerdictTable::stage(std::uint32_t slot, std::uint8_t verdict) {
   if (verdict == GATE_PASS) forget_events(slot);
   publish(verdicts(slot)[(*generation_ + 1) & 1], verdict);
   staged_.push_back({slot, verdict});
   core::Progress::step();
 }
 
-void Table::next_generation() { publish(*generation_, *generation_ + 1); }
+void VerdictTable::next_generation() { publish(*generation_, *generation_ + 1); }
 
-void Table::settle() {
+void VerdictTable::settle() {
   for (const auto& [slot, verdict] : staged_) {
     publish(verdicts(slot)[(*generation_ + 1) & 1], verdict);
     note_watched(slot);
@@ -94,26 +95,26 @@ void Table::settle() {
   staged_.clear();
 }
 
-bool Table::passes(std::uint32_t slot) const {
+bool VerdictTable::passes(std::uint32_t slot) const {
   return verdicts(slot)[*generation_ & 1] == GATE_PASS;
 }
 
-void Table::undo_step(std::uint32_t slot) const {
+void VerdictTable::undo_step(std::uint32_t slot) const {
   std::uint8_t* const halves = verdicts(slot);
   publish(halves[(*generation_ + 1) & 1], halves[*generation_ & 1]);
 }
 
-void Table::note_watched(std::uint32_t slot) {
+void VerdictTable::note_watched(std::uint32_t slot) {
   if (const std::uint16_t watch = supervised_watch(slot); watch != 0 && passes(slot))
     newly_watched_.insert(watch);
 }
 
-std::vector<std::uint16_t> Table::take_newly_watched() {
+std::vector<std::uint16_t> VerdictTable::take_newly_watched() {
   const auto watches = std::exchange(newly_watched_, {});
   return {watches.begin(), watches.end()};
 }
 
-void Table::deny_all() {
+void VerdictTable::deny_all() {
   for (std::uint32_t slot = GATE_FIRST_SLOT; slot < slots_end(); ++slot) {
     if (passes(slot)) stage(slot, GATE_DENY);
     core::Progress::step();

@@ -17,13 +17,13 @@ namespace mlcca::enforce {
 /// The base of the tables of both kinds of gate. Derived classes know the memory; this class has
 /// the order of the steps: write the verdicts of the next generation, switch the generation, write
 /// the other verdicts.
-class Table {
+class VerdictTable {
  public:
-  Table(Table&&) = default;
-  Table& operator=(Table&&) = default;
-  Table(const Table&) = default;
-  Table& operator=(const Table&) = default;
-  virtual ~Table() = default;
+  VerdictTable(VerdictTable&&) = default;
+  VerdictTable& operator=(VerdictTable&&) = default;
+  VerdictTable(const VerdictTable&) = default;
+  VerdictTable& operator=(const VerdictTable&) = default;
+  virtual ~VerdictTable() = default;
 
   /// Makes all changes or none, and for a frame all at once: each decision uses either the verdicts
   /// before or those after the call. After an error nothing has changed, unless waiting for the
@@ -35,7 +35,7 @@ class Table {
   Result<void> apply(const SlotChanges& changes);
 
   struct Change {
-    Table* table;
+    VerdictTable* table;
     const SlotChanges* changes;
   };
   struct Refusal {
@@ -69,7 +69,7 @@ class Table {
  protected:
   /// `generation` is that of the verdicts (in gate_control). Tables that share one are changed by
   /// one thread.
-  explicit Table(std::uint32_t& generation) : generation_(&generation) {}
+  explicit VerdictTable(std::uint32_t& generation) : generation_(&generation) {}
 
   [[nodiscard]] bool passes(std::uint32_t slot) const;
   /// Reverts what was written for the next generation: its writer may have died before the step.

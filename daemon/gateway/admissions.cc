@@ -9,8 +9,8 @@
 #include <utility>
 #include <variant>
 
-#include "daemon/gateway/requests/asked.hpp"
 #include "daemon/gateway/requests/elsewhere.hpp"
+#include "daemon/gateway/requests/parsed_request.hpp"
 
 namespace mlcca {
 namespace {

@@ -14,8 +14,8 @@
 
 #include "base/sha256.hpp"
 #include "control/protobuf.hpp"
-#include "daemon/gateway/requests/asked.hpp"
 #include "daemon/gateway/requests/elsewhere.hpp"
+#include "daemon/gateway/requests/parsed_request.hpp"
 
 namespace mlcca {
 namespace {
@@ -159,8 +159,9 @@ void Adopting::read(Adopted& adopted) {
   const std::size_t requests = adopted.asked->size();
   const auto of = requests_of_.find(adopted.origin.gateway);
   const std::size_t before = of == requests_of_.end() ? 0 : of->second;
-  if (requests > cluster::Asked::kMostRequests)
-    adopted.refusal = fmt::format("it has more than {} requests", cluster::Asked::kMostRequests);
+  if (requests > cluster::StoredRequest::kMostRequests)
+    adopted.refusal =
+        fmt::format("it has more than {} requests", cluster::StoredRequest::kMostRequests);
   else if (before + requests > kMostOfGateway)
     adopted.refusal =
         fmt::format("{} would have more than {} requests here",
@@ -562,7 +563,7 @@ bool Adopting::open_on_behalf(const Ref& ref) {
   return adopted->open;
 }
 
-bool Adopting::keep_found(const cluster::Asked& asked) {
+bool Adopting::keep_found(const cluster::StoredRequest& asked) {
   if (asked.for_gateway.empty() || asked.requests.size() != 1) return false;
   found_.insert_or_assign(For(asked.for_gateway, asked.for_number), asked.requests.front());
   return true;

@@ -71,7 +71,7 @@ class Adopting {
   void forget();
   /// After a start the store has this reservation of this gateway, which was made for another one.
   /// True if it is to be kept: the request of the other one follows, or it is given back in step().
-  [[nodiscard]] bool keep_found(const cluster::Asked& asked);
+  [[nodiscard]] bool keep_found(const cluster::StoredRequest& asked);
   /// Publishers may have gone for which subscribers of other gateways were admitted here.
   void publishers_gone();
   /// What was reserved for an admission that was made for another gateway was withdrawn.
@@ -107,7 +107,7 @@ class Adopting {
     core::cluster::Origin origin;
     core::cluster::Footprint footprint;
     std::string text;  ///< of the request, until it is due
-    std::optional<cluster::Asked> asked;
+    std::optional<cluster::StoredRequest> asked;
     Number number = 0;
     std::vector<WhichRequest> asks;      ///< of `asked`: first `also`, then `requests`
     std::vector<control::Request> ours;  ///< requests that it holds, with numbers of this gateway

@@ -55,7 +55,7 @@ std::vector<control::Channel> ChannelReports::report(
   return out;
 }
 
-control::Channels ChannelReports::known(const Asked& asked) const {
+control::Channels ChannelReports::known(const ParsedRequest& asked) const {
   std::vector<const core::Verdict*> known;
   for (const core::Verdict& v : scene_.state->decisions()[asked.channel].verdicts) {
     if (asked.from && scene_.state->members().publisher(v.publisher).place != *asked.from) continue;

@@ -12,7 +12,7 @@
 #include "daemon/gateway/delivery_events.hpp"
 #include "daemon/gateway/delivery_health.hpp"
 #include "daemon/gateway/meshes.hpp"
-#include "daemon/gateway/requests/asked.hpp"
+#include "daemon/gateway/requests/parsed_request.hpp"
 #include "daemon/gateway/scene.hpp"
 #include "daemon/outside/gate_reader.hpp"
 #include "daemon/serve/server.hpp"
@@ -33,7 +33,7 @@ class ChannelReports {
         meshes_(meshes) {}
 
   /// The verdicts that concern the question of a client.
-  [[nodiscard]] control::Channels known(const Asked& asked) const;
+  [[nodiscard]] control::Channels known(const ParsedRequest& asked) const;
   /// The verdicts in which an admission takes part.
   [[nodiscard]] control::Channels of_admission(core::AdmissionId id) const;
   /// The verdicts of one publisher, or towards one subscriber, of a channel.

@@ -179,8 +179,8 @@ void DeliveryEvents::gone(const std::string& subject, const core::Delivery& deli
                                                       : std::vector<core::AdmissionId>{}});
 }
 
-void DeliveryEvents::changes(const std::vector<core::Change>& changes) {
-  for (const core::Change& change : changes) {
+void DeliveryEvents::changes(const std::vector<core::DecisionChange>& changes) {
+  for (const core::DecisionChange& change : changes) {
     for (const core::Verdict& v : scene_.state->decisions()[change.channel].verdicts) {
       const core::Verdict* old = core::same_delivery(change.before, v);
       const bool was = old != nullptr && old->granted;

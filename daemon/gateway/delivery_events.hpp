@@ -55,7 +55,7 @@ class DeliveryEvents {
   /// and every grant of `before` that no longer exists.
   void outcome(const Granted& before, const Reported& reported);
   /// Reports the changes of a decision.
-  void changes(const std::vector<core::Change>& changes);
+  void changes(const std::vector<core::DecisionChange>& changes);
   /// Reports frames of a refused delivery that were dropped, or passed in audit mode.
   void dropped(const core::Verdict& verdict, Fate fate, std::uint64_t frames);
   /// The same for a channel that is granted now, for frames before the grant.

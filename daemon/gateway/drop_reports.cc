@@ -152,7 +152,7 @@ bool DropReports::goes_elsewhere(const core::Verdict& verdict) const {
       verdict, core::gate_state(state.system(), state.members(), verdict, scene_.self));
 }
 
-void DropReports::verdicts_changed(const core::Change& change) {
+void DropReports::verdicts_changed(const core::DecisionChange& change) {
   const core::State& state = *scene_.state;
   Dropped sum;
   std::set<core::GateEntry> seen;

@@ -65,7 +65,7 @@ class DropReports {
 
   /// The verdicts of a channel have changed. Drops of deliveries that were refused and are granted
   /// now say nothing about the grant.
-  void verdicts_changed(const core::Change& change);
+  void verdicts_changed(const core::DecisionChange& change);
   /// Reports everything that was not reported yet, because the meaning of the counters is about to
   /// change.
   void report_all();

@@ -88,7 +88,7 @@ bool Forwarder::read_again() {
 
 void Forwarder::align() {
   if (!there_ && !read_again()) return;
-  const RuleChanges changes = difference(wanted_, *there_);
+  const RuleChanges changes = rule_changes_between(wanted_, *there_);
   in_way_ = changes.in_way;
   apply(changes);
   had_any_ = !there_ ||

@@ -131,7 +131,7 @@ std::expected<std::vector<CanRule>, std::string> rules_of(const core::Transit& t
   return rules;
 }
 
-RuleChanges difference(const Wanted& wanted, const std::vector<CanRuleThere>& there) {
+RuleChanges rule_changes_between(const Wanted& wanted, const std::vector<CanRuleThere>& there) {
   RuleChanges changes;
   const Others others = rules_of_others(there);
   std::set<CanRule> missing;

@@ -31,8 +31,8 @@ struct RuleChanges {
 };
 /// Compares wanted rules with those of the kernel. Our own rules are recognised by their numbers,
 /// also those that a daemon has left that died.
-[[nodiscard]] RuleChanges difference(const Wanted& wanted,
-                                     const std::vector<net::CanRuleThere>& there);
+[[nodiscard]] RuleChanges rule_changes_between(const Wanted& wanted,
+                                               const std::vector<net::CanRuleThere>& there);
 
 /// What a rule changes in the frame, for example "id to 101"; empty if nothing.
 [[nodiscard]] std::string change_of(const net::CanRuleThere& there);

@@ -49,7 +49,7 @@ GatewayParts::GatewayParts(Options given, Outside around)
     admissions.need_agreements();
     admissions.on_gone([this](const auto& gone) { membership->admissions_gone(gone); });
   }
-  turn.on_changed([this](const core::Change& change) {
+  turn.on_changed([this](const core::DecisionChange& change) {
     drops.verdicts_changed(change);
     delivery_health.restart(change.channel);
   });

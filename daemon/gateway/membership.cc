@@ -239,7 +239,7 @@ void Membership::take_in(const cc::Event& event) {
     note_lost(lost->why);
     if (joined_) parts_.log.warning(Kind::gateway, "what was reserved is closed: " + lost->why);
   } else if (const auto* found = std::get_if<cc::Found>(&event)) {
-    reserving_->on(*found, *member_, [this](const cluster::Asked& asked) {
+    reserving_->on(*found, *member_, [this](const cluster::StoredRequest& asked) {
       return !leaving_ && (is_known(asked) || adopting_->keep_found(asked));
     });
   } else if (std::holds_alternative<cc::Joined>(event)) {

@@ -138,7 +138,7 @@ class Membership final : private core::Holdings {
   [[nodiscard]] const core::cluster::Baseline& baseline() const { return networks_->baseline(); }
   /// Adds to `to` the admissions here that have brought the publishers that `footprint` counts.
   /// Other gateways need them to decide on it.
-  void add_publishers(const core::cluster::Footprint& footprint, cluster::Asked& to) const;
+  void add_publishers(const core::cluster::Footprint& footprint, cluster::StoredRequest& to) const;
   /// `call` gets the result of the next commit: success once everything granted before is on disk.
   void after_commit(std::function<void(const Result<void>&)> call) {
     waits_.push_back(std::move(call));
@@ -219,9 +219,9 @@ class Membership final : private core::Holdings {
   [[nodiscard]] std::optional<Reserving::Wish> wish_of(const std::string& channel,
                                                        const core::Proposal& proposal,
                                                        core::cluster::Want& want) const;
-  [[nodiscard]] cluster::Asked asked_of(const std::string& channel,
-                                        core::cluster::Want& want) const;
-  [[nodiscard]] bool is_known(const cluster::Asked& asked) const;
+  [[nodiscard]] cluster::StoredRequest asked_of(const std::string& channel,
+                                                core::cluster::Want& want) const;
+  [[nodiscard]] bool is_known(const cluster::StoredRequest& asked) const;
   void take_former_numbers();
   [[nodiscard]] std::string former_in_the_way();
   [[nodiscard]] bool needs(const std::string& channel, Number number) const;

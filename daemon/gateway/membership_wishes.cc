@@ -30,7 +30,7 @@ constexpr std::size_t kRequestOctets = 16;           // of a request in a text, 
 constexpr core::AdmissionId kMostNumber = std::uint64_t{1} << 53U;  // no gateway makes as many
 
 /// Other gateways agree to described deliveries by the description.
-bool is_asked_for(const core::cluster::Footprint& footprint, const cluster::Asked& asked) {
+bool is_asked_for(const core::cluster::Footprint& footprint, const cluster::StoredRequest& asked) {
   return !footprint.parts.empty() || (!footprint.gateways.empty() && !asked.requests.empty());
 }
 
@@ -134,7 +134,7 @@ bool Membership::is_granted(const std::string& channel, const Wished& wished) co
 std::optional<Reserving::Wish> Membership::wish_of(const std::string& channel,
                                                    const core::Proposal& proposal,
                                                    core::cluster::Want& want) const {
-  cluster::Asked asked = asked_of(channel, want);
+  cluster::StoredRequest asked = asked_of(channel, want);
   auto footprint = core::cluster::footprint_of(proposal, want.deliveries, baseline(), self_);
   if (!is_asked_for(footprint, asked)) return std::nullopt;
   add_publishers(footprint, asked);
@@ -328,8 +328,9 @@ void Membership::end_withdrawn() {
 /// The admissions to which other gateways have to agree, or those of the publishers where none has
 /// to. What another gateway has admitted for this
 /// one is not asked for here. Deliveries for which there is no room leave the want.
-cluster::Asked Membership::asked_of(const std::string& channel, core::cluster::Want& want) const {
-  cluster::Asked asked{.channel = channel, .requests = {}};
+cluster::StoredRequest Membership::asked_of(const std::string& channel,
+                                            core::cluster::Want& want) const {
+  cluster::StoredRequest asked{.channel = channel, .requests = {}};
   const auto& recorded = parts_.recorder.contents().admissions;
   const core::Members& members = state().members();
   std::set<core::AdmissionId> counted;
@@ -349,7 +350,7 @@ cluster::Asked Membership::asked_of(const std::string& channel, core::cluster::W
     // Where others have to agree, add_publishers() adds it.
     add(members.admission_of_publisher((*it)->publisher), !crosses_others);
     const bool has_room =
-        counted.size() <= cluster::Asked::kMostRequests && octets <= Reserving::kMostText;
+        counted.size() <= cluster::StoredRequest::kMostRequests && octets <= Reserving::kMostText;
     if (!has_room && it != want.deliveries.begin()) {
       want.deliveries.erase(it, want.deliveries.end());
       break;
@@ -360,7 +361,7 @@ cluster::Asked Membership::asked_of(const std::string& channel, core::cluster::W
 }
 
 void Membership::add_publishers(const core::cluster::Footprint& footprint,
-                                cluster::Asked& to) const {
+                                cluster::StoredRequest& to) const {
   const auto has = [](const std::vector<control::Request>& all, core::AdmissionId id) {
     return std::ranges::find(all, id, &control::Request::id) != all.end();
   };
@@ -373,7 +374,7 @@ void Membership::add_publishers(const core::cluster::Footprint& footprint,
     }
 }
 
-bool Membership::is_known(const cluster::Asked& asked) const {
+bool Membership::is_known(const cluster::StoredRequest& asked) const {
   const auto known = [&](const control::Request& request) {
     // Another gateway was asked for the subscriber alone.
     if (asked.on_behalf) return !parts_.recorder.contents().admissions.through(request.id).empty();

@@ -11,7 +11,7 @@
 namespace mlcca {
 namespace {
 
-std::vector<core::AdmissionId> ids_of(const cluster::Asked& asked) {
+std::vector<core::AdmissionId> ids_of(const cluster::StoredRequest& asked) {
   std::vector<core::AdmissionId> ids;
   ids.reserve(asked.requests.size());
   for (const control::Request& request : asked.requests) ids.push_back(request.id);
@@ -249,7 +249,7 @@ void Reserving::on(const core::cluster::Withdrawn& event, const core::cluster::M
 }
 
 void Reserving::on(const core::cluster::Found& event, const core::cluster::Member& member,
-                   const std::function<bool(const cluster::Asked&)>& known) {
+                   const std::function<bool(const cluster::StoredRequest&)>& known) {
   if (held_.contains(event.id)) return;
   auto asked = cluster::asked_in(event.admission);
   const auto footprint = found_footprint(member.view(), event.id, member.self());
@@ -299,7 +299,7 @@ bool Reserving::step(core::cluster::Member& member, Value now) {
     jobs_.erase(next);
     return true;
   }
-  if (wish->asked.size() > cluster::Asked::kMostRequests ||
+  if (wish->asked.size() > cluster::StoredRequest::kMostRequests ||
       cluster::text_of(wish->asked).size() > kMostText) {
     next->job.refused("what is asked for is too long for the store");
     jobs_.erase(next);

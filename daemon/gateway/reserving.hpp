@@ -32,7 +32,7 @@ class Reserving {
   struct Wish {
     core::cluster::Footprint footprint;
     std::string publisher;
-    cluster::Asked asked;
+    cluster::StoredRequest asked;
   };
   /// A request for a reservation. Its functions are called when everything is settled.
   struct Job {
@@ -107,7 +107,7 @@ class Reserving {
   /// Takes over a reservation that the store has of an earlier process of this gateway, if `known`
   /// says that it is still wanted; otherwise gives it back.
   void on(const core::cluster::Found& event, const core::cluster::Member& member,
-          const std::function<bool(const cluster::Asked&)>& known);
+          const std::function<bool(const cluster::StoredRequest&)>& known);
   /// The lease is lost: nothing is held any more.
   void lost();
 

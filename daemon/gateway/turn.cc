@@ -24,12 +24,12 @@ void Turn::observe() {
 Result<void> Turn::settle(const core::FormerRules& left) {
   const core::Progress alive(parts_.pulse);
   core::State& state = *parts_.scene.state;
-  const std::vector<core::Change> changes = state.settle();
+  const std::vector<core::DecisionChange> changes = state.settle();
   if (changes.empty()) return {};
   Result<void> done = parts_.gates.apply(state.gate_changes(changes, parts_.scene.self, left));
   if (!done) done = enforce();
   set_bands();
-  for (const core::Change& change : changes) {
+  for (const core::DecisionChange& change : changes) {
     parts_.recorder.note(change.channel);
     parts_.forwarding.want(change.channel);
     changed_(change);

@@ -56,7 +56,7 @@ class Turn {
 
   void add(const ConditionSource& source) { sources_.push_back(&source); }
   /// Sets the function that is called with each channel whose changed decision has been enforced.
-  void on_changed(std::function<void(const core::Change&)> changed) {
+  void on_changed(std::function<void(const core::DecisionChange&)> changed) {
     changed_ = std::move(changed);
   }
   /// Sets the function that is called with admissions that could not be written to disk. No client
@@ -91,7 +91,7 @@ class Turn {
 
   Parts parts_;
   std::vector<const ConditionSource*> sources_;
-  std::function<void(const core::Change&)> changed_ = [](const core::Change&) {};
+  std::function<void(const core::DecisionChange&)> changed_ = [](const core::DecisionChange&) {};
   Lost lost_ = [](const auto&) {};
   Committed committed_ = [](const auto&) {};
   bool in_line_ = true;

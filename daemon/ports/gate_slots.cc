@@ -102,7 +102,7 @@ Result<void> hold_exactly(const core::GateState& wanted, const GatedPorts& ports
   for (std::size_t p = 0; p < ports.size(); ++p) {
     enforce::PortGate* const gate = ports.gate(p);
     if (gate == nullptr) continue;
-    if (auto change = enforce::difference(gate->present(), slots[p]); !change.empty())
+    if (auto change = enforce::slot_changes_between(gate->present(), slots[p]); !change.empty())
       changes.push_back({gate, std::move(change)});
     core::Progress::made();
   }

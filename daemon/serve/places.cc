@@ -38,11 +38,11 @@ std::size_t most_of_one(Standing standing) {
   return standing == Standing::member ? kMostOfMember : kMostOfOther;
 }
 
-Place refusal(std::string why) { return {std::move(why), std::nullopt, 0}; }
+Admittance refusal(std::string why) { return {std::move(why), std::nullopt, 0}; }
 
 }  // namespace
 
-Place place_for(uid_t uid, Standing standing, std::span<const Held> held) {
+Admittance place_for(uid_t uid, Standing standing, std::span<const Held> held) {
   const auto of = [held](uid_t user) {
     return static_cast<std::size_t>(std::ranges::count(held, user, &Held::uid));
   };

@@ -27,7 +27,7 @@ struct Held {
 };
 
 /// The decision on one more connection.
-struct Place {
+struct Admittance {
   std::string refused;          ///< why there is no place; empty: there is one
   std::optional<Held> closes;   ///< must be closed first to make the place
   std::size_t of_its_user = 0;  ///< how many connections the user of `closes` had
@@ -45,6 +45,6 @@ constexpr std::size_t kMostOfMember = 128;
 constexpr std::size_t kMostOfOther = 32;
 
 /// Decides on one more connection of a user, beside those in `held`.
-[[nodiscard]] Place place_for(uid_t uid, Standing standing, std::span<const Held> held);
+[[nodiscard]] Admittance place_for(uid_t uid, Standing standing, std::span<const Held> held);
 
 }  // namespace mlcca::serve

@@ -131,7 +131,7 @@ Result<void> Server::make_place_for(const Peer& peer) {
   held.reserve(sessions_.size());
   for (const auto& [fd, s] : sessions_)
     held.push_back({fd, s->peer().uid, standing_of(s->peer()), s->use(), s->active()});
-  const Place place = place_for(peer.uid, standing_of(peer), held);
+  const Admittance place = place_for(peer.uid, standing_of(peer), held);
   if (!place.refused.empty()) return fail(place.refused);
   if (place.closes)
     dismiss(place.closes->id, "closed in favour of another user: you hold " +

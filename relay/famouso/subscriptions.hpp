@@ -132,7 +132,7 @@ class Subscriptions {
   };
   using AllWanted = std::map<OwnKey, Wanted>;
   /// A pending request to the daemon about the subscription of a peer.
-  struct Asked {
+  struct PendingSubscription {
     PeerKey peer;
     AttributeSet required;
     bool end = false;
@@ -173,9 +173,9 @@ class Subscriptions {
   std::map<std::string, control::SubscriptionNetwork> networks_;
   std::map<PeerKey, Peer> peers_;
   std::map<OwnKey, Own> own_;
-  std::map<std::uint64_t, Asked> asked_;  ///< by request id
-  std::uint64_t joined_ = 0;              ///< number of peers that were granted so far
-  std::set<PeerKey> to_end_;              ///< peers whose subscriptions the daemon still has to end
+  std::map<std::uint64_t, PendingSubscription> asked_;  ///< by request id
+  std::uint64_t joined_ = 0;  ///< number of peers that were granted so far
+  std::set<PeerKey> to_end_;  ///< peers whose subscriptions the daemon still has to end
 };
 
 }  // namespace mlcca::relay

@@ -129,8 +129,8 @@ TEST_F(CodecTest, NumbersOfAnotherDescriptionMeanNothingHere) {
 }
 
 TEST_F(CodecTest, TheOthersAreReadAsTheyWereWritten) {
-  const auto asked = codec.asked(
-      codec.write(cc::Asked{.stage = cc::Stage::ending, .admission = "text", .gateways = {1}}));
+  const auto asked = codec.asked(codec.write(
+      cc::RouteRequest{.stage = cc::Stage::ending, .admission = "text", .gateways = {1}}));
   ASSERT_TRUE(asked);
   EXPECT_EQ(asked->stage, cc::Stage::ending);
   EXPECT_EQ(asked->admission, "text");
@@ -185,13 +185,13 @@ TEST_F(CodecTest, WhatIsAskedForIsAdmissionsAlone) {
   control::Admit admit;
   admit.channel = "c";
   admit.key = "k";
-  const cluster::Asked asked{.channel = "c", .requests = {{.id = 7, .body = admit}}};
+  const cluster::StoredRequest asked{.channel = "c", .requests = {{.id = 7, .body = admit}}};
   const auto read = cluster::asked_in(cluster::text_of(asked));
   ASSERT_TRUE(read);
   EXPECT_EQ(read->channel, "c");
   EXPECT_EQ(read->requests, asked.requests);
   EXPECT_FALSE(read->on_behalf);
-  cluster::Asked behalf = asked;
+  cluster::StoredRequest behalf = asked;
   behalf.on_behalf = true;
   behalf.for_gateway = "g1";
   behalf.for_number = 9;
@@ -200,8 +200,8 @@ TEST_F(CodecTest, WhatIsAskedForIsAdmissionsAlone) {
   EXPECT_TRUE(again->on_behalf);
   EXPECT_EQ(again->for_gateway, "g1");
   EXPECT_EQ(again->for_number, 9U);
-  const cluster::Asked other{.channel = "c",
-                             .requests = {{.id = 7, .body = control::StatusRequest{}}}};
+  const cluster::StoredRequest other{.channel = "c",
+                                     .requests = {{.id = 7, .body = control::StatusRequest{}}}};
   EXPECT_FALSE(cluster::asked_in(cluster::text_of(other)));
   EXPECT_FALSE(cluster::asked_in("\xff"));
 }

@@ -7,7 +7,7 @@ namespace mlcca::tools {
 namespace {
 
 TEST(TableTest, IsAsWideAsItsContent) {
-  Table table({{"NAME"}, {"N", Align::right}, {"WHY"}});
+  TextTable table({{"NAME"}, {"N", Align::right}, {"WHY"}});
   table.add({{"a"}, {"7"}, {"x"}});
   table.add({{"longer"}, {"1234"}, {""}});
   EXPECT_EQ(table.text(Color::no, "  "),
@@ -17,26 +17,26 @@ TEST(TableTest, IsAsWideAsItsContent) {
 }
 
 TEST(TableTest, LeavesOutColumnsWithoutContent) {
-  Table table({{"NAME"}, {"EMPTY"}, {"N", Align::right}});
+  TextTable table({{"NAME"}, {"EMPTY"}, {"N", Align::right}});
   table.add({{"a"}, {""}, {"1"}});
   EXPECT_EQ(table.text(Color::no), "NAME  N\na     1\n");
 }
 
 TEST(TableTest, WithoutRowsIsNothing) {
-  const Table table({{"NAME"}});
+  const TextTable table({{"NAME"}});
   EXPECT_TRUE(table.empty());
   EXPECT_EQ(table.text(Color::no), "");
 }
 
 TEST(TableTest, AlignsCharactersNotBytes) {
-  Table table({{"NAME"}, {"N"}});
+  TextTable table({{"NAME"}, {"N"}});
   table.add({{"fünf"}, {"1"}});
   table.add({{"five"}, {"2"}});
   EXPECT_EQ(table.text(Color::no), "NAME  N\nfünf  1\nfive  2\n");
 }
 
 TEST(TableTest, ColoursTextAndNotPadding) {
-  Table table({{"V"}, {"N", Align::right}});
+  TextTable table({{"V"}, {"N", Align::right}});
   table.add({{"granted", Style::good}, {"1", Style::bad}});
   table.add({{"no"}, {"22"}});
   EXPECT_EQ(table.text(Color::yes),
@@ -52,7 +52,7 @@ TEST(TableTest, LetsNoContentSteerTheTerminal) {
             "?31m");  // CSI as one character
   EXPECT_EQ(printable("\xc2\xb5s ü"), "µs ü");
   EXPECT_EQ(styled("\x1b", Style::bad, Color::no), "?");
-  Table table({{"NAME"}, {"N"}});
+  TextTable table({{"NAME"}, {"N"}});
   table.add({{"\x1b[2J"}, {"1"}});
   EXPECT_EQ(table.text(Color::no), "NAME  N\n?[2J  1\n");
 }

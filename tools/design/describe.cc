@@ -229,7 +229,7 @@ class Describe {
     return unusable(problems, what);
   }
 
-  std::optional<Refusal> finish(const std::vector<Change>& found) {
+  std::optional<Refusal> finish(const std::vector<ValueChange>& found) {
     const bool changed = !file_ || markup_->text() != file_->text;
     if (changed && !a_.dry_run) {
       const auto written =
@@ -243,7 +243,7 @@ class Describe {
     return std::nullopt;
   }
 
-  static std::string line(const Change& change) {
+  static std::string line(const ValueChange& change) {
     if (change.before.empty())
       return fmt::format("{}: {}", printable(change.what), printable(change.after));
     if (change.after.empty())
@@ -252,7 +252,7 @@ class Describe {
                        printable(change.after));
   }
 
-  void report(const std::vector<Change>& found, bool written) {
+  void report(const std::vector<ValueChange>& found, bool written) {
     const auto channel = present();
     if (context_.json) {
       auto list = Json::array();

@@ -24,16 +24,16 @@ const char* kind_of(const learn::DraftChannel& channel) {
 }  // namespace
 
 std::string table_of(const learn::Draft& draft, Color color) {
-  Table table({{"CHANNEL"},
-               {"EVENTS", Align::right},
-               {"PERIOD", Align::right},
-               {"JITTER", Align::right},
-               {"LONGEST GAP", Align::right},
-               {"OMISSION", Align::right},
-               {"BYTES", Align::right},
-               {"BYTES/S", Align::right},
-               {"KIND"},
-               {"CROSSES TO"}});
+  TextTable table({{"CHANNEL"},
+                   {"EVENTS", Align::right},
+                   {"PERIOD", Align::right},
+                   {"JITTER", Align::right},
+                   {"LONGEST GAP", Align::right},
+                   {"OMISSION", Align::right},
+                   {"BYTES", Align::right},
+                   {"BYTES/S", Align::right},
+                   {"KIND"},
+                   {"CROSSES TO"}});
   for (const auto& channel : draft.channels)
     table.add(
         {{channel.name},

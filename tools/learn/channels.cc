@@ -400,7 +400,7 @@ class Collector {
   void put(const FlowKey& key, const Seen& seen) {
     Channel& channel = channels_[root(number_of(key_of(key)))];
     if (observer_.is_ethernet(key.interface)) channel.subject = key.number;
-    Place& place = channel.places[key.interface];
+    InterfaceTraffic& place = channel.places[key.interface];
     place.number = key.number;
     place.fd = place.fd || seen.fd != 0;
     place.classic = place.classic || seen.fd < seen.flow.events();

@@ -68,7 +68,7 @@ struct Source {
 };
 
 /// The frames of a channel on one interface, whoever sends them there.
-struct Place {
+struct InterfaceTraffic {
   std::uint64_t number = 0;  ///< see Event::number
   bool fd = false;
   bool classic = false;
@@ -83,11 +83,11 @@ struct Place {
 
 /// A channel, with everything that was observed of it on all interfaces.
 struct Channel {
-  std::uint32_t interface = 0;            ///< the first interface where it begins
-  std::uint64_t number = 0;               ///< its number there
-  std::optional<std::uint64_t> subject;   ///< known only if it was seen on Ethernet
-  std::vector<Source> sources;            ///< at least one
-  std::map<std::uint32_t, Place> places;  ///< by interface
+  std::uint32_t interface = 0;                       ///< the first interface where it begins
+  std::uint64_t number = 0;                          ///< its number there
+  std::optional<std::uint64_t> subject;              ///< known only if it was seen on Ethernet
+  std::vector<Source> sources;                       ///< at least one
+  std::map<std::uint32_t, InterfaceTraffic> places;  ///< by interface
 };
 
 /// The observed channels, in the order of interface and number. Ethernet traffic that is not

@@ -215,7 +215,7 @@ class Drafter {
     out_.channels.push_back(std::move(row));
   }
 
-  void bind(DraftChannel& row, std::uint32_t interface, const Place& place) {
+  void bind(DraftChannel& row, std::uint32_t interface, const InterfaceTraffic& place) {
     const Profile profile = observer_.profile_of(interface);
     const bool has_priority = core::traits_of(profile).has_number_priority;
     const auto priority = has_priority && place.priorities.size() == 1

@@ -102,7 +102,7 @@ class Senders {
         observer_.is_ethernet(other.interface) ||
         (observer_.has_nodes(there.interface) && there.node != other.node))
       return false;
-    const Place& place = channel.places.at(there.interface);
+    const InterfaceTraffic& place = channel.places.at(there.interface);
     return place.crossing.has_value() || place.local;
   }
   [[nodiscard]] std::string place_of(const FlowKey& key) const {

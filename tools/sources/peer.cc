@@ -125,10 +125,10 @@ Result<void> read_listeners(const char* path, Reachable& to) {
 
 }  // namespace
 
-struct Reachable::Place : At {};
+struct Reachable::Address : At {};
 
 Reachable::Reachable(const Endpoint& to) {
-  if (const auto place = place_of(to)) to_ = std::make_unique<Place>(*place);
+  if (const auto place = place_of(to)) to_ = std::make_unique<Address>(*place);
 }
 Reachable::~Reachable() = default;
 

@@ -49,8 +49,8 @@ class Reachable {
   [[nodiscard]] const Listeners& listeners() const { return best_; }
 
  private:
-  struct Place;
-  std::unique_ptr<Place> to_;  ///< empty for the path of a local socket
+  struct Address;
+  std::unique_ptr<Address> to_;  ///< empty for the path of a local socket
   int rank_ = 0;
   Listeners best_;
 };

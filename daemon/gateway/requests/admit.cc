@@ -66,7 +66,7 @@ Result<void> put_in_force(Context& context, core::Proposal proposal,
 }
 
 Response admit_new(Context& context, const Asker& asker, const control::Admit& request,
-                   const Asked& asked) {
+                   const ParsedRequest& asked) {
   if (const auto why = bars(context, asker, request, asked)) return *why;
   core::State& state = *context.scene.state;
   if (context.membership != nullptr) static_cast<void>(context.turn.settle());
@@ -108,7 +108,7 @@ std::optional<std::string> exceeds_policy(const Context& context, const control:
 }  // namespace
 
 std::optional<Response> bars(const Context& context, const Asker& asker,
-                             const control::Admit& request, const Asked& asked) {
+                             const control::Admit& request, const ParsedRequest& asked) {
   if (const auto why =
           Quotas::refuse_admission(asker.peer.uid, context.recorder.contents().admissions))
     return failed("nothing was changed: " + *why);
@@ -126,7 +126,7 @@ bool crosses_others(const Context& context, const core::Proposal& proposal) {
 }
 
 Response decided(Context& context, const Asker& asker, const control::Admit& request,
-                 const Asked& asked, core::Proposal proposal, const std::string& through) {
+                 const ParsedRequest& asked, core::Proposal proposal, const std::string& through) {
   if (const auto lack = proposal.exceeds_capacity(context.scene.self)) return invalid(*lack);
   const core::State& state = *context.scene.state;
   const core::AdmissionId id = asked.admission->id;

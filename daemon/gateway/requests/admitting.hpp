@@ -13,11 +13,12 @@ namespace mlcca::requests {
 /// Why the admission is refused whatever the networks carry: quotas and limits. nullopt if nothing
 /// bars it.
 [[nodiscard]] std::optional<Response> bars(const Context& context, const Asker& asker,
-                                           const control::Admit& request, const Asked& asked);
+                                           const control::Admit& request,
+                                           const ParsedRequest& asked);
 /// Puts the proposal of an admission in force if it fits; returns the response in either case.
 /// `through`: the gateway that has made it for this one; empty: none.
 [[nodiscard]] Response decided(Context& context, const Asker& asker, const control::Admit& request,
-                               const Asked& asked, core::Proposal proposal,
+                               const ParsedRequest& asked, core::Proposal proposal,
                                const std::string& through = {});
 /// Whether other gateways are on the way of what the proposal admits, and must agree to it.
 [[nodiscard]] bool crosses_others(const Context& context, const core::Proposal& proposal);

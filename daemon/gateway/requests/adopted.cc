@@ -23,7 +23,7 @@ namespace {
 
 constexpr const char* kNobodyThere = "nobody is there on the other side";
 
-Result<Asked> understood_adopted(core::State& state, const control::Request& request) {
+Result<ParsedRequest> understood_adopted(core::State& state, const control::Request& request) {
   const auto& admit = std::get<control::Admit>(request.body);
   if (const auto listed = list(state, admit); !listed) return std::unexpected(listed.error());
   auto asked = understand(state, admit, request.id);
@@ -136,8 +136,8 @@ Result<Reserving::Wish> wish_for_another(Context& context, const control::Reques
   if (const auto at = std::ranges::lower_bound(gateways, gateway);
       at == gateways.end() || *at != gateway)
     gateways.insert(at, gateway);
-  cluster::Asked for_others{.channel = state.system().channels[asked->channel].name,
-                            .requests = {request}};
+  cluster::StoredRequest for_others{.channel = state.system().channels[asked->channel].name,
+                                    .requests = {request}};
   context.membership->add_publishers(footprint, for_others);
   return Reserving::Wish{
       .footprint = std::move(footprint), .publisher = {}, .asked = std::move(for_others)};

@@ -32,7 +32,7 @@ Response made_in_slices(Context& context, std::size_t least_bytes,
       least_bytes);
 }
 
-Response known(Context& context, const Asker& asker, const Asked& asked) {
+Response known(Context& context, const Asker& asker, const ParsedRequest& asked) {
   if (!context.channels.has_many_lines(asked.channel)) return context.channels.known(asked);
   return made_aside(context, asker, [&context, asked] { return context.channels.known(asked); });
 }
@@ -60,7 +60,7 @@ core::Proposal as_it_could_be(Context& context, const core::Admission& admission
   return state.wish(admission);
 }
 
-Body outcome_of(const Context& context, const core::Proposal& proposal, const Asked& asked,
+Body outcome_of(const Context& context, const core::Proposal& proposal, const ParsedRequest& asked,
                 const char* to_do) {
   const core::State& state = *context.scene.state;
   control::Channels out;
@@ -91,7 +91,7 @@ Body outcome_of(const Context& context, const core::Proposal& proposal, const As
           : ""));
 }
 
-std::optional<std::string> lacks_pairs(const Context& context, const Asked& asked) {
+std::optional<std::string> lacks_pairs(const Context& context, const ParsedRequest& asked) {
   const core::Members& members = context.scene.state->members();
   const std::size_t publishers =
       members.publishers_of(asked.channel).size() + (asked.admission->publisher ? 1 : 0);

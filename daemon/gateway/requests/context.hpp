@@ -10,7 +10,7 @@
 #include "base/clock.hpp"
 #include "base/result.hpp"
 #include "daemon/gateway/aside.hpp"
-#include "daemon/gateway/requests/asked.hpp"
+#include "daemon/gateway/requests/parsed_request.hpp"
 #include "daemon/gateway/requests/response.hpp"
 #include "daemon/gateway/scene.hpp"
 
@@ -86,20 +86,21 @@ struct Context {
 [[nodiscard]] Response made_in_slices(Context& context, std::size_t least_bytes,
                                       std::function<serve::Slice()> next);
 /// What is known of deliveries, made in one turn or by a child process.
-[[nodiscard]] Response known(Context& context, const Asker& asker, const Asked& asked);
+[[nodiscard]] Response known(Context& context, const Asker& asker, const ParsedRequest& asked);
 /// Withdraws or reinstates a channel: on disk first, then in the kernel. After an error nothing has
 /// changed.
 [[nodiscard]] Result<void> set_withdrawn(Context& context, std::size_t channel, bool withdrawn);
 /// What a new admission would be given; or an error that says that there is no endpoint on the
 /// other side to do `to_do` with.
 [[nodiscard]] Body outcome_of(const Context& context, const core::Proposal& proposal,
-                              const Asked& asked, const char* to_do);
+                              const ParsedRequest& asked, const char* to_do);
 /// A proposal that only answers a question and must not be accepted. Where gateways share networks,
 /// it is decided as if what it needs were reserved. Everything must be settled.
 [[nodiscard]] core::Proposal as_it_could_be(Context& context, const core::Admission& admission);
 /// Why there cannot be the additional pairs of ends that this request makes; nullopt if there can.
 /// Each pair is decided and reported: one channel may have as many as in a description, and all
 /// channels as many as memory allows, also at the next start.
-[[nodiscard]] std::optional<std::string> lacks_pairs(const Context& context, const Asked& asked);
+[[nodiscard]] std::optional<std::string> lacks_pairs(const Context& context,
+                                                     const ParsedRequest& asked);
 
 }  // namespace mlcca

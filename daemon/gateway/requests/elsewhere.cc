@@ -41,7 +41,7 @@ bool is_of_admission(const cc::Taken& taken) {
 }
 
 /// Whether one of the requests in `asked` brought the publisher which `request` means.
-bool brings(const cluster::Asked& asked, const control::ChannelRequest& request) {
+bool brings(const cluster::StoredRequest& asked, const control::ChannelRequest& request) {
   const auto does = [&](const control::Request& one) {
     const auto* const admit = std::get_if<control::Admit>(&one.body);
     return admit != nullptr && !admit->from.empty() &&
@@ -89,7 +89,7 @@ std::optional<std::size_t> gateway_in_store(const Context& context, const cc::Me
 
 std::optional<std::size_t> gateway_to_ask(const Context& context,
                                           const control::ChannelRequest& request,
-                                          const Asked& asked) {
+                                          const ParsedRequest& asked) {
   const cc::Member* const member =
       context.membership == nullptr ? nullptr : context.membership->begun_member();
   const core::State& state = *context.scene.state;
@@ -104,7 +104,7 @@ std::optional<std::size_t> gateway_to_ask(const Context& context,
 
 std::optional<std::string> decided_elsewhere(const Context& context,
                                              const control::ChannelRequest& request,
-                                             const Asked& asked) {
+                                             const ParsedRequest& asked) {
   const auto gateway = gateway_to_ask(context, request, asked);
   if (!gateway) return std::nullopt;
   const std::string& name = context.scene.state->system().gateways[*gateway].name;

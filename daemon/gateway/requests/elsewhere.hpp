@@ -18,12 +18,12 @@ namespace mlcca::requests {
 /// publisher is. nullopt: this gateway decides itself.
 [[nodiscard]] std::optional<std::size_t> gateway_to_ask(const Context& context,
                                                         const control::ChannelRequest& request,
-                                                        const Asked& asked);
+                                                        const ParsedRequest& asked);
 /// Why this gateway alone cannot say what would be granted; nullopt if it can. The text has the
 /// command to use at the other gateway.
 [[nodiscard]] std::optional<std::string> decided_elsewhere(const Context& context,
                                                            const control::ChannelRequest& request,
-                                                           const Asked& asked);
+                                                           const ParsedRequest& asked);
 /// The subscriber of such a request, as this gateway takes it in: its publisher comes with the
 /// admission of the other gateway.
 [[nodiscard]] control::Admit subscriber_alone(control::Admit request, core::AdmissionId id);

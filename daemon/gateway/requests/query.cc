@@ -11,7 +11,7 @@
 namespace mlcca::requests {
 namespace {
 
-Body would_be(Context& context, const control::Query& request, const Asked& asked) {
+Body would_be(Context& context, const control::Query& request, const ParsedRequest& asked) {
   if (const auto why = decided_elsewhere(context, request, asked)) return invalid(*why);
   if (const auto lack = lacks_pairs(context, asked)) return invalid(*lack);
   const core::Proposal proposal = as_it_could_be(context, *asked.admission);

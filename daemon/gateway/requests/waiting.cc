@@ -66,7 +66,7 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
     return result;
   }
 
-  [[nodiscard]] std::optional<Asked> understood() {
+  [[nodiscard]] std::optional<ParsedRequest> understood() {
     const control::Admit request =
         decides_ == Decides::here ? request_ : subscriber_alone(request_, *id_);
     if (const auto listed = list(*context_.scene.state, request_); !listed) {
@@ -114,15 +114,15 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
       return std::nullopt;
     }
     const auto& channel = state.system().channels[asked->channel];
-    cluster::Asked for_others{.channel = channel.name,
-                              .requests = {{.id = *id_, .body = request_}}};
+    cluster::StoredRequest for_others{.channel = channel.name,
+                                      .requests = {{.id = *id_, .body = request_}}};
     context_.membership->add_publishers(footprint, for_others);
     return Reserving::Wish{.footprint = std::move(footprint),
                            .publisher = request_.publisher,
                            .asked = std::move(for_others)};
   }
 
-  std::optional<Reserving::Wish> wish_of_another(const Asked& asked) {
+  std::optional<Reserving::Wish> wish_of_another(const ParsedRequest& asked) {
     const auto gateway = gateway_to_ask(context_, request_, asked);
     if (!gateway) {
       answer(failed("nothing was changed: its publisher is not at another gateway any more"));

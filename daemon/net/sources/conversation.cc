@@ -178,7 +178,7 @@ void Conversation::receive() {
 }
 
 void Conversation::finish(int error) {
-  const Asked done = std::move(asked_.front());
+  const PendingRequest done = std::move(asked_.front());
   asked_.pop_front();
   if (!asked_.empty()) send_first();
   done.end(error);  // last, because it may destroy this object

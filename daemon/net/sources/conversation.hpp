@@ -60,7 +60,7 @@ class Conversation {
   struct FreeSocket {
     void operator()(nl_sock* socket) const noexcept;
   };
-  struct Asked {
+  struct PendingRequest {
     Request request;
     OnMessage each;
     OnEnd end;
@@ -74,7 +74,7 @@ class Conversation {
   std::unique_ptr<nl_sock, FreeSocket> socket_;
   EventSource readable_;
   EventSource send_failed_;
-  std::deque<Asked> asked_;
+  std::deque<PendingRequest> asked_;
   int error_ = 0;             ///< of the first request in asked_
   std::size_t messages_ = 0;  ///< number of messages of its answer
   bool interrupted_ = false;  ///< its list changed while it was made

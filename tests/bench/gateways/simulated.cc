@@ -217,7 +217,7 @@ EntrySizes entry_sizes(const Described& described) {
                             .subject = std::uint64_t{1} << 60U,
                             .source = {.admission = 1}});
   sizes.message = described.codec->write(taken).size();
-  cc::Asked asked;
+  cc::RouteRequest asked;
   asked.stage = cc::Stage::granted;
   asked.admission = admission_of(described.system, 0, 0, 1);
   sizes.asked = described.codec->write(asked).size();

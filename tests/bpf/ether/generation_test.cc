@@ -14,7 +14,7 @@ namespace mlcca::test {
 namespace {
 
 using enforce::SlotChanges;
-using enforce::Table;
+using enforce::VerdictTable;
 
 struct Sets {
   std::vector<SlotSpec> first;
@@ -33,7 +33,7 @@ SlotChanges swapping(const Sets& sets, std::uint64_t step) {
 class Swapping {
  public:
   struct Side {
-    Table* table;
+    VerdictTable* table;
     const Sets* sets;
   };
   explicit Swapping(std::vector<Side> sides)
@@ -41,10 +41,10 @@ class Swapping {
           while (!done_) {
             std::vector<SlotChanges> swaps;
             for (const Side& side : sides) swaps.push_back(swapping(*side.sets, steps_));
-            std::vector<Table::Change> changes;
+            std::vector<VerdictTable::Change> changes;
             for (std::size_t i = 0; i < sides.size(); ++i)
               changes.push_back({sides[i].table, &swaps[i]});
-            if (!Table::apply_together(changes)) std::abort();
+            if (!VerdictTable::apply_together(changes)) std::abort();
             ++steps_;
           }
         }) {}

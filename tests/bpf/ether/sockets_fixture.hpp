@@ -143,7 +143,7 @@ class EtherSockets : public ::testing::TestWithParam<Hook> {
   ~EtherSockets() override {
     for (const auto hook : {Hook::clsact, Hook::tcx}) withdraw(place(hook, control_));
   }
-  static Place place(Hook hook, const Control& control) {
+  static GateLocation place(Hook hook, const Control& control) {
     const std::uint32_t ifindex = if_nametoindex("eth0");
     return {ifindex, gate_directory(control.directory(), ifindex), hook};
   }
@@ -174,7 +174,7 @@ class EtherSockets : public ::testing::TestWithParam<Hook> {
   /// As another program would.
   void remove_gate() const {
     if (gate_.hook() == Hook::clsact) return shell("tc qdisc del dev eth0 clsact");
-    const Place there = place(Hook::tcx, control_);
+    const GateLocation there = place(Hook::tcx, control_);
     for (const auto direction : kBothDirections)
       require(tcx_detach(there.ifindex, direction,
                          open_pin(program_pin(there.directory, direction)).get())

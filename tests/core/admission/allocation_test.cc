@@ -96,7 +96,7 @@ class Scarce {
     state_ = std::make_unique<State>(std::move(system));
   }
 
-  std::vector<Change> carries(Value bytes_per_second) {
+  std::vector<DecisionChange> carries(Value bytes_per_second) {
     mesh::Graph graph;
     graph.nodes = 2;
     if (bytes_per_second != 0) graph.links = {link(0, bytes_per_second)};

@@ -127,7 +127,7 @@ TEST(StateTest, AProposalDecidesAsIfDecidedFromScratch) {
   }();
   std::move(p).accept();
   const GateState incremental = state.gate_state(kBridge);
-  EXPECT_EQ(changes, difference(before, incremental));
+  EXPECT_EQ(changes, gate_changes_between(before, incremental));
   State from_scratch(robot(0));
   from_scratch.restore(a);
   from_scratch.decide();

@@ -22,7 +22,7 @@ class TextCodec : public Codec {
   [[nodiscard]] std::string write(const Taken& t) const override {
     return line({num(bytes_of(t.part.rates))}) + list(t.through);
   }
-  [[nodiscard]] std::string write(const Asked& a) const override {
+  [[nodiscard]] std::string write(const RouteRequest& a) const override {
     return line({static_cast<std::int64_t>(a.stage)}) + list(a.gateways) + a.admission;
   }
   [[nodiscard]] std::string write(const VoteOf& v) const override {
@@ -61,10 +61,10 @@ class TextCodec : public Codec {
                  .part = part_of(network, val((*n)[0])),
                  .through = take_list(v)};
   }
-  [[nodiscard]] std::optional<Asked> asked(std::string_view v) const override {
+  [[nodiscard]] std::optional<RouteRequest> asked(std::string_view v) const override {
     const auto n = numbers<1>(v);
     if (!n) return std::nullopt;
-    Asked a{.stage = static_cast<Stage>((*n)[0]), .admission = {}, .gateways = take_list(v)};
+    RouteRequest a{.stage = static_cast<Stage>((*n)[0]), .admission = {}, .gateways = take_list(v)};
     a.admission = v;
     return a;
   }

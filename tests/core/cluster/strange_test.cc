@@ -113,7 +113,7 @@ TEST_F(StrangeEntries, HoweverManyRequestsAndVotesThereAreTheyAreBounded) {
   const std::string vote =
       codec.write(VoteOf{.asked = 1, .vote = {.ok = true, .hop = {}, .reason = {}}});
   const std::string asked =
-      codec.write(Asked{.stage = Stage::granted, .admission = {}, .gateways = {}});
+      codec.write(RouteRequest{.stage = Stage::granted, .admission = {}, .gateways = {}});
   for (std::uint64_t id = 0; id <= kMostReservations; ++id) {
     put(keys->vote(1, 2, id), vote);
     put(keys->asked(1, id), asked);
@@ -125,7 +125,7 @@ TEST_F(StrangeEntries, HoweverManyRequestsAndVotesThereAreTheyAreBounded) {
   put(keys->vote(1, 2, 0), no);
   EXPECT_FALSE(records.votes.at({1, 2, 0}).value->vote.ok) << "one that is known can change";
   put(keys->asked(1, 0),
-      codec.write(Asked{.stage = Stage::ending, .admission = {}, .gateways = {}}));
+      codec.write(RouteRequest{.stage = Stage::ending, .admission = {}, .gateways = {}}));
   ASSERT_TRUE(records.asked.contains({1, 0}));
   EXPECT_EQ(records.asked.at({1, 0}).asked.stage, Stage::ending);
 }
@@ -138,7 +138,7 @@ class OneWritesTooMany : public StrangeEntries {
     return codec.write(VoteOf{.asked = 1, .vote = {.ok = true, .hop = {}, .reason = {}}});
   }
   std::string asked() {
-    return codec.write(Asked{.stage = Stage::granted, .admission = {}, .gateways = {}});
+    return codec.write(RouteRequest{.stage = Stage::granted, .admission = {}, .gateways = {}});
   }
   void flood() {
     for (std::uint64_t id = 0; id <= kMostReservations; ++id) {

@@ -22,8 +22,8 @@ class ClusterTurns : public ClusterMember {
   /// Another gateway asks for the agreement of the first one.
   void ask(std::size_t gateway, std::uint64_t id) {
     store.write({{.key = keys->asked(gateway, id),
-                  .value = codec.write(
-                      Asked{.stage = Stage::prepared, .admission = "request", .gateways = {0}})}});
+                  .value = codec.write(RouteRequest{
+                      .stage = Stage::prepared, .admission = "request", .gateways = {0}})}});
   }
   void see() {
     Node& node = nodes[0];

@@ -152,26 +152,26 @@ TEST(PlanTest, ADeliveryHasTheSlotsOfItsOwnPublisherOnly) {
 TEST(PlanTest, TheDifferenceLeavesAloneWhatStays) {
   GateState a = State(robot(0)).gate_state(kBridge);
   GateState b = a;
-  EXPECT_TRUE(difference(a, b).empty());
+  EXPECT_TRUE(gate_changes_between(a, b).empty());
   b[0].pass = false;
-  EXPECT_EQ(difference(a, b), (GateChanges{{a[0].entry}, {}, {}, {}, {}}));
-  EXPECT_EQ(difference(b, a), (GateChanges{{}, {}, {}, {a[0].entry}, {}}));
-  EXPECT_EQ(difference({}, a), (GateChanges{{}, {}, a, {}, {}}));
-  EXPECT_EQ(difference(a, {}), (GateChanges{{}, {a[0].entry, a[1].entry}, {}, {}, {}}));
+  EXPECT_EQ(gate_changes_between(a, b), (GateChanges{{a[0].entry}, {}, {}, {}, {}}));
+  EXPECT_EQ(gate_changes_between(b, a), (GateChanges{{}, {}, {}, {a[0].entry}, {}}));
+  EXPECT_EQ(gate_changes_between({}, a), (GateChanges{{}, {}, a, {}, {}}));
+  EXPECT_EQ(gate_changes_between(a, {}), (GateChanges{{}, {a[0].entry, a[1].entry}, {}, {}, {}}));
 }
 
 TEST(PlanTest, AnotherRateIsAChangeOfItsOwn) {
   const GateState a = State(robot(0)).gate_state(kBridge);
   GateState b = a;
   b[1].policing.per_frame += 1;
-  EXPECT_EQ(difference(a, b), (GateChanges{{}, {}, {}, {}, {b[1]}}));
+  EXPECT_EQ(gate_changes_between(a, b), (GateChanges{{}, {}, {}, {}, {b[1]}}));
 }
 
 TEST(PlanTest, WhatIsExpectedIsAChangeOfItsOwn) {
   const GateState a = State(robot(0)).gate_state(kBridge);
   GateState b = a;
   b[1].watching.silence += 1;
-  EXPECT_EQ(difference(a, b), (GateChanges{{}, {}, {}, {}, {b[1]}}));
+  EXPECT_EQ(gate_changes_between(a, b), (GateChanges{{}, {}, {}, {}, {b[1]}}));
 }
 
 /// Of the slot that the switch's events enter by.

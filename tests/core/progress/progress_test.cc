@@ -84,7 +84,7 @@ TEST(ProgressTest, IsCalledWhileTheOnlyNetworkOfManyChannelsGoesAndComes) {
   ASSERT_EQ(state.granted(), kChannels);
   for (const Condition& condition : {down(), Condition{}}) {
     state.set_condition(0, condition);
-    std::vector<Change> changes;
+    std::vector<DecisionChange> changes;
     EXPECT_LE(longest_of([&] { changes = state.settle(); }), kLongest);
     ASSERT_EQ(changes.size(), kChannels);
     EXPECT_LE(longest_of([&] { static_cast<void>(state.gate_changes(changes, 0)); }), kLongest);
@@ -118,8 +118,8 @@ TEST(ProgressTest, IsCalledWhileTheRulesOfAllGatesArePlannedAndCompared) {
   EXPECT_LE(longest_of([&] { all = state.gate_state(0); }), kLongest);
   ASSERT_EQ(all.size(), kChannels);
   Stretches stretches;
-  EXPECT_EQ(difference({}, all).add.size(), kChannels);
-  EXPECT_TRUE(difference(all, all).empty());
+  EXPECT_EQ(gate_changes_between({}, all).add.size(), kChannels);
+  EXPECT_TRUE(gate_changes_between(all, all).empty());
   EXPECT_GE(stretches.reports(), 2 * kChannels / 64);
 }
 

@@ -257,17 +257,19 @@ TEST_F(EtherTableTest, ChangesBesidesACanTableAreOneGeneration) {
   const SlotChanges away = removing({slot(1)});
   const SlotChanges here = adding({raw});
   const auto before = generation_;
-  ASSERT_TRUE(Table::apply_together(std::vector<Table::Change>{{&table_, &away}, {&can, &here}}));
+  ASSERT_TRUE(VerdictTable::apply_together(
+      std::vector<VerdictTable::Change>{{&table_, &away}, {&can, &here}}));
   EXPECT_EQ(generation_, before + 1);
   EXPECT_TRUE(present().empty());
   EXPECT_EQ(can.present(), std::vector{raw});
   // One that refuses changes none.
-  const auto refused =
-      Table::apply_together(std::vector<Table::Change>{{&can, &away}, {&table_, &away}});
+  const auto refused = VerdictTable::apply_together(
+      std::vector<VerdictTable::Change>{{&can, &away}, {&table_, &away}});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().change, 0U);
   const SlotChanges again = adding({slot(1)});
-  EXPECT_EQ(Table::apply_together(std::vector<Table::Change>{{&table_, &again}, {&can, &here}})
+  EXPECT_EQ(VerdictTable::apply_together(
+                std::vector<VerdictTable::Change>{{&table_, &again}, {&can, &here}})
                 .error()
                 .change,
             1U);

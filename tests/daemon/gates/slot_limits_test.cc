@@ -25,7 +25,7 @@ TEST_F(Slots, FullTableIsExchangedAsAWhole) {
     new_slots.push_back(raw(CAN_EFF_FLAG | i));
   }
   ASSERT_TRUE(slots.apply(adding(old_slots)));
-  ASSERT_TRUE(slots.apply(difference(slots.present(), new_slots)));
+  ASSERT_TRUE(slots.apply(slot_changes_between(slots.present(), new_slots)));
   EXPECT_EQ(sorted(slots.present()), sorted(new_slots));
 }
 

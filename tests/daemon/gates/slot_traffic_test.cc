@@ -55,17 +55,17 @@ TEST_F(SlotTraffic, PolicingIsNoPartOfTheGrant) {
   memory_->slots[*number].due = 7;
 
   const std::vector wanted = {policed(raw(1), 20, true)};
-  const SlotChanges changes = difference(slots.present(), wanted);
+  const SlotChanges changes = slot_changes_between(slots.present(), wanted);
   EXPECT_TRUE(changes.add.empty() && changes.remove.empty() && changes.close.empty());
   EXPECT_EQ(changes.police, wanted);
   ASSERT_TRUE(slots.apply(changes));
   EXPECT_EQ(slots.present(), wanted);
   EXPECT_EQ(slots.find(raw(1)), number) << "the same slot, with what it has counted";
   EXPECT_EQ(memory_->slots[*number].due, 0U) << "turns at the former rate do not count";
-  EXPECT_TRUE(difference(slots.present(), wanted).empty());
+  EXPECT_TRUE(slot_changes_between(slots.present(), wanted).empty());
 
   memory_->slots[*number].due = 7;
-  ASSERT_TRUE(slots.apply(difference(slots.present(), std::vector{policed(raw(1), 20)})));
+  ASSERT_TRUE(slots.apply(slot_changes_between(slots.present(), std::vector{policed(raw(1), 20)})));
   EXPECT_EQ(memory_->slots[*number].due, 7U) << "the same rate";
   SlotChanges of_nobody;
   of_nobody.police = {raw(2)};

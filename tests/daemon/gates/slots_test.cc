@@ -248,13 +248,13 @@ TEST_F(Slots, DamagedTablesAreNotRead) {
 
 TEST(Difference, OfEqualStatesIsNothing) {
   const std::vector specs = {raw(1), refused(raw(2))};
-  EXPECT_TRUE(difference(specs, specs).empty());
+  EXPECT_TRUE(slot_changes_between(specs, specs).empty());
 }
 
 TEST(Difference, NamesOnlyWhatChanges) {
   const std::vector present = {raw(1), refused(raw(2)), raw(3), raw(4)};
   const std::vector wanted = {refused(raw(1)), raw(2), raw(3), raw(5)};
-  const auto changes = difference(present, wanted);
+  const auto changes = slot_changes_between(present, wanted);
   EXPECT_EQ(changes.close, std::vector{raw(1)});
   EXPECT_EQ(changes.open, std::vector{refused(raw(2))});
   EXPECT_EQ(changes.remove, std::vector{raw(4)});
@@ -270,7 +270,7 @@ TEST_F(Slots, WhatGoesIsDeniedInTheStepInWhichWhatComesOpens) {
   auto longer = raw(1);
   longer.max_len = 64;
   const auto former = slots.find(raw(1)).value();
-  ASSERT_TRUE(slots.apply(difference(slots.present(), std::vector{longer, raw(3)})));
+  ASSERT_TRUE(slots.apply(slot_changes_between(slots.present(), std::vector{longer, raw(3)})));
   EXPECT_EQ(generation_, before + 1) << "one step";
   for (const auto slot : {gone, former}) EXPECT_EQ(verdict_of(slot), unsigned{GATE_DENY});
   EXPECT_EQ(verdict_of(slots.find(longer).value()), unsigned{GATE_PASS});
@@ -278,7 +278,8 @@ TEST_F(Slots, WhatGoesIsDeniedInTheStepInWhichWhatComesOpens) {
 }
 
 TEST(Difference, PublishersWithOneGrantShareASlotThatPassesForEither) {
-  const auto changes = difference({}, std::vector{refused(raw(1)), raw(1), refused(raw(1))});
+  const auto changes =
+      slot_changes_between({}, std::vector{refused(raw(1)), raw(1), refused(raw(1))});
   EXPECT_EQ(changes.add, std::vector{raw(1)});
 }
 
@@ -294,7 +295,7 @@ TEST_F(Slots, RandomStatesAreReachedFromOneAnother) {
       if (std::ranges::none_of(wanted, [&](const auto& t) { return t.same_grant(s); }))
         wanted.push_back(s);
     }
-    ASSERT_TRUE(slots.apply(difference(slots.present(), wanted))) << round;
+    ASSERT_TRUE(slots.apply(slot_changes_between(slots.present(), wanted))) << round;
     ASSERT_EQ(sorted(slots.present()), sorted(wanted));
     ASSERT_EQ(read(false).present(), slots.present());
   }

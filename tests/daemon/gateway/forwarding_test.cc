@@ -171,19 +171,20 @@ TEST(ForwardingTest, RemoteFramesThatOneBusRefusesStayBehind) {
 TEST(ForwardingTest, TheDifferenceLeavesAloneWhatStays) {
   const Wanted wanted{{rule(1), 0}, {rule(2), 1}};
   const std::vector there{ours(rule(1), net::kFirstUid), ours(rule(3), net::kFirstUid + 1)};
-  const auto changes = difference(wanted, there);
+  const auto changes = rule_changes_between(wanted, there);
   EXPECT_EQ(changes.remove, std::vector{there[1]});
   ASSERT_EQ(changes.add.size(), 1U);
   EXPECT_EQ(changes.add[0], ours(rule(2), net::kFirstUid + 2));
 }
 
 TEST(ForwardingTest, RulesOfOthersAreNeverRemoved) {
-  const auto changes = difference({}, {foreign(rule(1)), ours(rule(2), net::kLastUid + 1)});
+  const auto changes =
+      rule_changes_between({}, {foreign(rule(1)), ours(rule(2), net::kLastUid + 1)});
   EXPECT_TRUE(changes.remove.empty());
 }
 
 TEST(ForwardingTest, ARuleThatIsThereTwiceIsOneTooMany) {
-  const auto changes = difference(
+  const auto changes = rule_changes_between(
       {{rule(1), 0}}, {ours(rule(1), net::kFirstUid), ours(rule(1), net::kFirstUid + 9)});
   EXPECT_EQ(changes.remove.size(), 1U);
   EXPECT_TRUE(changes.add.empty());
@@ -201,7 +202,7 @@ class ForeignTest : public ::testing::TestWithParam<Foreign> {};
 TEST_P(ForeignTest, WhatWasGrantedArrives) {
   CanRuleThere other = foreign(GetParam().rule);
   other.changes_more = GetParam().changes_more;
-  const auto changes = difference({{rule(0x100), 0}}, {other});
+  const auto changes = rule_changes_between({{rule(0x100), 0}}, {other});
   EXPECT_EQ(changes.add.size(), GetParam().added) << GetParam().what;
   EXPECT_EQ(changes.in_way.size(), GetParam().in_way) << GetParam().what;
 }
@@ -239,7 +240,8 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(ForwardingTest, ARuleOfAnotherProgramThatCarriesAPartIsInTheWay) {
   CanRule wide = rule(core::kExtendedFlag | 0x1f000064);
   wide.mask &= ~(1U << 21);
-  const auto changes = difference({{wide, 0}}, {foreign(rule(core::kExtendedFlag | 0x1f000064))});
+  const auto changes =
+      rule_changes_between({{wide, 0}}, {foreign(rule(core::kExtendedFlag | 0x1f000064))});
   EXPECT_EQ(changes.add.size(), 1U) << "the other part would be lost";
   EXPECT_EQ(changes.in_way, std::vector{wide});
 }
@@ -247,7 +249,7 @@ TEST(ForwardingTest, ARuleOfAnotherProgramThatCarriesAPartIsInTheWay) {
 TEST(ForwardingTest, NumbersAreNeverUsedTwiceAndNeverRunOver) {
   Wanted wanted;
   for (std::uint32_t id = 0; id < 70'000; ++id) wanted.emplace(rule(core::kExtendedFlag | id), 0);
-  const auto changes = difference(wanted, {ours(rule(1), net::kFirstUid + 3)});
+  const auto changes = rule_changes_between(wanted, {ours(rule(1), net::kFirstUid + 3)});
   EXPECT_EQ(changes.add.size(), net::kLastUid - net::kFirstUid);  // and the one that goes
   std::vector<std::uint32_t> uids;
   for (const auto& there : changes.add) {

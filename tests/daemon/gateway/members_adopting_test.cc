@@ -36,7 +36,7 @@ class MembersAdopting : public testing::Test {
   }
   /// g1 asks for so many publishers and then for so many subscribers. Returns the decisions.
   std::size_t decisions_about(std::size_t publishers, std::size_t subscribers) {
-    cluster::Asked asked{.channel = "c2", .requests = {}};
+    cluster::StoredRequest asked{.channel = "c2", .requests = {}};
     for (std::size_t n = 0; n < publishers; ++n) {
       control::Admit admit;
       admit.channel = asked.channel;
@@ -76,11 +76,11 @@ TEST_F(MembersAdopting, EachSubscriberIsTriedAloneAndWithAPublisherThatComesWith
 }
 
 TEST_F(MembersAdopting, ManyPublishersTakeNoMoreDecisionsThanTwoForEachRequest) {
-  constexpr std::size_t half = cluster::Asked::kMostRequests / 2;
+  constexpr std::size_t half = cluster::StoredRequest::kMostRequests / 2;
   fitting_ = "p" + std::to_string(half - 1);
   const std::size_t all = decisions_about(half, half);
   EXPECT_GT(all, half);
-  EXPECT_LE(all, 2 * cluster::Asked::kMostRequests);
+  EXPECT_LE(all, 2 * cluster::StoredRequest::kMostRequests);
 }
 
 }  // namespace

@@ -266,7 +266,7 @@ TEST_F(MembersWithoutStore, TheOtherGatewayIsNotBlamedForTheStore) {
 TEST_F(MembersEachAgrees, AChannelWithManySubscribersHereIsReservedAgain) {
   start_both();
   ASSERT_EQ(asked(0, wanted("c3", "own0", "own1")), "granted");
-  for (std::size_t n = 0; n < cluster::Asked::kMostRequests + 4; ++n) {
+  for (std::size_t n = 0; n < cluster::StoredRequest::kMostRequests + 4; ++n) {
     control::Admit local = subscriber("g0");
     local.subscriber = local.key = "local" + std::to_string(n);
     ASSERT_EQ(asked(0, local), "granted") << n;

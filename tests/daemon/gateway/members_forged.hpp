@@ -43,12 +43,12 @@ class MembersForged : public MembershipBench {
   }
   /// g1 asks g0 to make this admission for it.
   void request_of_g1(std::uint64_t n, core::cluster::Stage stage, const control::Admit& admit) {
-    const cluster::Asked asked{.channel = admit.channel,
-                               .requests = {{.id = 7000 + n, .body = admit}},
-                               .also = {},
-                               .on_behalf = true};
+    const cluster::StoredRequest asked{.channel = admit.channel,
+                                       .requests = {{.id = 7000 + n, .body = admit}},
+                                       .also = {},
+                                       .on_behalf = true};
     store.write({{.key = key("x/g1/") + std::to_string(n),
-                  .value = codec.write(core::cluster::Asked{
+                  .value = codec.write(core::cluster::RouteRequest{
                       .stage = stage, .admission = cluster::text_of(asked), .gateways = {0}})}});
   }
   /// What g0 has answered to such a request.
@@ -59,8 +59,8 @@ class MembersForged : public MembershipBench {
     return vote->vote;
   }
   /// What g0 itself has asked for, by the key of its entry.
-  std::vector<std::pair<std::string, cluster::Asked>> asked_by_g0() {
-    std::vector<std::pair<std::string, cluster::Asked>> all;
+  std::vector<std::pair<std::string, cluster::StoredRequest>> asked_by_g0() {
+    std::vector<std::pair<std::string, cluster::StoredRequest>> all;
     for (const auto& [name, entry] : store.entries) {
       if (!name.starts_with(key("x/g0/"))) continue;
       const auto asked = codec.asked(entry.value);

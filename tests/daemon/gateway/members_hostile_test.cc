@@ -140,7 +140,7 @@ TEST_F(MembersHostile, AnEntryHasABoundedNumberOfRequests) {
   beat_of_g1();
   run();
   const auto answer_to = [this](std::uint64_t n, std::size_t requests) {
-    cluster::Asked asked{.channel = "c2", .requests = {}};
+    cluster::StoredRequest asked{.channel = "c2", .requests = {}};
     for (std::size_t i = 0; i < requests; ++i) {
       auto admit = subscriber_on_own1("c2", "s" + std::to_string(i));
       admit.to = "g0";
@@ -148,16 +148,17 @@ TEST_F(MembersHostile, AnEntryHasABoundedNumberOfRequests) {
       to.push_back({.id = (1000 * n) + i, .body = admit});
     }
     store.write({{.key = key("x/g1/") + std::to_string(n),
-                  .value = codec.write(cc::Asked{.stage = cc::Stage::prepared,
-                                                 .admission = cluster::text_of(asked),
-                                                 .gateways = {0}})}});
+                  .value = codec.write(cc::RouteRequest{.stage = cc::Stage::prepared,
+                                                        .admission = cluster::text_of(asked),
+                                                        .gateways = {0}})}});
     run();
     const auto vote = answer_to_g1(n);
     if (!vote) return std::string("no vote");
     return vote->ok ? "yes" : vote->reason;
   };
-  EXPECT_EQ(answer_to(5, cluster::Asked::kMostRequests), "yes");
-  EXPECT_EQ(answer_to(6, cluster::Asked::kMostRequests + 1), "it has more than 256 requests");
+  EXPECT_EQ(answer_to(5, cluster::StoredRequest::kMostRequests), "yes");
+  EXPECT_EQ(answer_to(6, cluster::StoredRequest::kMostRequests + 1),
+            "it has more than 256 requests");
 }
 
 /// Nobody agrees to what this gateway makes for g1, so each of these takes its 3 s.

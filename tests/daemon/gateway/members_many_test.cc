@@ -44,7 +44,7 @@ class MembersMany : public MembershipBench {
   }
   void ask_g0(const std::string& gateway, std::uint64_t number, std::size_t requests = 1,
               cc::Stage stage = cc::Stage::prepared) {
-    cluster::Asked asked{.channel = "c2", .requests = {}};
+    cluster::StoredRequest asked{.channel = "c2", .requests = {}};
     for (std::size_t i = 0; i < requests; ++i) {
       control::Admit admit;
       admit.channel = "c2";
@@ -53,7 +53,7 @@ class MembersMany : public MembershipBench {
       asked.requests.push_back({.id = (1000 * number) + i, .body = admit});
     }
     store.write({{.key = "/mlcca/pair/x/" + gateway + "/" + std::to_string(number),
-                  .value = codec.write(cc::Asked{
+                  .value = codec.write(cc::RouteRequest{
                       .stage = stage, .admission = cluster::text_of(asked), .gateways = {0}})}});
   }
   void ask_g0_for_many(const std::string& gateway, std::uint64_t entries, std::size_t requests,
@@ -133,8 +133,8 @@ TEST_F(MembersMany, AreOpenBeforeTheOthersAreToldSo) {
 
 TEST_F(MembersMany, AreRefusedBeyondWhatOneGatewayMayHaveHere) {
   begin();
-  constexpr std::size_t most = Adopting::kMostOfGateway / cluster::Asked::kMostRequests;
-  ask_g0_for_many("g1", most + 2, cluster::Asked::kMostRequests);
+  constexpr std::size_t most = Adopting::kMostOfGateway / cluster::StoredRequest::kMostRequests;
+  ask_g0_for_many("g1", most + 2, cluster::StoredRequest::kMostRequests);
   ask_g0("g2", kFirst);
   run();
   EXPECT_EQ(entries(votes_on("g1")), most + 2);

@@ -28,12 +28,12 @@ class MembersNumbers : public MembersForged {
   }
   void ask_g0(std::uint64_t n, cc::Stage stage, const control::Admit& admit,
               bool on_behalf = false) {
-    const cluster::Asked asked{.channel = admit.channel,
-                               .requests = {{.id = kNumber, .body = admit}},
-                               .also = {},
-                               .on_behalf = on_behalf};
+    const cluster::StoredRequest asked{.channel = admit.channel,
+                                       .requests = {{.id = kNumber, .body = admit}},
+                                       .also = {},
+                                       .on_behalf = on_behalf};
     store.write({{.key = key("x/g1/") + std::to_string(n),
-                  .value = codec.write(cc::Asked{
+                  .value = codec.write(cc::RouteRequest{
                       .stage = stage, .admission = cluster::text_of(asked), .gateways = {0}})}});
     beat_of_g1();
     run();
@@ -238,11 +238,11 @@ TEST_F(MembersNumbers, WhatWaitsWithANumberThatTheStoreHasIsNotReservedBesideThe
   auto second = at(0).ask(wanted("c5", "own0", "shared"));
   run();
   nodes[1]->hangs = true;
-  const cluster::Asked former{.channel = "c2",
-                              .requests = {{.id = number, .body = wanted("c2", "own0", "own1")}}};
+  const cluster::StoredRequest former{
+      .channel = "c2", .requests = {{.id = number, .body = wanted("c2", "own0", "own1")}}};
   store.write(
       {{.key = key("x/g0/") + "77",
-        .value = codec.write(cc::Asked{
+        .value = codec.write(cc::RouteRequest{
             .stage = cc::Stage::granted, .admission = cluster::text_of(former), .gateways = {1}})},
        {.key = key("f/g0"), .value = "g1"}});
   link(0).answers = true;

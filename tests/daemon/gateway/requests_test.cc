@@ -7,7 +7,7 @@
 
 #include "core/admission/state.hpp"
 #include "core/model/text.hpp"
-#include "daemon/gateway/requests/asked.hpp"
+#include "daemon/gateway/requests/parsed_request.hpp"
 #include "description/read.hpp"
 
 namespace mlcca {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "daemon/gateway/requests/asked.hpp"
+#include "daemon/gateway/requests/parsed_request.hpp"
 #include "tests/core/robot.hpp"
 
 namespace mlcca {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/model/text.hpp"
-#include "daemon/gateway/requests/asked.hpp"
+#include "daemon/gateway/requests/parsed_request.hpp"
 #include "tests/core/robot.hpp"
 
 namespace mlcca {

@@ -17,7 +17,7 @@ class PlacesTest : public ::testing::Test {
     for (std::size_t i = 0; i < connections; ++i, ++last_)
       held_.push_back({last_, uid, standing, use, 1000U - static_cast<std::uint64_t>(last_)});
   }
-  [[nodiscard]] Place ask(uid_t uid, Standing standing) const {
+  [[nodiscard]] Admittance ask(uid_t uid, Standing standing) const {
     return place_for(uid, standing, held_);
   }
   std::vector<Held> held_;
@@ -62,7 +62,7 @@ TEST_F(PlacesTest, WhoHoldsMostGivesWayByWhatHasBeenIdleLongest) {
   hold(1000, Standing::other, 31);
   hold(1001, Standing::other, 32);
   for (uid_t uid = 1002; uid < 1007; ++uid) hold(uid, Standing::other, 29);
-  const Place place = ask(kNewcomer, Standing::other);
+  const Admittance place = ask(kNewcomer, Standing::other);
   ASSERT_TRUE(place.closes);
   EXPECT_EQ(place.closes->uid, 1001U);
   EXPECT_EQ(place.closes->id, 62) << "the last one of his has the smallest time";
@@ -76,7 +76,7 @@ TEST_F(PlacesTest, WhatIsIdleGoesFirstAndWhatOwnsAnAdmissionNever) {
   hold(2000, Standing::member, 1, Use::idle);
   hold(2001, Standing::member, 80, Use::owns);
   for (const Use use : {Use::idle, Use::listens, Use::asks}) {
-    const Place place = ask(kNewcomer, Standing::member);
+    const Admittance place = ask(kNewcomer, Standing::member);
     ASSERT_TRUE(place.closes);
     EXPECT_EQ(place.closes->use, use);
     std::erase_if(held_, [&](const Held& h) { return h.id == place.closes->id; });
@@ -97,7 +97,7 @@ TEST_F(PlacesTest, PlacesOfOthersAreOfNoUseToWhoMayNotHaveThem) {
   hold(0, Standing::root, 40);
   hold(2000, Standing::member, 8);
   for (uid_t uid = 1000; uid < 1013; ++uid) hold(uid, Standing::other, 16);
-  const Place place = ask(kNewcomer, Standing::other);
+  const Admittance place = ask(kNewcomer, Standing::other);
   ASSERT_TRUE(place.closes);
   EXPECT_EQ(place.closes->standing, Standing::other);
 }

@@ -314,15 +314,15 @@ std::string bus_text(const AnalysedBus& analysed, Color color) {
   std::string text;
   if (!bus.network.empty()) text += fmt::format("Network {}\n", printable(bus.network));
   if (!bus.why_not.empty()) return text + sentences("Not analysed:", bus.why_not);
-  Table table({{"Message"},
-               {"Identifier", Align::right},
-               {"Frame us", Align::right},
-               {"Jitter us", Align::right},
-               {"Check us", Align::right},
-               {"Response us", Align::right},
-               {"Deadline us", Align::right},
-               {"Slack us", Align::right},
-               {""}});
+  TextTable table({{"Message"},
+                   {"Identifier", Align::right},
+                   {"Frame us", Align::right},
+                   {"Jitter us", Align::right},
+                   {"Check us", Align::right},
+                   {"Response us", Align::right},
+                   {"Deadline us", Align::right},
+                   {"Slack us", Align::right},
+                   {""}});
   for (std::size_t i = 0; i < bus.messages.size(); ++i) {
     const BusMessage& m = bus.messages[i];
     const core::can::Message& sent = m.sent();

@@ -84,7 +84,7 @@ std::string title(const std::string& name, const AttributeSetText& set) {
 }
 
 void add_changes(const AttributeSetText& before, const AttributeSetText& after,
-                 std::vector<Change>& out) {
+                 std::vector<ValueChange>& out) {
   for (const auto& old : before.attributes) {
     const auto now = std::ranges::find(after.attributes, old.name, &Quantity::name);
     if (now == after.attributes.end())
@@ -198,8 +198,8 @@ std::string lost_reference(const Markup& markup, const ChannelText& before,
       found->line, found->name, text_of(markup, found->attribute("channel")));
 }
 
-std::vector<Change> changes(const ChannelText& before, const ChannelText& after) {
-  std::vector<Change> out;
+std::vector<ValueChange> changes(const ChannelText& before, const ChannelText& after) {
+  std::vector<ValueChange> out;
   const auto compare = [&](const char* what, const std::string& old, const std::string& now) {
     if (old != now) out.push_back({what, old, now});
   };

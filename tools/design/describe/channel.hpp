@@ -56,11 +56,11 @@ std::string lost_reference(const Markup& markup, const ChannelText& before,
 
 /// A difference between two states of a channel, such as "Period", "50 ms", "40 ms". An absent
 /// value is empty.
-struct Change {
+struct ValueChange {
   std::string what;
   std::string before;
   std::string after;
 };
-std::vector<Change> changes(const ChannelText& before, const ChannelText& after);
+std::vector<ValueChange> changes(const ChannelText& before, const ChannelText& after);
 
 }  // namespace mlcca::tools::design

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "daemon/gateway/requests/asked.hpp"
+#include "daemon/gateway/requests/parsed_request.hpp"
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -286,7 +286,7 @@ bool states_traffic(const core::Publisher& p) {
 /// Finds the publisher that the request means: an existing one, or a new one, which is added to
 /// `admission`.
 Result<void> understand_publisher(const core::State& state, const control::ChannelRequest& request,
-                                  Asked& asked, core::Admission& admission) {
+                                  ParsedRequest& asked, core::Admission& admission) {
   if (request.from.empty()) {
     if (!describes_publisher(request)) return {};
     return fail("a new publisher needs its place: say from which network or gateway");
@@ -314,7 +314,7 @@ Result<void> understand_publisher(const core::State& state, const control::Chann
 }
 
 Result<void> understand_subscriber(const core::State& state, const control::ChannelRequest& request,
-                                   Asked& asked, core::Admission& admission) {
+                                   ParsedRequest& asked, core::Admission& admission) {
   if (request.to.empty()) {
     if (!describes_subscriber(request)) return {};
     return fail("a new subscriber needs its place: say to which network or gateway");
@@ -337,11 +337,11 @@ Result<void> understand_subscriber(const core::State& state, const control::Chan
 
 }  // namespace
 
-Result<Asked> understand(const core::State& state, const control::ChannelRequest& request,
-                         core::AdmissionId id) {
+Result<ParsedRequest> understand(const core::State& state, const control::ChannelRequest& request,
+                                 core::AdmissionId id) {
   const auto channel = channel_named(state, request.channel);
   if (!channel) return std::unexpected(channel.error());
-  Asked asked{.channel = *channel, .from = {}, .to = {}, .admission = {}};
+  ParsedRequest asked{.channel = *channel, .from = {}, .to = {}, .admission = {}};
   core::Admission admission{.id = id, .channel = *channel, .publisher = {}, .subscriber = {}};
   if (const auto ok = understand_publisher(state, request, asked, admission); !ok)
     return std::unexpected(ok.error());

@@ -10,7 +10,7 @@
 namespace mlcca {
 
 /// A request that was understood. Without an admission it concerns ends that exist already.
-struct Asked {
+struct ParsedRequest {
   std::size_t channel = 0;
   std::optional<core::Place> from;  ///< only deliveries from this place; nullopt: from all
   std::optional<core::Place> to;    ///< only deliveries to this place; nullopt: to all
@@ -21,9 +21,9 @@ struct Asked {
 /// `from` means the publisher at that place. It means a new publisher if there is none, or if the
 /// request describes one (node, priority, user, offered, publisher). The same holds for `to`, with
 /// required and subscriber. Errors say what would be correct.
-[[nodiscard]] Result<Asked> understand(const core::State& state,
-                                       const control::ChannelRequest& request,
-                                       core::AdmissionId id);
+[[nodiscard]] Result<ParsedRequest> understand(const core::State& state,
+                                               const control::ChannelRequest& request,
+                                               core::AdmissionId id);
 
 /// Whether the request states anything about a new publisher.
 [[nodiscard]] bool describes_publisher(const control::ChannelRequest& request);
