@@ -8,6 +8,8 @@
 #include <utility>
 #include <variant>
 
+#include "core/cluster/lease.hpp"
+#include "core/cluster/strange.hpp"
 #include "daemon/gateway/stored_octets.hpp"
 #include "mlcca/arithmetic.hpp"
 
@@ -18,10 +20,10 @@ namespace cc = core::cluster;
 
 constexpr int kMostRounds = 32;                     // rounds of one turn
 constexpr Value kWaitStep = 20'000'000;             // ns
-constexpr Value kUntilAgain = 1'000'000'000;        // ns
 constexpr Value kEnforceAgain = 5'000'000'000;      // ns
 constexpr Value kProposeAgain = 30'000'000'000;     // ns
 constexpr Value kLongestSleep = 3'600'000'000'000;  // ns
+constexpr Value kLeaveLimit = 5'000'000'000;        // ns
 constexpr Value kMarginParts = 16;                  // of a lease: closes this part before its end
 constexpr unsigned kTxnBits = 40;                   // of a transaction's number, below the member's
 constexpr unsigned kHalf = 32;
@@ -52,10 +54,28 @@ cc::Journalled journalled_in(const store::Membership& record) {
 
 }  // namespace
 
-Membership::Membership(Parts parts) : parts_(std::move(parts)), store_since_(now()) {
+Membership::Membership(Parts parts)
+    : parts_(std::move(parts)),
+      wishes_({.scene = parts_.scene,
+               .recorder = parts_.recorder,
+               .log = parts_.log,
+               .clock = parts_.clock,
+               .session = session_,
+               .ask = [this](Reserving::Job job) { ask(std::move(job)); }}),
+      waiting_({.scene = parts_.scene,
+                .recorder = parts_.recorder,
+                .admissions = parts_.admissions,
+                .clock = parts_.clock,
+                .session = session_,
+                .ask = [this](Reserving::Job job) { ask(std::move(job)); },
+                .release = parts_.release,
+                .is_drained = [this] { return is_drained_; }}),
+      open_until_(parts_.control, parts_.log, parts_.clock),
+      lines_(parts_.log),
+      store_since_(now()) {
   parts_.hands.ask = [this](Reserving::Job job) -> Result<void> {
-    const std::size_t gateway = job.gateway.value_or(self_);
-    if (const auto why = reserving_->bar_gateway(gateway, parts_.hands.name_of(gateway));
+    const std::size_t gateway = job.gateway.value_or(session_.self);
+    if (const auto why = session_.reserving->bar_gateway(gateway, parts_.hands.name_of(gateway));
         !why.empty())
       return fail(why);
     ask(std::move(job));
@@ -67,12 +87,12 @@ Membership::Membership(Parts parts) : parts_(std::move(parts)), store_since_(now
     else
       for (const core::AdmissionId id : gone) state().remove(id);
   };
-  parts_.hands.forget = [this](Number adopted) { reserving_->forget(adopted); };
-  parts_.hands.wants = [this](Number number) { return reserving_->has(number); };
-  parts_.hands.give_back = [this](const auto& gone) { reserving_->admissions_gone(gone); };
+  parts_.hands.forget = [this](Number adopted) { session_.reserving->forget(adopted); };
+  parts_.hands.wants = [this](Number number) { return session_.reserving->has(number); };
+  parts_.hands.give_back = [this](const auto& gone) { session_.reserving->admissions_gone(gone); };
   parts_.hands.name_of = [this](std::size_t g) { return state().system().gateways[g].name; };
   parts_.hands.new_id = [this] { return parts_.recorder.new_id(); };
-  parts_.hands.new_number = [this] { return reserving_->new_number(); };
+  parts_.hands.new_number = [this] { return session_.reserving->new_number(); };
   parts_.hands.bring_in_line = [this] { static_cast<void>(bring_in_line()); };
   parts_.link.on_message([this](ClusterMessage message) { take(std::move(message)); });
   if (parts_.loop != nullptr) static_cast<void>(timer_.start(parts_.loop, [] {}));
@@ -82,74 +102,74 @@ Membership::Membership(Parts parts) : parts_(std::move(parts)), store_since_(now
 
 void Membership::begin() {
   const core::System& system = state().system();
-  if (reserving_)
-    reserving_->refuse_all(
+  if (session_.reserving)
+    session_.reserving->refuse_all(
         "this gateway has loaded a description meanwhile, by a reload or a rollout", ": ask again");
-  if (adopting_) adopting_->forget();
-  member_.reset();
+  if (session_.adopting) session_.adopting->forget();
+  session_.member.reset();
   parts_.rollout.loaded();
-  digest_ = parts_.scene.digest;
-  self_ = parts_.scene.self;
-  system_ = system.name;
-  keys_ = std::make_shared<cc::Keys>(system, "/mlcca/" + cc::encoded(system_) + '/');
-  codec_ = std::make_unique<cluster::Codec>(system, digest_);
-  networks_ = std::make_unique<SharedNetworks>(system, self_);
+  session_.digest = parts_.scene.digest;
+  session_.self = parts_.scene.self;
+  session_.system = system.name;
+  session_.keys =
+      std::make_shared<cc::Keys>(system, "/mlcca/" + cc::encoded(session_.system) + '/');
+  session_.codec = std::make_unique<cluster::Codec>(system, session_.digest);
+  session_.networks = std::make_unique<SharedNetworks>(system, session_.self);
   parts_.pulse();
   const std::uint64_t session = random_number();
-  adopting_ = std::make_unique<Adopting>(*networks_, parts_.hands);
-  reserving_ = std::make_unique<Reserving>(
+  session_.adopting = std::make_unique<Adopting>(*session_.networks, parts_.hands);
+  session_.reserving = std::make_unique<Reserving>(
       Reserving::Parts{
-          .networks = *networks_,
+          .networks = *session_.networks,
           .bring_in_line = [this] { return bring_in_line(); },
           .needs = [this](const std::string& channel,
-                          Number number) { return needs(channel, number); },
+                          Number number) { return wishes_.needs(channel, number); },
           .withdrawn =
               [this](const auto& admissions, bool ended, const std::string& why) {
                 for (const core::AdmissionId id : admissions) {
-                  adopting_->withdrawn(id, why);
-                  note_refusal(id, why);
-                  if (ended) withdrawn_.try_emplace(id, Withdrawn{.why = why});
+                  session_.adopting->withdrawn(id, why);
+                  waiting_.note_refusal(id, why);
+                  if (ended) waiting_.withdraw(id, why);
                 }
               },
-          .ended = [this](Number number) { adopting_->close_made_for(number); },
-          .in_the_way = [this] { return former_in_the_way(); },
+          .ended = [this](Number number) { session_.adopting->close_made_for(number); },
+          .in_the_way = [this] { return former_.in_the_way(*session_.member); },
           .log = [this](const std::string& line) { parts_.log.warning(Kind::gateway, line); }},
       session >> 1U);
-  member_ = std::make_unique<cc::Member>(keys_, *codec_,
-                                         cc::Member::Identity{.gateway = self_,
-                                                              .digest = digest_,
-                                                              .session = session,
-                                                              .lease = parts_.lease,
-                                                              .was = journalled_before()});
-  if (const auto proposed = parts_.rollout.pending()) member_->resume_rollout(*proposed);
-  failed_.assign(system.gateways.size(), true);
-  joined_ = false;
-  lapsed_at_.reset();
-  early_.clear();
+  session_.member = std::make_unique<cc::Member>(session_.keys, *session_.codec,
+                                                 cc::Member::Identity{.gateway = session_.self,
+                                                                      .digest = session_.digest,
+                                                                      .session = session,
+                                                                      .lease = parts_.lease,
+                                                                      .was = journalled_before()});
+  if (const auto proposed = parts_.rollout.pending()) session_.member->resume_rollout(*proposed);
+  session_.failed.assign(system.gateways.size(), true);
+  session_.joined = false;
+  session_.lapsed_at.reset();
+  session_.early.clear();
   wish_anew();
-  former_.clear();
+  former_.forget();
   ++generation_;
   // A gateway that takes no part removes what the store may still have of it.
-  draining_ = left_ = false;
-  drained_ = until_restart_ || parts_.recorder.contents().membership.drained;
-  leaving_ = leaving_ || drained_;
-  parts_.link.introduce(system_, system.gateways[self_].name);
-  parts_.link.follow({keys_->prefix()});
-  member_->on_state(store_, now());
+  is_drained_ = until_restart_ || parts_.recorder.contents().membership.drained;
+  if (phase_ != Phase::taking_part || is_drained_) phase_ = Phase::closing;
+  parts_.link.introduce(session_.system, system.gateways[session_.self].name);
+  parts_.link.follow({session_.keys->prefix()});
+  session_.member->on_state(store_, now());
 }
 
 /// Meanwhile nothing is closed, and nothing is reported to the store as closed.
 void Membership::await(std::uint64_t limit) {
-  if (leaving_) return;
+  if (is_leaving()) return;
   const Value end = add_saturating(now(), limit);
   for (bool settled = false; !settled && now() < end;) {
     parts_.link.wait(std::min(kWaitStep, end - now()));
     parts_.pulse();
-    member_->on_time(now());
-    for (cc::Event& event : member_->take_events()) {
+    session_.member->on_time(now());
+    for (cc::Event& event : session_.member->take_events()) {
       settled = settled || std::holds_alternative<cc::Lost>(event) ||
                 std::holds_alternative<cc::Joined>(event);
-      early_.push_back(std::move(event));
+      session_.early.push_back(std::move(event));
     }
     if (!settled) send();
   }
@@ -161,7 +181,7 @@ void Membership::forget_orphans() {
   const auto& known = parts_.recorder.contents().admissions;
   std::vector<core::AdmissionId> orphans;
   for (const auto& [id, channel] : state().admissions())
-    if (known.find(id) == nullptr && !adopting_->has(id)) orphans.push_back(id);
+    if (known.find(id) == nullptr && !session_.adopting->has(id)) orphans.push_back(id);
   for (const core::AdmissionId id : orphans) state().remove(id);
 }
 
@@ -169,33 +189,35 @@ void Membership::forget_orphans() {
 /// count.
 cc::Journalled Membership::journalled_before() const {
   const store::Membership& was = parts_.recorder.contents().membership;
-  const std::string& gateway = state().system().gateways[self_].name;
-  const bool same = (was.cluster.empty() || was.cluster == system_) &&
+  const std::string& gateway = state().system().gateways[session_.self].name;
+  const bool same = (was.cluster.empty() || was.cluster == session_.system) &&
                     (was.gateway.empty() || was.gateway == gateway);
   return same ? journalled_in(was) : cc::Journalled{};
 }
 
 store::Membership Membership::record() const {
-  store::Membership record = record_of(member_->journalled());
+  store::Membership record = record_of(session_.member->journalled());
   parts_.rollout.put_into(record);
-  record.cluster = system_;
-  record.gateway = member_->view().keys().gateway_name(self_);
-  record.drained = drained_ && !until_restart_;
+  record.cluster = session_.system;
+  record.gateway = session_.member->view().keys().gateway_name(session_.self);
+  record.drained = is_drained_ && !until_restart_;
   return record;
 }
 
 core::FormerRules Membership::take_up_state(bool is_in_force) {
   core::State& state = this->state();
-  if (!member_ || parts_.scene.digest != digest_ || parts_.scene.self != self_) begin();
+  if (!session_.member || parts_.scene.digest != session_.digest ||
+      parts_.scene.self != session_.self)
+    begin();
   state.set_permits(nullptr);
-  state.set_permits(&networks_->permits());
+  state.set_permits(&session_.networks->permits());
   state.held_by_others().set_source(this);
-  for (const cc::Event& event : std::exchange(early_, {})) take_in(event);
-  adopting_->restore();
+  for (const cc::Event& event : std::exchange(session_.early, {})) take_in(event);
+  session_.adopting->restore();
   forget_orphans();
-  core::FormerRules left = follow_agreements(is_in_force);
-  networks_->touch_all();
-  networks_->put_foreign(state, member_->view());
+  core::FormerRules left = waiting_.follow_agreements(is_in_force);
+  session_.networks->touch_all();
+  session_.networks->put_foreign(state, session_.member->view());
   note_failed();
   set_permits();
   raise_until();
@@ -209,52 +231,53 @@ void Membership::take(ClusterMessage message) {
     if (said->reachable != store_.reachable) store_since_ = now();
     store_ = *said;
   }
-  if (!member_) return;
+  if (!session_.member) return;
   if (std::holds_alternative<cc::StoreState>(message)) {
-    member_->on_state(store_, now());
+    session_.member->on_state(store_, now());
   } else if (const auto* snapshot = std::get_if<ClusterSnapshot>(&message)) {
-    member_->on_snapshot_begin(snapshot->revision, now());
+    session_.member->on_snapshot_begin(snapshot->revision, now());
   } else if (std::holds_alternative<ClusterSynced>(message)) {
-    member_->on_snapshot_end(now());
+    session_.member->on_snapshot_end(now());
   } else if (const auto* batch = std::get_if<cc::Batch>(&message)) {
-    member_->on_batch(*batch, now());
+    session_.member->on_batch(*batch, now());
   } else if (auto* result = std::get_if<cc::TxnResult>(&message)) {
     if (result->id >> kTxnBits != generation_) return;
     result->id &= (std::uint64_t{1} << kTxnBits) - 1;
-    member_->on_result(*result, now());
+    session_.member->on_result(*result, now());
   }
 }
 
 /// Takes in what an event says about the world. Decisions that follow from it are a separate step.
 void Membership::take_in(const cc::Event& event) {
   if (const auto* changed = std::get_if<cc::ForeignChanged>(&event)) {
-    networks_->touch(changed->network);
+    session_.networks->touch(changed->network);
   } else if (const auto* failed = std::get_if<cc::Failed>(&event)) {
-    failed_[failed->gateway] = failed->failed;
+    session_.failed[failed->gateway] = failed->failed;
     if (failed->failed) wish_anew();
   } else if (const auto* lost = std::get_if<cc::Lost>(&event)) {
     lost_ = true;
-    reserving_->lost();
-    adopting_->lost();
-    note_lost(lost->why);
-    if (joined_) parts_.log.warning(Kind::gateway, "what was reserved is closed: " + lost->why);
+    session_.reserving->lost();
+    session_.adopting->lost();
+    waiting_.note_lost(lost->why);
+    if (session_.joined)
+      parts_.log.warning(Kind::gateway, "what was reserved is closed: " + lost->why);
   } else if (const auto* found = std::get_if<cc::Found>(&event)) {
-    reserving_->on(*found, *member_, [this](const cluster::StoredRequest& asked) {
-      return !leaving_ && (is_known(asked) || adopting_->keep_found(asked));
+    session_.reserving->on(*found, *session_.member, [this](const cluster::StoredRequest& asked) {
+      return !is_leaving() && (wishes_.is_known(asked) || session_.adopting->keep_found(asked));
     });
   } else if (std::holds_alternative<cc::Joined>(event)) {
-    joined_ = true;
-    take_former_numbers();
-    pauses_.clear();
-    lapsed_at_.reset();
+    session_.joined = true;
+    former_.find(*session_.member, parts_.recorder);
+    waiting_.forget_pauses();
+    session_.lapsed_at.reset();
   } else if (const auto* withdrawn = std::get_if<cc::Withdrawn>(&event)) {
-    reserving_->on(*withdrawn, *member_);
+    session_.reserving->on(*withdrawn, *session_.member);
   } else if (const auto* adopt = std::get_if<cc::Adopt>(&event)) {
-    adopting_->on(*adopt);
+    session_.adopting->on(*adopt);
   } else if (const auto* opened = std::get_if<cc::Opened>(&event)) {
-    adopting_->on(*opened);
+    session_.adopting->on(*opened);
   } else if (const auto* ended = std::get_if<cc::Ended>(&event)) {
-    adopting_->on(*ended);
+    session_.adopting->on(*ended);
   } else {
     take_in_description(event);
   }
@@ -269,22 +292,22 @@ void Membership::take_in_description(const cc::Event& event) {
       parts_.log.warning(Kind::rollout, "no description came into force: " + ended->why);
     parts_.rollout.on(*ended);
   } else if (const auto* to = std::get_if<cc::Switch>(&event)) {
-    networks_->touch_all();
+    session_.networks->touch_all();
     parts_.rollout.on(*to);
   } else if (std::holds_alternative<cc::Drained>(event)) {
-    left_ = true;
-    if (drained_) adopting_->lost();
+    phase_ = Phase::left;
+    if (is_drained_) session_.adopting->lost();
   }
 }
 
 /// Handles events that need decisions; false if the event is none of these.
 bool Membership::decide(const cc::Event& event) {
   if (const auto* reserved = std::get_if<cc::Reserved>(&event))
-    reserving_->on(*reserved, *member_);
+    session_.reserving->on(*reserved, *session_.member);
   else if (const auto* conflict = std::get_if<cc::Conflict>(&event))
-    reserving_->on(*conflict, *member_, now());
+    session_.reserving->on(*conflict, *session_.member, now());
   else if (const auto* refused = std::get_if<cc::Refused>(&event))
-    reserving_->on(*refused, *member_);
+    session_.reserving->on(*refused, *session_.member);
   else
     return false;
   return true;
@@ -293,26 +316,26 @@ bool Membership::decide(const cc::Event& event) {
 // --- the turn ------------------------------------------------------------------------------------
 
 void Membership::act() {
-  member_->on_time(now());
+  session_.member->on_time(now());
   drain_when_closed();
-  adopting_->begin_turn();
+  session_.adopting->begin_turn();
   bool more = true;
   for (int round = 0; more && round < kMostRounds; ++round) {
-    const std::vector<cc::Event> events = member_->take_events();
+    const std::vector<cc::Event> events = session_.member->take_events();
     for (const cc::Event& event : events) take_in(event);
     static_cast<void>(bring_in_line());
     for (const cc::Event& event : events) decide(event);
-    end_withdrawn();
-    more = adopting_->step(*member_, now()) || !events.empty();
-    more = reserving_->step(*member_, now()) || more;
-    more = parts_.rollout.step(*member_) || more;
+    waiting_.end_withdrawn();
+    more = session_.adopting->step(*session_.member, now()) || !events.empty();
+    more = session_.reserving->step(*session_.member, now()) || more;
+    more = parts_.rollout.step(*session_.member) || more;
     more = more || wish_some();
   }
   lost_ = !bring_in_line() && lost_;
   propose_first();
   // The store is not informed of a closing that the kernel has refused.
-  if (!more && adopting_->has_opened() && parts_.turn.in_line())
-    member_->applied(member_->view().revision());
+  if (!more && session_.adopting->has_opened() && parts_.turn.in_line())
+    session_.member->applied(session_.member->view().revision());
   send();
   report();
   plan();
@@ -322,12 +345,12 @@ void Membership::act() {
 /// end of the lease before gates open, and loses it only after they have closed.
 bool Membership::bring_in_line() {
   if (!decided_) return false;
-  if (reserving_->take_agreements_changed())
-    if (const core::FormerRules left = follow_agreements(true); !left.empty())
+  if (session_.reserving->take_agreements_changed())
+    if (const core::FormerRules left = waiting_.follow_agreements(true); !left.empty())
       static_cast<void>(parts_.turn.settle(left));
   note_failed();
   set_permits();
-  networks_->put_foreign(state(), member_->view());
+  session_.networks->put_foreign(state(), session_.member->view());
   raise_until();
   static_cast<void>(parts_.turn.settle());
   lower_until();
@@ -342,63 +365,50 @@ void Membership::enforce_again() {
 }
 
 bool Membership::is_in_force() const {
-  const auto& current = member_->view().records().current.value;
-  return member_->view().complete() && current && current->open && current->digest == digest_;
+  const auto& current = session_.member->view().records().current.value;
+  return session_.member->view().complete() && current && current->open &&
+         current->digest == session_.digest;
 }
 
 Value Membership::leased_end() const {
-  return sub_floor(member_->valid_until(), parts_.lease / kMarginParts);
+  return sub_floor(session_.member->valid_until(), parts_.lease / kMarginParts);
 }
 
 bool Membership::may_use_leased() const {
-  const auto standing = member_->standing(now());
+  const auto standing = session_.member->standing(now());
   return (standing == cc::Member::Standing::joined || standing == cc::Member::Standing::waiting) &&
          now() < leased_end();
 }
 
 void Membership::set_permits() {
-  core::Permits& permits = networks_->permits();
-  if (!joined_ || leaving_ || is_unheard() || !is_in_force() || parts_.scene.unchecked)
+  core::Permits& permits = session_.networks->permits();
+  if (!session_.joined || is_leaving() || is_unheard() || !is_in_force() || parts_.scene.unchecked)
     permits.close(true);
-  else if (!may_use_leased() || now() < until_retry_)
+  else if (!may_use_leased() || open_until_.is_refused())
     permits.close(false);
   else
     permits.open();
 }
 
 void Membership::raise_until() {
-  if (networks_->permits().is_open() && networks_->has_leased()) set_until(member_->valid_until());
+  if (session_.networks->permits().is_open() && session_.networks->has_leased())
+    set_until(session_.member->valid_until());
 }
 
 void Membership::lower_until() {
-  if (!networks_->permits().is_open() || !networks_->has_leased()) set_until(0);
+  if (!session_.networks->permits().is_open() || !session_.networks->has_leased()) set_until(0);
 }
 
 /// If the kernel refuses, everything that depends on the lease stays closed.
 void Membership::set_until(std::uint64_t until) {
-  if (until_ == until || now() < until_retry_) return;
-  const auto set = parts_.control.set_until(until);
-  if (!set) {
-    if (until_trouble_.is_new("until when the gates may be open cannot be set: " +
-                              set.error().text))
-      parts_.log.error(Kind::trouble, until_trouble_.text());
-    until_retry_ = add_saturating(now(), kUntilAgain);
-    networks_->permits().close(false);
-    until_.reset();
-    return;
-  }
-  until_ = until;
-  until_retry_ = 0;
-  static_cast<void>(until_trouble_.is_new(""));
-  // Makes a later time effective now; otherwise the next heart-beat would.
-  if (decided_ && !parts_.control.lapsed()) static_cast<void>(parts_.control.beat(now()));
+  if (!open_until_.set(until, decided_)) session_.networks->permits().close(false);
 }
 
 void Membership::note_failed() {
   const bool able = parts_.able();
-  for (std::size_t g = 0; g < failed_.size(); ++g)
-    state().set_failed(g, failed_[g] || (g == self_ && !able));
-  member_->set_able(able);
+  for (std::size_t g = 0; g < session_.failed.size(); ++g)
+    state().set_failed(g, session_.failed[g] || (g == session_.self && !able));
+  session_.member->set_able(able);
 }
 
 void Membership::committed(const Result<void>& done) {
@@ -406,13 +416,14 @@ void Membership::committed(const Result<void>& done) {
 }
 
 void Membership::poll() {
-  if (!member_) return;
+  if (!session_.member) return;
   parts_.rollout.poll();
-  looks_for_wishes_ = looks_for_troubles_ = true;
-  forget_past_pauses();
+  looks_for_wishes_ = true;
+  lines_.look_again();
+  wishes_.forget_past_pauses();
   enforce_again();
-  reserving_->tidy();
-  give_back_without_place();
+  session_.reserving->tidy();
+  waiting_.give_back_without_place();
 }
 
 /// Writes to disk what was taken from the store, before anything is sent that depends on it. False
@@ -435,16 +446,16 @@ void Membership::send() {
   // Nothing is sent while a closing after a lost lease is not complete: others could take it as
   // closed.
   if (lost_ && decided_) return;
-  auto txns = member_->take_txns(now());
+  auto txns = session_.member->take_txns(now());
   const bool written = write_down();
   for (cc::Txn& txn : txns) {
     if (!written) {
-      member_->on_result({.id = txn.id,
-                          .outcome = cc::Outcome::unavailable,
-                          .revision = 0,
-                          .read = {},
-                          .why = "the journal cannot be written"},
-                         now());
+      session_.member->on_result({.id = txn.id,
+                                  .outcome = cc::Outcome::unavailable,
+                                  .revision = 0,
+                                  .read = {},
+                                  .why = "the journal cannot be written"},
+                                 now());
       continue;
     }
     txn.id |= generation_ << kTxnBits;
@@ -454,22 +465,22 @@ void Membership::send() {
 
 /// If the store has no description in force, proposes that of this gateway to all gateways.
 void Membership::propose_first() {
-  const auto& records = member_->view().records();
-  if (!joined_ || leaving_ || !member_->view().complete() || records.current.mod != 0 ||
-      records.next.mod != 0 || now() < propose_at_)
+  const auto& records = session_.member->view().records();
+  if (!session_.joined || is_leaving() || !session_.member->view().complete() ||
+      records.current.mod != 0 || records.next.mod != 0 || now() < propose_at_)
     return;
   propose_at_ = add_saturating(now(), kProposeAgain);
-  member_->stage(parts_.rollout.own());
+  session_.member->stage(parts_.rollout.own());
 }
 
 void Membership::plan() {
   if (parts_.loop == nullptr) return;
   const Value at = now();
-  Value next = std::min(add_saturating(at, kLongestSleep), member_->next_time(at));
+  Value next = std::min(add_saturating(at, kLongestSleep), session_.member->next_time(at));
   if (leased_end() > at) next = std::min(next, leased_end());
-  if (const auto due = reserving_->next_time()) next = std::min(next, *due);
-  if (adopting_->has_due()) next = at;
-  if (leaving_ && leave_until_ > at) next = std::min(next, leave_until_);
+  if (const auto due = session_.reserving->next_time()) next = std::min(next, *due);
+  if (session_.adopting->has_due()) next = at;
+  if (is_leaving() && leave_until_ > at) next = std::min(next, leave_until_);
   constexpr Value micro = 1000;
   timer_.set((sub_floor(next, at) / micro) + 1);
 }
@@ -477,24 +488,235 @@ void Membership::plan() {
 // --- what is wanted ------------------------------------------------------------------------------
 
 bool Membership::waits_for(const std::string& key) const {
-  return !key.empty() && reserving_ && reserving_->waits_for(key);
+  return !key.empty() && session_.reserving && session_.reserving->waits_for(key);
 }
 bool Membership::refuse(const std::string& key, const std::string& why) {
-  return !key.empty() && reserving_ && reserving_->refuse(key, why);
+  return !key.empty() && session_.reserving && session_.reserving->refuse(key, why);
 }
 
-void Membership::ask(Reserving::Job job) { reserving_->ask(std::move(job), now()); }
+void Membership::ask(Reserving::Job job) { session_.reserving->ask(std::move(job), now()); }
 
 void Membership::admissions_gone(const std::vector<core::AdmissionId>& gone) {
-  if (!member_) return;
-  forget_waits(gone);
-  reserving_->admissions_gone(gone);
-  adopting_->publishers_gone();
+  if (!session_.member) return;
+  waiting_.forget(gone);
+  session_.reserving->admissions_gone(gone);
+  session_.adopting->publishers_gone();
 }
 
 void Membership::session_closed(std::uint64_t session) {
   parts_.rollout.session_closed(session);
-  if (reserving_) reserving_->session_closed(session);
+  if (session_.reserving) session_.reserving->session_closed(session);
+}
+
+/// Asks for a channel that would be given more with a reservation: one that has lost its
+/// reservation, or for which others leave more room than the description promises. It waits for its
+/// turn while another admission is decided. It takes turns with what other gateways are asked for
+/// again, since each of them may take until all patience is over. True if one was asked for.
+bool Membership::wish_some() {
+  if (!session_.joined || is_leaving() || !looks_for_wishes_ || session_.reserving->has_own() ||
+      !standing().empty() || !session_.networks->permits().is_open())
+    return false;
+  const bool wishes_first = std::exchange(waiting_asked_, false);
+  if (wishes_first && wishes_.ask_for_one()) return true;
+  waiting_asked_ = waiting_.ask_for_one();
+  if (waiting_asked_ || (!wishes_first && wishes_.ask_for_one())) return true;
+  looks_for_wishes_ = false;
+  return false;
+}
+
+void Membership::wish_anew() {
+  wishes_.anew();
+  looks_for_wishes_ = true;
+}
+
+// --- standing
+// -------------------------------------------------------------------------------------
+
+std::string Membership::standing() const {
+  if (is_leaving()) return leaving_words();
+  if (parts_.scene.unchecked)
+    return "all networks of this gateway are closed: whether its description takes others off one "
+           "is not known before the store has the one in force";
+  if (session_.member->standing(now()) == cc::Member::Standing::joined && store_.reachable)
+    return {};
+  return session_.member->why_not(now());
+}
+
+std::string Membership::bar(uid_t user) const {
+  const std::string why = standing();
+  return why.empty() ? session_.reserving->bar(user) : why;
+}
+
+std::string Membership::why_closed() const {
+  const std::string why = standing();
+  return why.empty() ? "the store has not answered lately" : why;
+}
+
+void Membership::expire() {
+  if (!session_.member) return;
+  // Before that, nobody can have called this gateway off.
+  if (now() >= session_.member->valid_until()) session_.lapsed_at = now();
+  session_.member->on_time(now());
+  static_cast<void>(bring_in_line());
+}
+
+/// Whether the store has not confirmed a beat since the gates closed by themselves. Another gateway
+/// can have called this one off by then, and another description can be in force.
+bool Membership::is_unheard() {
+  if (session_.lapsed_at &&
+      session_.member->valid_until() >= cc::valid_until(*session_.lapsed_at, parts_.lease))
+    session_.lapsed_at.reset();
+  return session_.lapsed_at.has_value();
+}
+
+std::string Membership::rollout_bar() const {
+  using Standing = cc::Member::Standing;
+  if (is_leaving()) return leaving_words();
+  if (!session_.member) return "this gateway starts";
+  const Standing standing = session_.member->standing(now());
+  const bool here = standing == Standing::joined || standing == Standing::other_digest ||
+                    standing == Standing::waiting;
+  return here && store_.reachable ? std::string() : session_.member->why_not(now());
+}
+
+std::vector<std::string> Membership::problems() const {
+  if (!session_.member) return {};
+  std::vector<std::string> out;
+  if (const std::string why = standing(); !why.empty())
+    out.push_back(fmt::format("cluster {}: {}: {}", session_.system, closed_words(), why));
+  add_troubles(out);
+  return out;
+}
+
+void Membership::report() {
+  lines_.troubles(
+      [this] {
+        std::vector<std::string> troubles;
+        add_troubles(troubles);
+        return troubles;
+      },
+      now());
+  const std::string why = standing();
+  lines_.standing(session_.system, why, why.starts_with(cc::Member::kNoAnswer), now());
+}
+
+// --- leaving
+// --------------------------------------------------------------------------------------
+
+void Membership::leave() {
+  if (!session_.member) return;
+  leave_until_ = add_saturating(now(), kLeaveLimit);
+  if (!is_leaving()) begin_leaving();
+}
+
+void Membership::begin_leaving() {
+  phase_ = Phase::closing;
+  session_.reserving->refuse_all("this gateway is being drained");
+  static_cast<void>(bring_in_line());
+  drain_when_closed();
+}
+
+void Membership::drain_when_closed() {
+  if (phase_ != Phase::closing || !parts_.turn.in_line()) return;
+  phase_ = Phase::draining;
+  session_.reserving->lost();
+  session_.member->drain(now());
+}
+
+bool Membership::may_end() const {
+  return !session_.member || has_left() || !store_.reachable || now() >= leave_until_;
+}
+
+/// Commits what waits to be written first, so that a failure of this entry does not revert it.
+Result<void> Membership::write_drained(bool drained) {
+  parts_.before_commit();
+  parts_.turn.commit();
+  store::Membership after = record();
+  after.drained = drained;
+  if (auto done = parts_.recorder.write_at_once({store::Entry(after)}); !done) return done;
+  is_drained_ = drained;
+  until_restart_ = false;
+  return {};
+}
+
+Result<void> Membership::drain(bool until_restart) {
+  if (until_restart)
+    is_drained_ = until_restart_ = true;
+  else if (auto written = write_drained(true); !written)
+    return written;
+  if (!is_leaving()) begin_leaving();
+  return {};
+}
+
+/// Does what a start does: what the store still has of this gateway stays reserved, the rest is
+/// requested again.
+Result<void> Membership::join() {
+  if (auto written = write_drained(false); !written) return written;
+  phase_ = Phase::taking_part;
+  session_.adopting->lost();
+  state().set_permits(nullptr);
+  begin();
+  static_cast<void>(parts_.turn.settle(take_up_state(true)));
+  return {};
+}
+
+std::string Membership::leaving_words() const {
+  if (is_drained_ && has_left() && !until_restart_)
+    return "this gateway is drained: 'mlccactl cluster join' ends that";
+  if (is_drained_ && has_left()) return "this gateway is drained until mlccad is started again";
+  return store_.reachable ? "this gateway is being drained"
+                          : "this gateway is being drained, and the store does not answer";
+}
+
+std::string Membership::closed_words() const {
+  if (permits().is_open()) return "nothing new is granted on networks of several gateways";
+  return permits().standing_is_open() ? "what is reserved on networks of several gateways is closed"
+                                      : "networks of several gateways are closed";
+}
+
+/// Problems of the store, which other gateways have as well.
+void Membership::add_troubles(std::vector<std::string>& to) const {
+  if (store_.no_space)
+    to.push_back(
+        fmt::format("cluster {}: the store is full, it takes nothing new", session_.system));
+  const auto& records = session_.member->view().records();
+  if (const auto words = cc::too_many_words(records, *session_.keys); !words.empty()) {
+    to.push_back(
+        fmt::format("cluster {}: the store has too many entries: nothing more is granted "
+                    "on networks of several gateways: {}",
+                    session_.system, words));
+    return;
+  }
+  const core::State& now = state();
+  for (std::size_t n = 0; n < session_.keys->networks(); ++n) {
+    if (const auto words = cc::unreadable_words(records, *session_.keys, n); !words.empty())
+      to.push_back(
+          fmt::format("cluster {}: what the store has of {} cannot be read: nothing more "
+                      "is granted there: {}",
+                      session_.system, now.system().networks[n].name, words));
+    if (const auto words = now.held_by_others().excess(n); !words.empty())
+      to.push_back(fmt::format("cluster {}: {}", session_.system, words));
+  }
+  if (const auto words = cc::unreadable_words(records, *session_.keys); !words.empty())
+    to.push_back(fmt::format("cluster {}: an entry of the store cannot be read: {}",
+                             session_.system, words));
+}
+
+core::cluster::Foreign Membership::of_others(std::size_t network) const {
+  return session_.member && session_.networks
+             ? session_.networks->of_others(network, session_.member->view())
+             : cc::Foreign{};
+}
+
+std::map<std::size_t, core::MadeFor> Membership::made_for(std::size_t network) const {
+  return session_.member ? session_.member->view().made_for(network)
+                         : std::map<std::size_t, core::MadeFor>{};
+}
+
+std::string Membership::unreadable(std::size_t network) const {
+  return session_.member
+             ? cc::unreadable_words(session_.member->view().records(), *session_.keys, network)
+             : std::string();
 }
 
 }  // namespace mlcca

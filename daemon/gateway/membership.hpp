@@ -13,8 +13,6 @@
 #include <vector>
 
 #include "base/clock.hpp"
-#include "base/outage.hpp"
-#include "base/problem.hpp"
 #include "base/result.hpp"
 #include "core/admission/holders.hpp"
 #include "core/cluster/footprint.hpp"
@@ -22,13 +20,19 @@
 #include "daemon/cluster/codec.hpp"
 #include "daemon/gateway/admissions.hpp"
 #include "daemon/gateway/adopting.hpp"
+#include "daemon/gateway/cluster_lines.hpp"
+#include "daemon/gateway/cluster_session.hpp"
 #include "daemon/gateway/event_log.hpp"
+#include "daemon/gateway/former_numbers.hpp"
+#include "daemon/gateway/open_until.hpp"
 #include "daemon/gateway/recorder.hpp"
 #include "daemon/gateway/reserving.hpp"
 #include "daemon/gateway/rollout.hpp"
 #include "daemon/gateway/scene.hpp"
 #include "daemon/gateway/shared_networks.hpp"
 #include "daemon/gateway/turn.hpp"
+#include "daemon/gateway/waiting_for_others.hpp"
+#include "daemon/gateway/wishes.hpp"
 #include "daemon/net/sources/timer.hpp"
 #include "daemon/outside/cluster_link.hpp"
 #include "daemon/outside/gate_control.hpp"
@@ -112,8 +116,8 @@ class Membership final : private core::Holdings {
   /// no part either.
   [[nodiscard]] Result<void> drain(bool until_restart);
   [[nodiscard]] Result<void> join();
-  [[nodiscard]] bool is_drained() const { return drained_; }
-  [[nodiscard]] bool is_drained_until_restart() const { return drained_ && until_restart_; }
+  [[nodiscard]] bool is_drained() const { return is_drained_; }
+  [[nodiscard]] bool is_drained_until_restart() const { return is_drained_ && until_restart_; }
 
   // Requests of clients.
 
@@ -129,16 +133,19 @@ class Membership final : private core::Holdings {
   void session_closed(std::uint64_t session);
   /// Whether the admission was made for another gateway, which alone releases it.
   [[nodiscard]] bool is_adopted(core::AdmissionId id) const {
-    return adopting_ && adopting_->has(id);
+    return session_.adopting && session_.adopting->has(id);
   }
   /// See Adopting::is_twin().
   [[nodiscard]] bool is_twin(core::AdmissionId id) const {
-    return adopting_ && id != 0 && adopting_->is_twin(id);
+    return session_.adopting && id != 0 && session_.adopting->is_twin(id);
   }
-  [[nodiscard]] const core::cluster::Baseline& baseline() const { return networks_->baseline(); }
-  /// Adds to `to` the admissions here that have brought the publishers that `footprint` counts.
-  /// Other gateways need them to decide on it.
-  void add_publishers(const core::cluster::Footprint& footprint, cluster::StoredRequest& to) const;
+  [[nodiscard]] const core::cluster::Baseline& baseline() const {
+    return session_.networks->baseline();
+  }
+  /// See Wishes::add_publishers().
+  void add_publishers(const core::cluster::Footprint& footprint, cluster::StoredRequest& to) const {
+    wishes_.add_publishers(footprint, to);
+  }
   /// `call` gets the result of the next commit: success once everything granted before is on disk.
   void after_commit(std::function<void(const Result<void>&)> call) {
     waits_.push_back(std::move(call));
@@ -158,20 +165,21 @@ class Membership final : private core::Holdings {
   [[nodiscard]] std::vector<std::string> problems() const;
   /// The same in one short text; empty if nothing does.
   [[nodiscard]] std::string standing() const;
-  [[nodiscard]] const core::cluster::Member& member() const { return *member_; }
+  [[nodiscard]] const core::cluster::Member& member() const { return *session_.member; }
   /// nullptr before begin().
-  [[nodiscard]] const core::cluster::Member* begun_member() const { return member_.get(); }
-  [[nodiscard]] const core::Permits& permits() const { return networks_->permits(); }
-  [[nodiscard]] const core::cluster::Digest& digest() const { return digest_; }
+  [[nodiscard]] const core::cluster::Member* begun_member() const { return session_.member.get(); }
+  [[nodiscard]] const core::Permits& permits() const { return session_.networks->permits(); }
+  [[nodiscard]] const core::cluster::Digest& digest() const { return session_.digest; }
   [[nodiscard]] Value lease() const { return parts_.lease; }
   [[nodiscard]] const core::cluster::StoreState& store() const { return store_; }
   /// Since when the store answers, or does not answer: CLOCK_MONOTONIC ns.
   [[nodiscard]] Value store_since() const { return store_since_; }
   /// Whether the store has nothing of this gateway any more.
-  [[nodiscard]] bool has_left() const { return left_; }
+  [[nodiscard]] bool has_left() const { return phase_ == Phase::left; }
   [[nodiscard]] Value now() const { return parts_.clock.monotonic_ns(); }
 
  private:
+  [[nodiscard]] bool is_leaving() const { return phase_ != Phase::taking_part; }
   void take(ClusterMessage message);
   void take_in(const core::cluster::Event& event);
   void take_in_description(const core::cluster::Event& event);
@@ -189,42 +197,8 @@ class Membership final : private core::Holdings {
   void set_until(std::uint64_t until);
   void note_failed();
   bool wish_some();
-  bool wish_one();
   void wish_anew();
-  void forget_past_pauses();
-  void wish(std::size_t channel);
-  bool ask_again_some();
-  [[nodiscard]] bool is_there(std::size_t gateway) const;
-  [[nodiscard]] bool are_there(const std::vector<std::size_t>& gateways) const;
-  void end_without_gateway(core::AdmissionId id, const std::string& name);
-  void ask_again(core::AdmissionId id, std::size_t gateway);
-  [[nodiscard]] core::FormerRules follow_agreements(bool is_in_force);
   [[nodiscard]] core::FormerRules take_up_state(bool is_in_force);
-  void give_back_without_place();
-  void note_lost(const std::string& why);
-  void forget_waits(const std::vector<core::AdmissionId>& gone);
-  void note_refusal(core::AdmissionId id, const std::string& why);
-  bool is_taken_in(core::AdmissionId id);
-  void pause(core::AdmissionId id);
-  [[nodiscard]] std::string why_waits(core::AdmissionId id, const std::string& gateway) const;
-  void end_withdrawn();
-  struct Wished {
-    std::vector<std::size_t> gateways;  ///< other gateways on the way
-    std::vector<core::Delivery> deliveries;
-    bool all = true;  ///< of that way
-  };
-  [[nodiscard]] std::optional<Reserving::Wish> wish_next(const std::string& channel,
-                                                         Wished& wished);
-  [[nodiscard]] bool is_granted(const std::string& channel, const Wished& wished) const;
-  [[nodiscard]] std::optional<Reserving::Wish> wish_of(const std::string& channel,
-                                                       const core::Proposal& proposal,
-                                                       core::cluster::Want& want) const;
-  [[nodiscard]] cluster::StoredRequest asked_of(const std::string& channel,
-                                                core::cluster::Want& want) const;
-  [[nodiscard]] bool is_known(const cluster::StoredRequest& asked) const;
-  void take_former_numbers();
-  [[nodiscard]] std::string former_in_the_way();
-  [[nodiscard]] bool needs(const std::string& channel, Number number) const;
   void forget_orphans();
   void propose_first();
   [[nodiscard]] store::Membership record() const;
@@ -232,7 +206,6 @@ class Membership final : private core::Holdings {
   [[nodiscard]] bool write_down();
   void send();
   void report();
-  void report_troubles();
   void plan();
   [[nodiscard]] Value leased_end() const;
   void begin_leaving();
@@ -247,64 +220,32 @@ class Membership final : private core::Holdings {
   [[nodiscard]] core::State& state() const { return *parts_.scene.state; }
 
   Parts parts_;
-  std::shared_ptr<const core::cluster::Keys> keys_;
-  std::unique_ptr<cluster::Codec> codec_;
-  std::unique_ptr<SharedNetworks> networks_;
-  std::unique_ptr<core::cluster::Member> member_;
-  std::unique_ptr<Adopting> adopting_;
-  std::unique_ptr<Reserving> reserving_;
-  Sha256::Digest digest_{};
-  std::size_t self_ = 0;
-  std::string system_;
+  ClusterSession session_;
+  Wishes wishes_;
+  WaitingForOthers waiting_;
+  FormerNumbers former_;
+  OpenUntil open_until_;
+  ClusterLines lines_;
   core::cluster::StoreState store_{};
   Value store_since_ = 0;
   std::uint64_t generation_ = 0;  ///< counts members, so that their transactions are distinguished
-  std::vector<bool> failed_;  ///< by gateway: whether the cluster has elected that it has failed
-  std::vector<core::cluster::Event> early_;  ///< events that came before anything was decided
   bool decided_ = false;
-  bool joined_ = false;             ///< whether it has joined with this description
-  std::optional<Value> lapsed_at_;  ///< the gates have closed by themselves; see is_unheard()
-  bool leaving_ = false, draining_ = false, left_ = false;
+  enum class Phase : std::uint8_t {
+    taking_part,
+    closing,   ///< it is to leave, and the gates may not have closed yet
+    draining,  ///< all is closed, and the store still has something of it
+    left,
+  };
+  Phase phase_ = Phase::taking_part;
+  bool is_drained_ = false;     ///< an operator has drained this gateway
+  bool until_restart_ = false;  ///< the drain ends with this daemon
+  Value leave_until_ = 0;
   bool lost_ = false;  ///< the lease was lost, and the gates may not have closed yet
   Value enforce_at_ = 0;
-  bool drained_ = false;        ///< an operator has drained this gateway
-  bool until_restart_ = false;  ///< the drain ends with this daemon
   bool looks_for_wishes_ = true;
-  /// Since when something that was agreed to has had no place in the state.
-  std::optional<Value> without_place_since_;
-  bool asked_again_ = false;  ///< the latest turn was one of ask_again_some() or the like
-  Value leave_until_ = 0;
-  std::optional<std::uint64_t> until_;  ///< as it was last set in the kernel
-  Value until_retry_ = 0;  ///< the kernel has refused: no further attempt before this time
-  Problem until_trouble_;
-  std::map<std::string, Value> wish_again_;  ///< when a channel's wish is tried again, by channel
-  /// The same of one of its wants: by channel and the other gateways on the way.
-  std::map<std::pair<std::string, std::vector<std::size_t>>, Value> want_again_;
-  struct Pause {
-    Value until = 0, length = 0;
-  };
-  /// Of admissions that another gateway makes for this one, and that wait: not asked for meanwhile.
-  std::map<core::AdmissionId, Pause> pauses_;
-  struct Wait {
-    std::string why;
-    bool here = false;  ///< not the other gateway is the reason, but this one
-  };
-  /// Why it was not admitted the last time.
-  std::map<core::AdmissionId, Wait> why_waits_;
-  struct Withdrawn {
-    std::string why;
-    Value at = 0;  ///< no attempt to end it before this time
-  };
-  std::map<core::AdmissionId, Withdrawn> withdrawn_;  ///< other gateways do not make them any more
-  /// Of a process before, in the store, with numbers of other admissions of now.
-  std::vector<Number> former_;
+  bool waiting_asked_ = false;  ///< the latest turn of wish_some() was one of waiting_
   std::vector<std::function<void(const Result<void>&)>> waits_;
   std::function<void(std::uint64_t)> ready_;
-  std::string said_;                        ///< the latest reported line about its standing
-  std::vector<std::string> said_troubles_;  ///< the latest reported lines about the store
-  Value say_troubles_at_ = 0;               ///< others are not reported before that
-  bool looks_for_troubles_ = true;          ///< the store may have others now
-  Outage outage_;                           ///< of the store, as it is reported
   Value propose_at_ = 0;  ///< when the first description of a cluster may be proposed
   net::Timer timer_;
 };

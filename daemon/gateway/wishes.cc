@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/wishes.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <memory>
+#include <set>
+
+#include "control/protobuf.hpp"
+#include "core/admission/permit_check.hpp"
+#include "mlcca/arithmetic.hpp"
+
+namespace mlcca {
+namespace {
+
+constexpr Value kWishAgain = 2'000'000'000;          // when it may fit
+constexpr Value kRefusedWishAgain = 5'000'000'000;   // ns
+constexpr Value kGrantedWishAgain = 60'000'000'000;  // after a grant with which it should fit
+constexpr std::size_t kRequestOctets = 16;           // of a request in a text, beside its own
+
+/// Other gateways agree to described deliveries by the description.
+bool is_asked_for(const core::cluster::Footprint& footprint, const cluster::StoredRequest& asked) {
+  return !footprint.parts.empty() || (!footprint.gateways.empty() && !asked.requests.empty());
+}
+
+}  // namespace
+
+bool Wishes::ask_for_one() {
+  const std::vector<std::size_t> wishes = state().wishes();
+  const auto due = std::ranges::find_if(wishes, [this](std::size_t channel) {
+    const auto again = wish_again_.find(state().system().channels[channel].name);
+    return again == wish_again_.end() || again->second <= now();
+  });
+  if (due == wishes.end()) return false;
+  wish(*due);
+  return true;
+}
+
+/// Even what was tried a short time ago: a gateway has failed, for example, and what it carried is
+/// to be reserved now.
+void Wishes::anew() {
+  wish_again_.clear();
+  want_again_.clear();
+}
+
+void Wishes::forget_past_pauses() {
+  const auto is_past = [this](const auto& entry) { return entry.second <= now(); };
+  std::erase_if(wish_again_, is_past);
+  std::erase_if(want_again_, is_past);
+}
+
+/// Asks for one want of the channel at a time.
+void Wishes::wish(std::size_t channel) {
+  const std::string name = state().system().channels[channel].name;
+  wish_again_[name] = add_saturating(now(), kWishAgain);
+  const auto wished = std::make_shared<Wished>();
+  const auto again_in = [this, name, wished](Value time) {
+    want_again_[{name, wished->gateways}] = add_saturating(now(), time);
+    wish_again_.erase(name);
+  };
+  parts_.ask({.decide = [this, name, wished] { return wish_next(name, *wished); },
+              .granted =
+                  [this, name, wished, again_in] {
+                    again_in(wished->all ? kGrantedWishAgain : 0);
+                    return is_granted(name, *wished);
+                  },
+              .refused =
+                  [this, name, again_in](const std::string& why) {
+                    again_in(kRefusedWishAgain);
+                    parts_.log.info(Kind::gateway, name + " waits: " + why);
+                  }});
+}
+
+/// Those of which a gateway on the way is not there wait, and the others take turns.
+std::optional<Reserving::Wish> Wishes::wish_next(const std::string& channel, Wished& wished) {
+  const auto there = state().find_channel(channel);
+  if (!there) return std::nullopt;
+  const core::Proposal proposal = state().wish(*there);
+  if (!proposal.fit()) return std::nullopt;
+  for (core::cluster::Want& want : core::cluster::wants_of(proposal, parts_.session.self)) {
+    const auto again = want_again_.find({channel, want.gateways});
+    const bool is_due = again == want_again_.end() || again->second <= now();
+    if (!is_due || !parts_.session.are_there(want.gateways, now())) continue;
+    const std::size_t wanted = want.deliveries.size();
+    auto wish = wish_of(channel, proposal, want);
+    if (!wish) continue;
+    wished = {.gateways = want.gateways, .deliveries = {}, .all = want.deliveries.size() == wanted};
+    for (const core::Verdict* const v : want.deliveries)
+      wished.deliveries.push_back(state().delivery_of(*v));
+    return wish;
+  }
+  wish_again_[channel] = add_saturating(now(), kRefusedWishAgain);
+  return std::nullopt;
+}
+
+bool Wishes::is_granted(const std::string& channel, const Wished& wished) const {
+  const auto there = state().find_channel(channel);
+  return there &&
+         std::ranges::any_of(state().decisions()[*there].verdicts, [&](const core::Verdict& v) {
+           return v.granted && std::ranges::find(wished.deliveries, state().delivery_of(v)) !=
+                                   wished.deliveries.end();
+         });
+}
+
+/// nullopt: there is nothing to reserve, and nobody to ask.
+std::optional<Reserving::Wish> Wishes::wish_of(const std::string& channel,
+                                               const core::Proposal& proposal,
+                                               core::cluster::Want& want) const {
+  cluster::StoredRequest asked = asked_of(channel, want);
+  auto footprint = core::cluster::footprint_of(
+      proposal, want.deliveries, parts_.session.networks->baseline(), parts_.session.self);
+  if (!is_asked_for(footprint, asked)) return std::nullopt;
+  add_publishers(footprint, asked);
+  return Reserving::Wish{
+      .footprint = std::move(footprint), .publisher = {}, .asked = std::move(asked)};
+}
+
+/// The admissions to which other gateways have to agree, or those of the publishers where none has
+/// to. What another gateway has admitted for this
+/// one is not asked for here. Deliveries for which there is no room leave the want.
+cluster::StoredRequest Wishes::asked_of(const std::string& channel,
+                                        core::cluster::Want& want) const {
+  cluster::StoredRequest asked{.channel = channel, .requests = {}};
+  const auto& recorded = parts_.recorder.contents().admissions;
+  const core::Members& members = state().members();
+  std::set<core::AdmissionId> counted;
+  std::set<core::AdmissionId> agreeing;
+  std::size_t octets = 0;
+  for (auto it = want.deliveries.begin(); it != want.deliveries.end(); ++it) {
+    std::vector<control::Request> further;
+    const auto add = [&](core::AdmissionId id, bool is_asked) {
+      const control::Request* const request = id == 0 ? nullptr : recorded.find(id);
+      if (request == nullptr || !recorded.through(id).empty()) return;
+      if (counted.insert(id).second) octets += control::bytes_of(*request).size() + kRequestOctets;
+      if (is_asked && agreeing.insert(id).second) further.push_back(*request);
+    };
+    const bool crosses_others = !want.gateways.empty();
+    if (crosses_others)
+      for (const core::AdmissionId id : core::admissions_to_agree(members, **it)) add(id, true);
+    // Where others have to agree, add_publishers() adds it.
+    add(members.admission_of_publisher((*it)->publisher), !crosses_others);
+    const bool has_room =
+        counted.size() <= cluster::StoredRequest::kMostRequests && octets <= Reserving::kMostText;
+    if (!has_room && it != want.deliveries.begin()) {
+      want.deliveries.erase(it, want.deliveries.end());
+      break;
+    }
+    std::ranges::move(further, std::back_inserter(asked.requests));
+  }
+  return asked;
+}
+
+void Wishes::add_publishers(const core::cluster::Footprint& footprint,
+                            cluster::StoredRequest& to) const {
+  const auto has = [](const std::vector<control::Request>& all, core::AdmissionId id) {
+    return std::ranges::find(all, id, &control::Request::id) != all.end();
+  };
+  for (const core::cluster::Part& part : footprint.parts)
+    for (const core::cluster::RatePart& rate : part.rates) {
+      const core::AdmissionId id = rate.source.admission;
+      if (id == 0 || has(to.requests, id) || has(to.also, id)) continue;
+      const auto* const request = parts_.recorder.contents().admissions.find(id);
+      if (request != nullptr) to.also.push_back(*request);
+    }
+}
+
+bool Wishes::is_known(const cluster::StoredRequest& asked) const {
+  const auto known = [&](const control::Request& request) {
+    // Another gateway was asked for the subscriber alone.
+    if (asked.on_behalf) return !parts_.recorder.contents().admissions.through(request.id).empty();
+    const auto* const there = parts_.recorder.contents().admissions.find(request.id);
+    return there != nullptr && *there == request;
+  };
+  // What another gateway was asked for is not in the state yet, and so is its channel if it is not
+  // described.
+  return (asked.on_behalf || state().find_channel(asked.channel)) &&
+         std::ranges::all_of(asked.requests, known) && std::ranges::all_of(asked.also, known);
+}
+
+/// Whether the channel uses something that only this reservation allows.
+bool Wishes::needs(const std::string& channel, SharedNetworks::Number number) const {
+  const auto there = state().find_channel(channel);
+  if (!there) return false;
+  const auto used = core::cluster::footprint_of(
+      state(), *there, parts_.session.networks->baseline(), parts_.session.self);
+  return std::ranges::any_of(used.parts, [&](const core::cluster::Part& part) {
+    return std::ranges::any_of(part.rates, [&](const core::cluster::RatePart& rate) {
+      const auto bus = std::ranges::find(part.bus, rate.source, &core::cluster::BusPart::source);
+      std::vector<core::cluster::PathPart> paths;
+      for (const auto& path : part.paths)
+        if (path.source == rate.source) paths.push_back(path);
+      return !parts_.session.networks->permits().allow(
+          {.network = part.network,
+           .source = rate.source,
+           .bytes_per_second = rate.bytes_per_second,
+           .message = bus == part.bus.end() ? nullptr : &bus->message,
+           .paths = paths},
+          number);
+    });
+  });
+}
+
+}  // namespace mlcca

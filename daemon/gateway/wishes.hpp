@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#pragma once
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "core/cluster/footprint.hpp"
+#include "daemon/cluster/codec.hpp"
+#include "daemon/gateway/cluster_session.hpp"
+#include "daemon/gateway/event_log.hpp"
+#include "daemon/gateway/recorder.hpp"
+#include "daemon/gateway/reserving.hpp"
+#include "daemon/gateway/scene.hpp"
+
+namespace mlcca {
+
+/// The wishes of this gateway: reservations on shared networks for channels that exist already.
+class Wishes {
+ public:
+  /// All must outlive this.
+  struct Parts {
+    const Scene& scene;
+    const Recorder& recorder;
+    EventLog& log;
+    const Clock& clock;
+    ClusterSession& session;
+    std::function<void(Reserving::Job)> ask;
+  };
+  explicit Wishes(Parts parts) : parts_(std::move(parts)) {}
+
+  /// Asks for one channel that would be given more with a reservation. True if there was one.
+  bool ask_for_one();
+  /// Everything may be asked for at once, even what was tried a short time ago: a gateway has
+  /// failed, for example, and what it carried is to be reserved now.
+  void anew();
+  /// To be called now and then.
+  void forget_past_pauses();
+
+  /// Adds to `to` the admissions here that have brought the publishers that `footprint` counts.
+  /// Other gateways need them to decide on it.
+  void add_publishers(const core::cluster::Footprint& footprint, cluster::StoredRequest& to) const;
+  /// Whether what the store has as asked for by this gateway is what it has admitted.
+  [[nodiscard]] bool is_known(const cluster::StoredRequest& asked) const;
+  /// Whether the channel uses something that only this reservation allows.
+  [[nodiscard]] bool needs(const std::string& channel, SharedNetworks::Number number) const;
+
+ private:
+  struct Wished {
+    std::vector<std::size_t> gateways;  ///< other gateways on the way
+    std::vector<core::Delivery> deliveries;
+    bool all = true;  ///< of that way
+  };
+  void wish(std::size_t channel);
+  [[nodiscard]] std::optional<Reserving::Wish> wish_next(const std::string& channel,
+                                                         Wished& wished);
+  [[nodiscard]] bool is_granted(const std::string& channel, const Wished& wished) const;
+  [[nodiscard]] std::optional<Reserving::Wish> wish_of(const std::string& channel,
+                                                       const core::Proposal& proposal,
+                                                       core::cluster::Want& want) const;
+  [[nodiscard]] cluster::StoredRequest asked_of(const std::string& channel,
+                                                core::cluster::Want& want) const;
+  [[nodiscard]] core::State& state() const { return *parts_.scene.state; }
+  [[nodiscard]] Value now() const { return parts_.clock.monotonic_ns(); }
+
+  Parts parts_;
+  std::map<std::string, Value> wish_again_;  ///< when a channel's wish is tried again, by channel
+  /// The same of one of its wants: by channel and the other gateways on the way.
+  std::map<std::pair<std::string, std::vector<std::size_t>>, Value> want_again_;
+};
+
+}  // namespace mlcca
