@@ -14,23 +14,19 @@ namespace mlcca::client {
 namespace {
 
 /// What an event means to a channel, in the words of control/event_kinds.inc.
-struct Effect {
-  Meaning meaning = Meaning::happened;
-  Cause cause = Cause::other;
+enum class Effect : std::uint8_t {
+  ignored,
+  verdict,
+  withdrawn,
+  policed,
+  dropped,
+  missing,
+  restored,
+  missed,
+  late,
+  gates_closed,
+  mode,
 };
-namespace effects {
-constexpr Effect ignored{};
-constexpr Effect verdict{Meaning::verdict};
-constexpr Effect withdrawn{Meaning::withdrawn};
-constexpr Effect policed{Meaning::happened, Cause::policed};
-constexpr Effect dropped{Meaning::happened, Cause::dropped};
-constexpr Effect missing{Meaning::happened, Cause::missing};
-constexpr Effect restored{Meaning::happened, Cause::restored};
-constexpr Effect missed{Meaning::happened, Cause::missed};
-constexpr Effect late{Meaning::happened, Cause::late};
-constexpr Effect gates_closed{Meaning::happened, Cause::gates_closed};
-constexpr Effect mode{Meaning::happened, Cause::mode};
-}  // namespace effects
 
 struct Named {
   std::string_view kind;  ///< kind of an event as in control.proto
@@ -38,14 +34,14 @@ struct Named {
 };
 constexpr std::array kKinds{
 #define MLCCA_EVENT(identifier, name, message_id, verdict, tone, decides, reach, client) \
-  Named{name, effects::client},
-#define MLCCA_CLIENT_EVENT(name, tone, decides, client) Named{name, effects::client},
+  Named{name, Effect::client},
+#define MLCCA_CLIENT_EVENT(name, tone, decides, client) Named{name, Effect::client},
 #include "control/event_kinds.inc"
 };
 
 Effect effect_of(const control::Event& event) {
   const auto* const known = std::ranges::find(kKinds, event.kind, &Named::kind);
-  return known == kKinds.end() ? effects::ignored : known->effect;
+  return known == kKinds.end() ? Effect::ignored : known->effect;
 }
 
 Check check_of(const control::Row& row) {
@@ -114,8 +110,41 @@ std::optional<Cause> said_further_on(const control::Event& event) {
   return std::nullopt;
 }
 
-Meaning meaning_of(const control::Event& event) { return effect_of(event).meaning; }
+Meaning meaning_of(const control::Event& event) {
+  switch (effect_of(event)) {
+    case Effect::verdict:
+      return Meaning::verdict;
+    case Effect::withdrawn:
+      return Meaning::withdrawn;
+    default:
+      return Meaning::happened;
+  }
+}
 
-Cause cause_of(const control::Event& event) { return effect_of(event).cause; }
+Cause cause_of(const control::Event& event) {
+  switch (effect_of(event)) {
+    case Effect::policed:
+      return Cause::policed;
+    case Effect::dropped:
+      return Cause::dropped;
+    case Effect::missing:
+      return Cause::missing;
+    case Effect::restored:
+      return Cause::restored;
+    case Effect::missed:
+      return Cause::missed;
+    case Effect::late:
+      return Cause::late;
+    case Effect::gates_closed:
+      return Cause::gates_closed;
+    case Effect::mode:
+      return Cause::mode;
+    case Effect::ignored:
+    case Effect::verdict:
+    case Effect::withdrawn:
+      break;
+  }
+  return Cause::other;
+}
 
 }  // namespace mlcca::client
