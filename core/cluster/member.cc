@@ -90,8 +90,11 @@ void Member::on_result(const TxnResult& result, Value now) {
 
 void Member::settle(const std::vector<Done>& all, Value now) {
   for (const Done& done : all) {
-    if (done.fate == Done::Fate::done) on_joined(done.revision, now);
-    if (done.fate == Done::Fate::done) election_.on_committed(done.work.role, done.revision);
+    const bool is_done = done.fate == Done::Fate::done;
+    if (is_done) {
+      on_joined(done.revision, now);
+      election_.on_committed(done.work.role, done.revision);
+    }
     if (!done.read.empty()) wait_for_ = newest_of(done.read);
     if (done.work.kind == Work::Kind::vote)
       adoptions_.on_done(done, view_);
@@ -101,14 +104,18 @@ void Member::settle(const std::vector<Done>& all, Value now) {
     on_cleaned(done, now);
     if (done.work.kind == Work::Kind::fence && done.fate == Done::Fate::refused)
       fence_again_ = add_saturating(now, kFenceAgain);
-    if (done.fate == Done::Fate::done && done.work.kind == Work::Kind::reserve)
-      journal_.seen_revision = done.revision;
-    if (done.fate == Done::Fate::done && done.work.kind == Work::Kind::leave) {
+    if (is_done && done.work.kind == Work::Kind::reserve) journal_.seen_revision = done.revision;
+    if (is_done && done.work.kind == Work::Kind::leave) {
       chain_.end(now);
       phase_ = Phase::left;
       events_.emplace_back(Drained{});
     }
   }
+  heed_trouble(now);
+}
+
+/// What the store has refused may mean that nothing of this gateway counts any more.
+void Member::heed_trouble(Value now) {
   if (phase_ != Phase::joined && phase_ != Phase::joining) return;
   switch (chain_.trouble()) {
     case Chain::Trouble::none:

@@ -145,6 +145,7 @@ class Member {
   void go_back(Value now);
   void check_standing(Value now);
   void settle(const std::vector<Done>& all, Value now);
+  void heed_trouble(Value now);
   void on_joined(std::int64_t revision, Value now);
   void on_cleaned(const Done& done, Value now);
   [[nodiscard]] bool has_gone_back() const;
