@@ -397,7 +397,7 @@ std::string Adopting::open(Adopted& adopted) {
 }
 
 /// Publishers first. The result is what cannot be admitted, and why, or empty.
-std::string Adopting::admit_all(const Adopted& adopted) {
+std::string Adopting::admit_all(const Adopted& adopted) const {
   const auto admit = [&](bool also, const auto& call) -> std::string {
     for (std::size_t i = 0; i < adopted.ours.size(); ++i) {
       if (is_also(adopted, adopted.theirs[i]) != also) continue;

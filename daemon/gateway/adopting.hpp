@@ -148,7 +148,7 @@ class Adopting {
   [[nodiscard]] std::string misfit_of_held(const Adopted& adopted) const;
   [[nodiscard]] std::optional<core::cluster::Footprint> mapped(const Adopted& adopted) const;
   [[nodiscard]] std::string open(Adopted& adopted);
-  [[nodiscard]] std::string admit_all(const Adopted& adopted);
+  [[nodiscard]] std::string admit_all(const Adopted& adopted) const;
   void close(Adopted& adopted);
   [[nodiscard]] Adopted* other_with(const Adopted& adopted, const WhichRequest& which);
   void hand_on(Adopted& adopted);

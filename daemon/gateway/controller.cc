@@ -14,6 +14,7 @@ namespace mlcca {
 Controller::Controller(Options options, Outside outside)
     : parts_(std::move(options), std::move(outside)), start_(parts_), jobs_(parts_) {}
 
+// NOLINTNEXTLINE(readability-make-member-function-const): it changes the parts
 bool Controller::begin_stop() {
   if (!parts_.membership) return true;
   parts_.membership->leave();

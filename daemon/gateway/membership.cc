@@ -301,6 +301,7 @@ void Membership::take_in_description(const cc::Event& event) {
 }
 
 /// Handles events that need decisions; false if the event is none of these.
+// NOLINTNEXTLINE(readability-make-member-function-const): it changes the session
 bool Membership::decide(const cc::Event& event) {
   if (const auto* reserved = std::get_if<cc::Reserved>(&event))
     session_.reserving->on(*reserved, *session_.member);
@@ -490,10 +491,12 @@ void Membership::plan() {
 bool Membership::waits_for(const std::string& key) const {
   return !key.empty() && session_.reserving && session_.reserving->waits_for(key);
 }
+// NOLINTNEXTLINE(readability-make-member-function-const): it changes the session
 bool Membership::refuse(const std::string& key, const std::string& why) {
   return !key.empty() && session_.reserving && session_.reserving->refuse(key, why);
 }
 
+// NOLINTNEXTLINE(readability-make-member-function-const): it changes the session
 void Membership::ask(Reserving::Job job) { session_.reserving->ask(std::move(job), now()); }
 
 void Membership::admissions_gone(const std::vector<core::AdmissionId>& gone) {

@@ -314,7 +314,7 @@ std::string Reserving::why_waiting(const core::cluster::Member& member, Value no
   if (std::string why = parts_.in_the_way(); !why.empty()) return why;
   if (std::ranges::any_of(jobs_, &Open::asked))
     return "others are decided before it, or the store does not answer";
-  std::string why = member.why_not(now);
+  const std::string why = member.why_not(now);
   return why.empty() ? "others are decided before it" : why;
 }
 

@@ -23,6 +23,30 @@ bool is_asked_for(const core::cluster::Footprint& footprint, const cluster::Stor
   return !footprint.parts.empty() || (!footprint.gateways.empty() && !asked.requests.empty());
 }
 
+/// The requests that an entry of the store contains, each of them once.
+class AskedRequests {
+ public:
+  explicit AskedRequests(const Recorder& recorder) : recorded_(recorder.contents().admissions) {}
+
+  /// Counts the request of an admission of this gateway, and appends it to `to` if others are to
+  /// decide on it.
+  void add(core::AdmissionId id, bool is_asked, std::vector<control::Request>& to) {
+    const control::Request* const request = id == 0 ? nullptr : recorded_.find(id);
+    if (request == nullptr || !recorded_.through(id).empty()) return;
+    if (counted_.insert(id).second) octets_ += control::bytes_of(*request).size() + kRequestOctets;
+    if (is_asked && asked_.insert(id).second) to.push_back(*request);
+  }
+  [[nodiscard]] bool has_room() const {
+    return counted_.size() <= cluster::StoredRequest::kMostRequests &&
+           octets_ <= Reserving::kMostText;
+  }
+
+ private:
+  const store::Admissions& recorded_;
+  std::set<core::AdmissionId> counted_, asked_;
+  std::size_t octets_ = 0;
+};
+
 }  // namespace
 
 bool Wishes::ask_for_one() {
@@ -116,32 +140,22 @@ std::optional<Reserving::Wish> Wishes::wish_of(const std::string& channel,
 }
 
 /// The admissions to which other gateways have to agree, or those of the publishers where none has
-/// to. What another gateway has admitted for this
-/// one is not asked for here. Deliveries for which there is no room leave the want.
+/// to. What another gateway has admitted for this one is not asked for here. Deliveries for which
+/// there is no room leave the want.
 cluster::StoredRequest Wishes::asked_of(const std::string& channel,
                                         core::cluster::Want& want) const {
   cluster::StoredRequest asked{.channel = channel, .requests = {}};
-  const auto& recorded = parts_.recorder.contents().admissions;
   const core::Members& members = state().members();
-  std::set<core::AdmissionId> counted;
-  std::set<core::AdmissionId> agreeing;
-  std::size_t octets = 0;
+  const bool crosses_others = !want.gateways.empty();
+  AskedRequests all(parts_.recorder);
   for (auto it = want.deliveries.begin(); it != want.deliveries.end(); ++it) {
     std::vector<control::Request> further;
-    const auto add = [&](core::AdmissionId id, bool is_asked) {
-      const control::Request* const request = id == 0 ? nullptr : recorded.find(id);
-      if (request == nullptr || !recorded.through(id).empty()) return;
-      if (counted.insert(id).second) octets += control::bytes_of(*request).size() + kRequestOctets;
-      if (is_asked && agreeing.insert(id).second) further.push_back(*request);
-    };
-    const bool crosses_others = !want.gateways.empty();
-    if (crosses_others)
-      for (const core::AdmissionId id : core::admissions_to_agree(members, **it)) add(id, true);
+    const auto to_agree = crosses_others ? core::admissions_to_agree(members, **it)
+                                         : std::vector<core::AdmissionId>();
+    for (const core::AdmissionId id : to_agree) all.add(id, true, further);
     // Where others have to agree, add_publishers() adds it.
-    add(members.admission_of_publisher((*it)->publisher), !crosses_others);
-    const bool has_room =
-        counted.size() <= cluster::StoredRequest::kMostRequests && octets <= Reserving::kMostText;
-    if (!has_room && it != want.deliveries.begin()) {
+    all.add(members.admission_of_publisher((*it)->publisher), !crosses_others, further);
+    if (!all.has_room() && it != want.deliveries.begin()) {
       want.deliveries.erase(it, want.deliveries.end());
       break;
     }
