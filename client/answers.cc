@@ -13,35 +13,22 @@
 namespace mlcca::client {
 namespace {
 
-/// What an event means to a channel, in the words of control/event_kinds.inc.
-enum class Effect : std::uint8_t {
-  ignored,
-  verdict,
-  withdrawn,
-  policed,
-  dropped,
-  missing,
-  restored,
-  missed,
-  late,
-  gates_closed,
-  mode,
-};
-
 struct Named {
   std::string_view kind;  ///< kind of an event as in control.proto
-  Effect effect;
+  Meaning meaning;
+  Cause cause;
 };
 constexpr std::array kKinds{
-#define MLCCA_EVENT(identifier, name, message_id, verdict, tone, decides, reach, client) \
-  Named{name, Effect::client},
-#define MLCCA_CLIENT_EVENT(name, tone, decides, client) Named{name, Effect::client},
+#define MLCCA_EVENT(identifier, name, message_id, verdict, tone, decides, reach, meaning, cause) \
+  Named{name, Meaning::meaning, Cause::cause},
+#define MLCCA_CLIENT_EVENT(name, tone, decides, meaning, cause) \
+  Named{name, Meaning::meaning, Cause::cause},
 #include "control/event_kinds.inc"
 };
 
-Effect effect_of(const control::Event& event) {
+const Named* kind_of(const control::Event& event) {
   const auto* const known = std::ranges::find(kKinds, event.kind, &Named::kind);
-  return known == kKinds.end() ? Effect::ignored : known->effect;
+  return known == kKinds.end() ? nullptr : known;
 }
 
 Check check_of(const control::Row& row) {
@@ -111,40 +98,13 @@ std::optional<Cause> said_further_on(const control::Event& event) {
 }
 
 Meaning meaning_of(const control::Event& event) {
-  switch (effect_of(event)) {
-    case Effect::verdict:
-      return Meaning::verdict;
-    case Effect::withdrawn:
-      return Meaning::withdrawn;
-    default:
-      return Meaning::happened;
-  }
+  const Named* const known = kind_of(event);
+  return known == nullptr ? Meaning::happened : known->meaning;
 }
 
 Cause cause_of(const control::Event& event) {
-  switch (effect_of(event)) {
-    case Effect::policed:
-      return Cause::policed;
-    case Effect::dropped:
-      return Cause::dropped;
-    case Effect::missing:
-      return Cause::missing;
-    case Effect::restored:
-      return Cause::restored;
-    case Effect::missed:
-      return Cause::missed;
-    case Effect::late:
-      return Cause::late;
-    case Effect::gates_closed:
-      return Cause::gates_closed;
-    case Effect::mode:
-      return Cause::mode;
-    case Effect::ignored:
-    case Effect::verdict:
-    case Effect::withdrawn:
-      break;
-  }
-  return Cause::other;
+  const Named* const known = kind_of(event);
+  return known == nullptr ? Cause::other : known->cause;
 }
 
 }  // namespace mlcca::client

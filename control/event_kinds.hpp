@@ -8,24 +8,29 @@
 
 namespace mlcca::control {
 
+/// What an event says about a delivery. A withdrawal is a refusal of what was granted.
+enum class EventVerdict : std::uint8_t { none, granted, refused, withdrawal };
 /// How tools show an event.
 enum class Tone : std::uint8_t { plain, good, warning, bad };
 /// Which decisions may be others after an event.
 enum class Decides : std::uint8_t { nothing, subject, all };
+/// Whom an event concerns that names no subject.
+enum class Reach : std::uint8_t { subject, everyone };
 
 struct EventKind {
-  std::string_view name;
+  const char* name;
   Tone tone;
   Decides decides;
-  bool is_withdrawal = false;  ///< what was granted is refused
-  bool of_everyone = false;    ///< it concerns every channel, unless it names a subject
+  const char* message_id = nullptr;  ///< null: it is for clients alone, and in no log
+  EventVerdict verdict = EventVerdict::none;
+  Reach reach = Reach::subject;
 };
 
+/// In the order of control/event_kinds.inc: those for clients alone are the last ones.
 inline constexpr std::array kEventKinds{
-#define MLCCA_EVENT(identifier, name, message_id, verdict, tone, decides, reach, client)    \
-  EventKind{name, Tone::tone, Decides::decides, std::string_view(#verdict) == "withdrawal", \
-            std::string_view(#reach) == "everyone"},
-#define MLCCA_CLIENT_EVENT(name, tone, decides, client) \
+#define MLCCA_EVENT(identifier, name, message_id, verdict, tone, decides, reach, meaning, cause) \
+  EventKind{name, Tone::tone, Decides::decides, message_id, EventVerdict::verdict, Reach::reach},
+#define MLCCA_CLIENT_EVENT(name, tone, decides, meaning, cause) \
   EventKind{name, Tone::tone, Decides::decides},
 #include "control/event_kinds.inc"
 };

@@ -7,30 +7,23 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
+#include <span>
 #include <string_view>
 
 #include "base/many.hpp"
 #include "base/text.hpp"
+#include "control/event_kinds.hpp"
 #include "core/model/text.hpp"
 #include "daemon/manager.hpp"
 
 namespace mlcca {
 namespace {
 
-enum class Says : std::uint8_t { none, granted, refused, withdrawal };
-struct KindInfo {
-  const char* name;
-  const char* message_id;
-  Says verdict;
-};
-// Indexed by Kind.
-constexpr std::array kKinds{
-#define MLCCA_EVENT(identifier, name, message_id, verdict, ...) \
-  KindInfo{name, message_id, Says::verdict},
-#include "control/event_kinds.inc"
-};
+/// Indexed by Kind.
+constexpr std::span kKinds = std::span(control::kEventKinds)
+                                 .first(static_cast<std::size_t>(std::ranges::count_if(
+                                     control::kEventKinds, &control::EventKind::message_id)));
 
 /// Whether stderr is a journal stream: JOURNAL_STREAM has the device and inode of the stream that
 /// systemd has given.
@@ -44,12 +37,12 @@ bool stderr_is_journal() {
 
 const char* verdict_of(Kind kind) {
   switch (kKinds[static_cast<std::size_t>(kind)].verdict) {
-    case Says::none:
+    case control::EventVerdict::none:
       return nullptr;
-    case Says::granted:
+    case control::EventVerdict::granted:
       return "granted";
-    case Says::refused:
-    case Says::withdrawal:
+    case control::EventVerdict::refused:
+    case control::EventVerdict::withdrawal:
       return "refused";
   }
   return nullptr;
@@ -70,7 +63,7 @@ void add_field(std::string& fields, std::string_view name, std::string_view valu
 
 const char* name_of(Kind kind) { return kKinds[static_cast<std::size_t>(kind)].name; }
 std::optional<Kind> kind_named(std::string_view name) {
-  const auto* const at = std::ranges::find(kKinds, name, &KindInfo::name);
+  const auto at = std::ranges::find(kKinds, name, &control::EventKind::name);
   if (at == kKinds.end()) return std::nullopt;
   return static_cast<Kind>(at - kKinds.begin());
 }
@@ -80,7 +73,8 @@ std::string by_line(const control::Actor& actor) {
 }
 std::string kind_names() {
   std::string names;
-  for (const KindInfo& kind : kKinds) names += (names.empty() ? "" : ", ") + std::string(kind.name);
+  for (const control::EventKind& kind : kKinds)
+    names += (names.empty() ? "" : ", ") + std::string(kind.name);
   return names;
 }
 const char* message_id_of(Kind kind) { return kKinds[static_cast<std::size_t>(kind)].message_id; }

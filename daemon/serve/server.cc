@@ -47,10 +47,14 @@ Standing standing_of(const Peer& peer) {
   return peer.may_change ? Standing::member : Standing::other;
 }
 
+/// The kind of all withdrawals for clients that do not ask for exact kinds.
+constexpr const char* kWithdrawn = "withdrawn";
+
 /// Whether the event has one of the kinds that only clients know which ask for exact kinds.
 bool is_withdrawal(const control::Event& event) {
   const auto* const kind = control::event_kind(event.kind);
-  return kind != nullptr && kind->is_withdrawal;
+  return kind != nullptr && kind->verdict == control::EventVerdict::withdrawal &&
+         event.kind != kWithdrawn;
 }
 
 }  // namespace
@@ -303,7 +307,7 @@ void Server::publish(const control::Event& event) {
   std::string for_programs;
   if (is_withdrawal(event)) {
     control::Event named = event;
-    named.kind = "withdrawn";
+    named.kind = kWithdrawn;
     for_programs = control::encode(control::Reply{0, std::move(named)});
   }
   for (auto& [fd, session] : sessions_)

@@ -28,7 +28,7 @@ std::optional<Slice> too_large() {
 /// Whether the event concerns every channel of the gateway.
 bool concerns_all(const control::Event& event) {
   const auto* const kind = control::event_kind(event.kind);
-  return event.subject == 0 && kind != nullptr && kind->of_everyone;
+  return event.subject == 0 && kind != nullptr && kind->reach == control::Reach::everyone;
 }
 
 }  // namespace
