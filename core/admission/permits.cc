@@ -42,6 +42,16 @@ std::vector<bool> covered(std::span<const cluster::PathPart> promised,
   return all;
 }
 
+/// Removes a reservation from those of `key`, and the key with the last one.
+template <class Key>
+void take_out(std::map<Key, std::set<std::uint64_t>>& from, const Key& key,
+              std::uint64_t reservation) {
+  const auto it = from.find(key);
+  if (it == from.end()) return;
+  it->second.erase(reservation);
+  if (it->second.empty()) from.erase(it);
+}
+
 }  // namespace
 
 Permits::Allowed Permits::allowed_by(const cluster::Standing& standing, const Use& use) const {
@@ -115,21 +125,15 @@ void Permits::agree(std::uint64_t reservation, Agreement agreement) {
 void Permits::disagree(std::uint64_t reservation) {
   const auto gone = agreements_.extract(reservation);
   if (!gone) return;
-  for (const AdmissionId id : gone.mapped().left) {
+  const Agreement& agreement = gone.mapped();
+  for (const AdmissionId id : agreement.left) {
     disagreed_.add(id);
-    const auto it = left_.find(id);
-    if (it == left_.end()) continue;
-    it->second.erase(reservation);
-    if (it->second.empty()) left_.erase(it);
+    take_out(left_, id, reservation);
   }
-  for (const AdmissionId id : gone.mapped().admissions) {
+  for (const AdmissionId id : agreement.admissions) {
     disagreed_.add(id);
-    for (const std::size_t gateway : gone.mapped().gateways) {
-      const auto it = agreed_.find({id, gateway});
-      if (it == agreed_.end()) continue;
-      it->second.erase(reservation);
-      if (it->second.empty()) agreed_.erase(it);
-    }
+    for (const std::size_t gateway : agreement.gateways)
+      take_out(agreed_, std::pair(id, gateway), reservation);
   }
 }
 
