@@ -511,7 +511,7 @@ void Adopting::answer(Adopted& adopted, const std::string& why) {
 void Adopting::begin_on_behalf(Adopted& adopted) {
   const auto& requests = adopted.asked->requests;
   if (requests.size() != 1 || describes_publisher(std::get<control::Admit>(requests.front().body)))
-    return answer(adopted, "what is asked for is not understood here");
+    return answer(adopted, kNotUnderstood);
   const WhichRequest& which = adopted.asks.back();
   if (const std::string why = end_former(adopted, which); !why.empty()) return answer(adopted, why);
   if (requests_.held(which) != nullptr) return answer(adopted, kAskedBefore);

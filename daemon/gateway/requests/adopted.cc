@@ -58,10 +58,6 @@ std::string first_refusal(const core::State& state, const core::Proposal& propos
   return kNobodyThere;
 }
 
-}  // namespace
-
-namespace {
-
 std::string misfit_of_present(const Context& context, core::AdmissionId id, std::size_t channel) {
   core::State& state = *context.scene.state;
   const core::Proposal wish = state.wish(channel);
