@@ -52,12 +52,12 @@ bool close_one(const std::string& name, const std::string& root) {
                   std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
     return false;
   }
-  const auto done = enforce::close_interface(name, root);
+  const auto done = gates::close_interface(name, root);
   if (!done) {
     say(name, done.error().text);
     return false;
   }
-  say(name, *done == enforce::Closing::closed ? "closed" : "has a gate already, left as it is");
+  say(name, *done == gates::Closing::closed ? "closed" : "has a gate already, left as it is");
   return true;
 }
 

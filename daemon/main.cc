@@ -150,7 +150,7 @@ int give_up(const SystemLog& journal, const std::string& line) {
 
 /// Closes gates that an earlier daemon has left, because this one cannot command them, and ends.
 int close_and_give_up(const SystemLog& journal, const std::string& why) {
-  const auto closed = enforce::close_unpinned();
+  const auto closed = gates::close_unpinned();
   if (!closed)
     journal.write({Kind::trouble,
                    2,
@@ -204,9 +204,9 @@ int run(const Options& options) {
   const SystemLog journal = SystemLog::automatic();
   auto alone = lock_gates(options.bpf_root);
   if (!alone) return give_up(journal, alone.error().text);
-  auto control = enforce::Control::create(options.bpf_root);
+  auto control = gates::Control::create(options.bpf_root);
   if (!control) return close_and_give_up(journal, control.error().text);
-  if (const auto closed = enforce::close_former_layouts(options.bpf_root); !closed) {
+  if (const auto closed = gates::close_former_layouts(options.bpf_root); !closed) {
     control->close_all();
     return give_up(journal, closed.error().text);
   }

@@ -9,7 +9,7 @@
 
 namespace mlcca {
 
-RealOutside::RealOutside(Options options, SystemLog log, enforce::Control control, net::Links links,
+RealOutside::RealOutside(Options options, SystemLog log, gates::Control control, net::Links links,
                          net::FactsOf facts_of, sd_event* loop)
     : options_(std::move(options)),
       loop_(loop),

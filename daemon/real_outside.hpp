@@ -26,7 +26,7 @@ namespace mlcca {
 class RealOutside {
  public:
   /// `loop` must outlive this object.
-  RealOutside(Options options, SystemLog log, enforce::Control control, net::Links links,
+  RealOutside(Options options, SystemLog log, gates::Control control, net::Links links,
               net::FactsOf facts_of, sd_event* loop);
 
   /// To be called before outside(): connects to the store if this gateway is in a cluster.

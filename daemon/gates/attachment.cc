@@ -21,7 +21,7 @@
 #include "daemon/gates/roster.hpp"
 #include "daemon/gates/tcx.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 constexpr int kTries = 8;  ///< attempts, while another program changes the order at the same time
@@ -278,4 +278,4 @@ Result<void> put_gate_first(const GateLocation& place, const GatePrograms& progr
   return remove_others_of_ours(place, *ours);
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -13,7 +13,7 @@
 #include "base/result.hpp"
 #include "daemon/gates/slots.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 enum class Hook : std::uint8_t { clsact, tcx };
 const char* to_text(Hook hook);
@@ -96,4 +96,4 @@ Result<void> put_gate_first(const GateLocation& place, const GatePrograms& progr
 /// it, the gate's own program cannot be distinguished from another one that is to be removed.
 Result<InPlace> ids_of(const GatePrograms& programs);
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -7,7 +7,7 @@
 
 #include "daemon/gates/publish.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 template <class T>
@@ -132,8 +132,8 @@ bool Bindings::is_contradicted(const gate_slot& slot) const {
   std::atomic_thread_fence(std::memory_order_seq_cst);
   return std::ranges::any_of(used(), [&](const gate_binding& b) {
     return b.subject != 0 && b.etag == (slot.id & GATE_ETAG_MASK) && is_of(slot, b) &&
-           enforce::is_contradicted(b);
+           gates::is_contradicted(b);
   });
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -9,7 +9,7 @@
 
 #include "bpf/gate.h"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// The tag that the frames of a subject have on a bus, as user space states it.
 struct StatedBinding {
@@ -66,4 +66,4 @@ class Bindings {
   gate_table* table_;
 };
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -26,7 +26,7 @@
 #include "daemon/gates/roster.hpp"
 #include "daemon/gates/tcx.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 using Ids = std::set<std::uint32_t>;
@@ -149,4 +149,4 @@ Result<std::vector<std::string>> close_unpinned() {
                              : fmt::format("{}; closed are {}", left, fmt::join(closed, ", ")));
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -7,7 +7,7 @@
 #include "base/result.hpp"
 #include "daemon/gates/attachment.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// An interface that has a program of a gate, of any daemon.
 struct GatedInterface {
@@ -30,4 +30,4 @@ bool is_gated(std::uint32_t ifindex, Hook hook);
 /// those interfaces. The error names those that could not be closed; the others are closed.
 Result<std::vector<std::string>> close_unpinned();
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

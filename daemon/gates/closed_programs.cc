@@ -15,7 +15,7 @@
 #include "daemon/gates/failure.hpp"
 #include "daemon/gates/programs.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 template <class Skeleton>
@@ -60,4 +60,4 @@ Result<ClosedPrograms> ClosedPrograms::of_ethernet(const SharedMaps& shared, boo
               bpf_program__fd(object->progs.closed_egress));
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

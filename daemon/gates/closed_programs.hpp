@@ -10,7 +10,7 @@
 #include "daemon/gates/control.hpp"
 #include "daemon/gates/slots.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// Loads these programs and holds their descriptors.
 class ClosedPrograms {
@@ -31,4 +31,4 @@ class ClosedPrograms {
   Fd egress_;
 };
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <cstring>
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 constexpr std::size_t kMostText = 600;  // a verifier log is long; its end has the reason
@@ -49,4 +49,4 @@ std::unexpected<Error> Complaints::error(const std::string& call, int error) con
   return fail(std::move(text));
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

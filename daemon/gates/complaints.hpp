@@ -5,7 +5,7 @@
 
 #include "base/result.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// While an object lives, libbpf's warnings are added to it. Objects may be nested; the innermost
 /// one collects. libbpf's print function has no user data, so a global variable of the .cc file
@@ -29,4 +29,4 @@ class Complaints {
   std::string text_;
 };
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -29,7 +29,7 @@
 #include "daemon/gates/pins.hpp"
 #include "daemon/gates/program_types.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 constexpr std::uint64_t kShortestCheck = 20'000'000;    // ns
@@ -374,7 +374,7 @@ Result<bool> Control::keep_pinned() {
                         {state_->events.get(), state_->directory + "/events"}};
   if (state_->grace_note) pins.push_back({state_->grace_note.get(), grace_pin(state_->directory)});
   if (state_->until) pins.push_back({state_->until.get(), until_pin(state_->directory)});
-  const auto again = enforce::keep_pinned(pins);
+  const auto again = gates::keep_pinned(pins);
   if (!again) return std::unexpected(again.error());
   return !again->empty();
 }
@@ -472,4 +472,4 @@ Result<std::uint64_t> time_left(int control_map) {
   return *ticks * *tick;
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

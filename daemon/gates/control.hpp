@@ -12,7 +12,7 @@
 #include "base/result.hpp"
 #include "bpf/gate.h"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// How gates treat frames that are not admitted.
 enum class Mode : std::uint8_t {
@@ -148,4 +148,4 @@ std::optional<std::uint64_t> noted_grace(const std::string& directory);
 /// down; at most 2^32 ticks. The error: no privilege, or no memory.
 Result<std::uint64_t> time_left(int control_map);
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -12,7 +12,7 @@
 #include <tuple>
 #include <utility>
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 /// Attempts to read an entry between two frames of its sender, which may come one after the other.
@@ -243,4 +243,4 @@ bool is_drop(gate_reason reason) {
          reason != GATE_R_FOREIGN;
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

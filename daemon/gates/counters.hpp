@@ -14,7 +14,7 @@
 #include "daemon/gates/ether_table.hpp"
 #include "daemon/gates/slots.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// The counters of one slot, summed over all CPUs.
 struct SlotCounters {
@@ -96,4 +96,4 @@ bool is_of_sender(gate_reason reason);
 /// Whether the reason is a drop (GATE_R_PASSED, _ECHO, _ERROR_IN and _FOREIGN are not).
 bool is_drop(gate_reason reason);
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -13,7 +13,7 @@
 #include "daemon/gates/pins.hpp"
 #include "daemon/gates/roster.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 constexpr std::uint32_t kNoted = 4096;  // the latest ones; the kernel uses no id twice
@@ -92,4 +92,4 @@ Result<bool> put_early_in_place(const GateLocation& place, int program_fd) {
   return put_early(place.ifindex, program_fd, there != 0);
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

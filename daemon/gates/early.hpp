@@ -10,7 +10,7 @@
 #include "base/result.hpp"
 #include "daemon/gates/attachment.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// The id of the XDP program in the driver; 0 if there is none.
 std::uint32_t early_program(std::uint32_t ifindex);
@@ -35,4 +35,4 @@ bool is_noted_early(const std::string& root, std::uint32_t program);
 /// attached between the check and the attachment.
 Result<bool> put_early_in_place(const GateLocation& place, int program_fd);
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -3,7 +3,7 @@
 
 #include "bpf/ether.h"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 std::uint8_t formats_of(const core::GateEntry& e, core::NetworkKind kind) {
@@ -60,4 +60,4 @@ SlotSpec slot_of(const core::GateRule& rule, core::NetworkKind kind, std::uint32
   return slot;
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -6,7 +6,7 @@
 #include "core/gates/plan.hpp"
 #include "daemon/gates/slot_spec.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// The slot of an entry for a gate on a network of that kind, without verdict and traffic. `source`
 /// is the interface index of the entry's source port, if it has one.
@@ -16,4 +16,4 @@ namespace mlcca::enforce {
 [[nodiscard]] SlotSpec slot_of(const core::GateRule& rule, core::NetworkKind kind,
                                std::uint32_t source = 0);
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

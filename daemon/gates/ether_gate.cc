@@ -13,7 +13,7 @@
 #include "daemon/gates/programs.hpp"
 #include "daemon/gates/publish.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 std::optional<std::uint64_t> random_seed() {
@@ -77,7 +77,7 @@ class EtherObject final : public GateObject {
     return unknown_frames(mapping_.cpus());
   }
   [[nodiscard]] std::vector<RefusedSender> refused_senders() const override {
-    return enforce::refused_senders(mapping_.cpus());
+    return gates::refused_senders(mapping_.cpus());
   }
 
  private:
@@ -168,4 +168,4 @@ bool EtherGate::holds(const EtherConfig& config) const {
          room() + ETHER_FIRST_SLOT >= EtherSizes::for_slots(config.slots, possible_cpus()).slots;
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

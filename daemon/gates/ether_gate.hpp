@@ -10,7 +10,7 @@
 #include "daemon/gates/control.hpp"
 #include "daemon/gates/port_gate.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// The header that the frames of an interface begin with.
 enum class Framing : std::uint8_t { other, ethernet, wpan /**< MAC frames of IEEE 802.15.4 */ };
@@ -45,4 +45,4 @@ class EtherGate final : public PortGate {
 /// The framing of an interface; an error if the kernel does not state it.
 Result<Framing> framing_of(std::uint32_t ifindex);
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

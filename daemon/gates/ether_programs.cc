@@ -15,7 +15,7 @@
 #include "daemon/gates/pins.hpp"
 #include "daemon/gates/programs.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 using Maps = decltype(ether_bpf::maps);
@@ -164,4 +164,4 @@ EtherMemory EtherMapping::memory() const {
           .generation = generation_};
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

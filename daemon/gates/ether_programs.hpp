@@ -19,7 +19,7 @@
 
 struct ether_bpf;  // NOLINT(readability-identifier-naming): the skeleton's name
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 void destroy_ether_programs(ether_bpf* object);
 
@@ -102,4 +102,4 @@ class EtherMapping {
   Mapped<gate_watch> watches_;
 };
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -14,7 +14,7 @@
 #include "daemon/gates/publish.hpp"
 #include "daemon/gates/watches.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 constexpr unsigned kHalf = 32;  // half of the bits of a station
@@ -640,4 +640,4 @@ std::vector<std::uint16_t> EtherTable::watched() const {
   return watches;
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

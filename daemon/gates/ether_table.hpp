@@ -14,7 +14,7 @@
 #include "daemon/gates/slot_spec.hpp"
 #include "daemon/gates/table.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// The sizes of the maps of an interface.
 struct EtherSizes {
@@ -162,4 +162,4 @@ class EtherTable final : public VerdictTable {
   std::map<std::uint32_t, Expected> waiting_;  ///< slots that wait for a watch
 };
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

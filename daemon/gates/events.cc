@@ -12,7 +12,7 @@
 #include "daemon/gates/failure.hpp"
 #include "daemon/gates/pins.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 static_assert(offsetof(gate_event, kind) == 0 && offsetof(gate_sample, kind) == 0);
@@ -75,4 +75,4 @@ Result<void> EventReader::read() {
   return {};
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -11,7 +11,7 @@
 
 struct ring_buffer;  // NOLINT(readability-identifier-naming): libbpf's name
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 void free_ring(ring_buffer* ring);
 
@@ -54,4 +54,4 @@ class EventReader {
   Ring ring_;
 };
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -7,11 +7,11 @@
 
 #include "base/result.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// "CALL: No such device"; `error` is a negative or positive errno.
 inline std::unexpected<Error> failure(const std::string& call, int error) {
   return fail(call + ": " + std::strerror(std::abs(error)));
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

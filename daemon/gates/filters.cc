@@ -9,7 +9,7 @@
 
 #include "daemon/gates/complaints.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 bpf_tc_hook hook_of(std::uint32_t ifindex, bpf_tc_attach_point point) {
@@ -102,4 +102,4 @@ void remove_filter(std::uint32_t ifindex, Direction direction) {
   detach(ifindex, direction, kDeputy);
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

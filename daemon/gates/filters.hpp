@@ -7,7 +7,7 @@
 #include "base/result.hpp"
 #include "daemon/gates/slots.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// The id of the program in our place; 0 if there is none, or no clsact.
 Result<std::uint32_t> program_in_place(std::uint32_t ifindex, Direction direction);
@@ -24,4 +24,4 @@ Result<void> put_filter_first(std::uint32_t ifindex, Direction direction, int pr
 /// Removes our filter, if it is there.
 void remove_filter(std::uint32_t ifindex, Direction direction);
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

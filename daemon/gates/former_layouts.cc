@@ -15,7 +15,7 @@
 #include "daemon/gates/pins.hpp"
 #include "daemon/gates/publish.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 struct Head {
@@ -48,4 +48,4 @@ Result<void> close_former_layouts(const std::string& root) {
   return {};
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

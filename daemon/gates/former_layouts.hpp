@@ -4,7 +4,7 @@
 
 #include "base/result.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// After an upgrade: closes and unpins the control words of other layouts, which get no heart-beat
 /// any more. Their gates are replaced where a gate of ours is attached; elsewhere they stay,
@@ -13,4 +13,4 @@ Result<void> close_former_layouts(const std::string& root);
 /// Closes all gates that obey this control word, of any layout.
 void close_word(int map);
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -19,7 +19,7 @@
 #include "daemon/gates/ether_gate.hpp"
 #include "daemon/gates/failure.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 struct Question {
@@ -74,4 +74,4 @@ Result<Framing> framing_of(std::uint32_t ifindex) {
   return type == ARPHRD_ETHER ? Framing::ethernet : Framing::other;
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

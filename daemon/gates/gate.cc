@@ -12,7 +12,7 @@
 #include "daemon/gates/programs.hpp"
 #include "daemon/gates/publish.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 class CanObject final : public GateObject {
@@ -64,7 +64,7 @@ class CanObject final : public GateObject {
     return unknown_frames(cpus_.span());
   }
   [[nodiscard]] std::vector<RefusedSender> refused_senders() const override {
-    return enforce::refused_senders(cpus_.span());
+    return gates::refused_senders(cpus_.span());
   }
 
  private:
@@ -162,4 +162,4 @@ void Gate::set_bands(std::span<const std::uint32_t> limits) {
   std::atomic_ref(table.bands).store(limits.empty() ? 0 : GATE_BANDS, std::memory_order_release);
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

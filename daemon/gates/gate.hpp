@@ -13,7 +13,7 @@
 #include "daemon/gates/control.hpp"
 #include "daemon/gates/port_gate.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// What the gate of an interface must be.
 struct GateConfig {
@@ -54,4 +54,4 @@ class Gate final : public PortGate {
   GateConfig config_;
 };
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -16,7 +16,7 @@
 #include "daemon/gates/silence_timers.hpp"
 #include "daemon/gates/table.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// What a gate has in the kernel: its programs, their maps, and the maps' contents. The object pins
 /// and attaches nothing.
@@ -86,4 +86,4 @@ class GateKind {
       const SharedMaps& shared) const = 0;
 };
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

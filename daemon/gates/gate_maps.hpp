@@ -16,7 +16,7 @@
 #include "daemon/gates/gate_pins.hpp"
 #include "daemon/gates/pins.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// `Maps` is a struct of descriptors, `Skeleton` that of the gate's object.
 template <class Maps, class Skeleton>
@@ -73,4 +73,4 @@ int reuse_maps(const auto& rows, const Skeleton& object, const Maps& maps) {
   return 0;
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

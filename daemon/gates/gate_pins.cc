@@ -9,7 +9,7 @@
 
 #include "daemon/gates/attachment.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 /// The maps of an attached program of one direction, and whether it had only its next name, which
@@ -88,4 +88,4 @@ void forget_next(const std::string& directory) {
     if (name.ends_with(next_of(""))) remove_pin(fmt::format("{}/{}", directory, name));
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -13,7 +13,7 @@
 #include "daemon/gates/pins.hpp"
 #include "daemon/gates/slots.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// `directory` is that of Control.
 inline std::string gate_directory(const std::string& directory, std::uint32_t ifindex) {
@@ -50,4 +50,4 @@ Result<void> name_next(std::span<const Pin> pins);
 /// Removes the next names of objects that were not attached.
 void forget_next(const std::string& directory);
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

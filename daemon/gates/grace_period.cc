@@ -14,7 +14,7 @@
 #include "base/handle.hpp"
 #include "daemon/gates/failure.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 Result<void> detail::wait_by_membarrier() {
   if (syscall(SYS_membarrier, MEMBARRIER_CMD_GLOBAL, 0, 0) != 0)
@@ -41,4 +41,4 @@ Result<void> wait_for_grace_period() {
   return detail::wait_by_map_of_maps();
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -3,7 +3,7 @@
 #pragma once
 #include "base/result.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// Waits for one RCU grace period, about 10 ms.
 Result<void> wait_for_grace_period();
@@ -14,4 +14,4 @@ Result<void> wait_by_membarrier();
 Result<void> wait_by_map_of_maps();
 }  // namespace detail
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

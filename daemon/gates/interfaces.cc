@@ -19,7 +19,7 @@
 #include "daemon/gates/pins.hpp"
 #include "daemon/gates/retire.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 Result<std::vector<std::uint32_t>> pinned_interfaces(const Control& control) {
   constexpr std::string_view prefix = "if";
@@ -127,4 +127,4 @@ Result<Closing> close_interface(const std::string& name, const std::string& root
   return close_interface(name, *control, hook);
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -11,7 +11,7 @@
 #include "daemon/gates/attachment.hpp"
 #include "daemon/gates/control.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// The indices of interfaces, present or not, for which gates of this or an earlier daemon are
 /// pinned.
@@ -37,4 +37,4 @@ Result<Closing> close_interface(const std::string& name, const Control& control,
 Result<Closing> close_interface(const std::string& name, const std::string& root,
                                 std::optional<Hook> hook = std::nullopt);
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

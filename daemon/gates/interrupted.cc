@@ -13,7 +13,7 @@
 #include "daemon/gates/pins.hpp"
 #include "daemon/gates/publish.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 template <class Slot>
@@ -49,4 +49,4 @@ Result<void> undo_interrupted_step(const Control& control) {
   return {};
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -4,11 +4,11 @@
 #include "base/result.hpp"
 #include "daemon/gates/control.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// Reverts on all gates what was written for the next generation: otherwise the next step for one
 /// gate would put half of an old change in force on the others. To be called before any gate is
 /// changed.
 Result<void> undo_interrupted_step(const Control& control);
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -12,7 +12,7 @@
 #include "daemon/gates/program_types.hpp"
 #include "daemon/gates/programs.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// Constants that are set in every gate before it is loaded.
 struct GateSwitches {
@@ -52,4 +52,4 @@ Result<Object> load_gate(const std::string& what, const GateSwitches& switches,
                 : try_load_gate<Skeleton, Object>(what, switches, shared, false, prepare);
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

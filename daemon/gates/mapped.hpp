@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// Maps the values. Empty if the kernel refuses; errno has the reason.
 template <class T>
@@ -39,4 +39,4 @@ class Mapped {
   std::span<T> values_;
 };
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -19,7 +19,7 @@
 #include "base/many.hpp"
 #include "daemon/gates/failure.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 namespace {
 
@@ -254,4 +254,4 @@ ProgramInfo program_info(int program_fd) {
           .map_ids = {maps.begin(), maps.begin() + static_cast<std::ptrdiff_t>(count)}};
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -12,7 +12,7 @@
 #include "base/handle.hpp"
 #include "base/result.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// Makes the directory `path` and its missing parents. The error: it is not in a bpffs.
 Result<void> make_pin_directory(const std::string& path);
@@ -80,4 +80,4 @@ struct ProgramInfo {
 };
 ProgramInfo program_info(int program_fd);
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

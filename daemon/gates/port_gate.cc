@@ -17,7 +17,7 @@
 #include "daemon/gates/publish.hpp"
 #include "daemon/gates/retire.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 std::unexpected<Error> of_gate(const std::string& name, const Error& error) {
@@ -209,7 +209,7 @@ void PortGate::give_up() {
 }
 
 Result<std::vector<std::string>> PortGate::keep_pinned() const {
-  return enforce::keep_pinned(state_->pins());
+  return gates::keep_pinned(state_->pins());
 }
 
 std::uint32_t PortGate::early() const {
@@ -267,7 +267,7 @@ std::optional<std::uint32_t> PortGate::watched_as(const SlotSpec& spec) const {
   return slot && table().watch_of(*slot) != 0 ? slot : std::nullopt;
 }
 Arrivals PortGate::arrivals(std::uint32_t slot, std::uint64_t now) const {
-  return enforce::arrivals(object().watch(table().watch_of(slot)), now);
+  return gates::arrivals(object().watch(table().watch_of(slot)), now);
 }
 Result<void> PortGate::report_again(std::uint32_t slot) const {
   const std::uint16_t watch = table().watch_of(slot);
@@ -281,4 +281,4 @@ ReasonCounters PortGate::would_drop(Direction direction) const {
 std::vector<UnknownFrame> PortGate::unknown() const { return object().unknown(); }
 std::vector<RefusedSender> PortGate::refused_senders() const { return object().refused_senders(); }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

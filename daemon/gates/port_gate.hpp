@@ -20,7 +20,7 @@
 #include "daemon/gates/table.hpp"
 #include "daemon/gates/watches.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 class PortGate {
  public:
@@ -104,7 +104,7 @@ class PortGate {
   [[nodiscard]] ReasonCounters would_drop(Direction direction) const;
   /// The frames without a slot, the newest first.
   [[nodiscard]] std::vector<UnknownFrame> unknown() const;
-  /// The senders that slots have refused; see enforce::refused_senders().
+  /// The senders that slots have refused; see gates::refused_senders().
   [[nodiscard]] std::vector<RefusedSender> refused_senders() const;
 
   /// Removes the pins, not the programs. On an interface that has gone to another network
@@ -156,4 +156,4 @@ class PortGate {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

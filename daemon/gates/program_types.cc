@@ -17,7 +17,7 @@
 #include "daemon/gates/complaints.hpp"
 #include "daemon/gates/failure.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 using Types = std::unique_ptr<btf, FreeWith<btf__free>>;
@@ -83,4 +83,4 @@ Result<void> probed_without_failure(const bpf_map* memory, int program_fd) {
   return {};
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -7,7 +7,7 @@
 
 struct bpf_map;
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// From now on, a tc or XDP program that libbpf opens is loaded only with its types. Otherwise the
 /// load fails before the verifier runs, with the error of the failed call or with EAGAIN.
@@ -18,4 +18,4 @@ Result<void> demand_types();
 /// without a failure. After an error this process cannot load gates any more; a new one can.
 Result<void> probed_without_failure(const bpf_map* memory, int program_fd);
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -13,7 +13,7 @@
 #include "daemon/gates/gate_maps.hpp"
 #include "daemon/gates/load_gate.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 #define PROFILE(word, NAME)                                                        \
@@ -79,4 +79,4 @@ int Programs::cpus_fd() const { return bpf_map__fd(object_->maps.cpus); }
 gate_table& Programs::table() const { return object_->bss->table; }
 std::uint32_t& Programs::generation() const { return object_->data_control->control.generation; }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

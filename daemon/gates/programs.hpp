@@ -18,7 +18,7 @@
 
 struct gate_bpf;  // NOLINT(readability-identifier-naming): the skeleton's name
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 void destroy_programs(gate_bpf* object);
 
@@ -79,4 +79,4 @@ inline constexpr bool kOrderedStores = false;
 /// The number of possible CPUs of this machine, which is the number of entries of the counters map.
 std::uint32_t possible_cpus();
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

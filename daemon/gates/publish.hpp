@@ -3,11 +3,11 @@
 #pragma once
 #include <atomic>
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 template <class T>
 void publish(T& word, T value) {
   std::atomic_ref<T>(word).store(value, std::memory_order_release);
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

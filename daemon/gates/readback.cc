@@ -27,7 +27,7 @@
 #include "daemon/gates/pins.hpp"
 #include "daemon/gates/programs.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 constexpr std::uint64_t kGraceSlack = 200'000'000;  // ns: more than two ticks of the slowest kernel
@@ -311,4 +311,4 @@ Result<Reading> read_back(const std::string& root) {
   return reading;
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

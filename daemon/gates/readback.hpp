@@ -13,7 +13,7 @@
 #include "daemon/gates/ether_programs.hpp"
 #include "daemon/gates/slots.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// The memory of an Ethernet gate that its decisions depend on, copied when the gate was read.
 struct EtherImage {
@@ -54,4 +54,4 @@ struct Reading {
 /// Errors: nothing is pinned at `root`, no permission, another layout.
 Result<Reading> read_back(const std::string& root);
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -14,7 +14,7 @@
 #include "daemon/gates/pins.hpp"
 #include "daemon/gates/publish.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 template <class Table>
@@ -53,4 +53,4 @@ bool is_gone(std::uint32_t ifindex) {
   return if_indextoname(ifindex, name.data()) == nullptr && errno == ENXIO;
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

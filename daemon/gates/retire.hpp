@@ -6,7 +6,7 @@
 
 #include "daemon/gates/gate_pins.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// To be called before the pins of a device that is gone are removed. Our programs stay with the
 /// device and let everything pass where it is now.
@@ -20,4 +20,4 @@ void disown_gate(const std::string& directory, const std::vector<MapIds>& attach
 /// Whether the kernel knows no interface of that index in this network namespace.
 bool is_gone(std::uint32_t ifindex);
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -17,7 +17,7 @@
 #include "daemon/gates/complaints.hpp"
 #include "daemon/gates/failure.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 using Object = std::unique_ptr<roster_bpf, FreeWith<roster_bpf__destroy>>;
@@ -66,4 +66,4 @@ bool is_of_a_gate(std::uint32_t program) {
   return gates && gates->contains(program);
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

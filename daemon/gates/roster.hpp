@@ -7,7 +7,7 @@
 
 #include "base/result.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// All our programs by id, of any gateway on this machine. True: the program passes what is
 /// granted; false: it drops everything (those of `mlccad --close`). Takes some ms. The error: the
@@ -16,4 +16,4 @@ Result<std::map<std::uint32_t, bool>> programs_of_gates();
 /// False also if that cannot be found out.
 bool is_of_a_gate(std::uint32_t program);
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -17,7 +17,7 @@
 #include "daemon/gates/failure.hpp"
 #include "daemon/gates/pins.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 /// The attempts are milliseconds apart: the kernel takes no lock for the memory of a timer, and may
@@ -107,4 +107,4 @@ Result<void> SilenceTimers::arm(std::uint32_t watch) const {
   return {};
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

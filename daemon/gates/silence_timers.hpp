@@ -10,7 +10,7 @@
 #include "bpf/ether.h"
 #include "daemon/gates/pins.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// The maps of gate and gateway that the timers use. The descriptors stay with the caller.
 struct WatchedMaps {
@@ -50,4 +50,4 @@ class SilenceTimers {
   std::string pin_path_;
 };
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -8,7 +8,7 @@
 #include "core/gates/difference.hpp"
 #include "core/model/progress.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 auto grant(const SlotSpec& s) {
@@ -70,4 +70,4 @@ SlotChanges slot_changes_between(std::span<const SlotSpec> present,
       [](const SlotSpec& a, const SlotSpec& b) { return a.same_traffic(b); });
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -11,7 +11,7 @@
 #include "bpf/gate.h"
 #include "core/gates/direction.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 using core::Direction;
 static_assert(std::to_underlying(Direction::ingress) == GATE_INGRESS &&
@@ -86,4 +86,4 @@ SlotChanges slot_changes_between(std::span<const SlotSpec> present,
 /// Waits until no CPU runs a program that began before the call (one RCU grace period).
 using GracePeriod = std::function<Result<void>()>;
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -16,7 +16,7 @@
 #include "daemon/gates/publish.hpp"
 #include "daemon/gates/watches.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 constexpr std::uint32_t kLargestIfindex = 0x7fffffff;
@@ -375,4 +375,4 @@ std::vector<std::uint16_t> SlotTable::watched() const {
   return slots;
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

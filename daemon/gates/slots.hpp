@@ -12,7 +12,7 @@
 #include "daemon/gates/slot_spec.hpp"
 #include "daemon/gates/table.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// The table of a CAN gate: chains of slots by key.
 class SlotTable final : public VerdictTable {
@@ -83,4 +83,4 @@ class SlotTable final : public VerdictTable {
   std::vector<std::uint16_t> quarantine_;  ///< a running program may still read them
 };
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

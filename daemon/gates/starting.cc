@@ -9,7 +9,7 @@
 #include "daemon/gates/failure.hpp"
 #include "daemon/gates/pins.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 Result<Fd> open_note(const std::string& path) {
@@ -44,4 +44,4 @@ bool Starting::beat(Control& control, std::uint64_t now) {
 
 void Starting::finish() { began_[0] = 0; }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

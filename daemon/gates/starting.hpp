@@ -10,7 +10,7 @@
 #include "daemon/gates/control.hpp"
 #include "daemon/gates/mapped.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// Gives heart-beats during a start, up to a limit of time that is noted in a pinned map.
 class Starting {
@@ -34,4 +34,4 @@ class Starting {
   std::uint64_t limit_;
 };
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -8,7 +8,7 @@
 #include "core/model/progress.hpp"
 #include "daemon/gates/publish.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 static_assert(GATE_FIRST_SLOT == 2, "slots 0 and 1 count what has no slot, in every table");
 
@@ -123,4 +123,4 @@ void VerdictTable::deny_all() {
   settle();
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

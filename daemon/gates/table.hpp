@@ -12,7 +12,7 @@
 #include "base/result.hpp"
 #include "daemon/gates/slot_spec.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// The base of the tables of both kinds of gate. Derived classes know the memory; this class has
 /// the order of the steps: write the verdicts of the next generation, switch the generation, write
@@ -121,4 +121,4 @@ class VerdictTable {
   std::set<std::uint16_t> newly_watched_;
 };
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -13,7 +13,7 @@
 
 #include "daemon/gates/failure.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 constexpr std::uint32_t kTcxIngress = 46;
@@ -130,4 +130,4 @@ Result<void> tcx_detach_beside(std::uint32_t ifindex, Direction direction, const
   return {};
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -10,7 +10,7 @@
 #include "base/result.hpp"
 #include "daemon/gates/slots.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 inline constexpr std::uint32_t kLoopback = 1;  ///< the first interface of every network namespace
 
@@ -36,4 +36,4 @@ Result<void> tcx_detach(std::uint32_t ifindex, Direction direction, int program_
 Result<void> tcx_detach_beside(std::uint32_t ifindex, Direction direction, const TcxOrder& order,
                                std::uint32_t program);
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

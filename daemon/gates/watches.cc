@@ -8,7 +8,7 @@
 #include "base/clock.hpp"
 #include "daemon/gates/publish.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 std::uint64_t load(const __u64& word) { return __atomic_load_n(&word, __ATOMIC_RELAXED); }
@@ -68,4 +68,4 @@ Arrivals arrivals(const gate_watch& watch, std::uint64_t now) {
   return out;
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -6,7 +6,7 @@
 #include "bpf/gate.h"
 #include "daemon/gates/slots.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// Sets what is expected. Findings under another period are forgotten, because they have no meaning
 /// any more.
@@ -32,4 +32,4 @@ struct Arrivals {
 /// `now`: CLOCK_MONOTONIC, ns.
 [[nodiscard]] Arrivals arrivals(const gate_watch& watch, std::uint64_t now);
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -27,20 +27,19 @@ UnknownFrames grown(const UnknownFrames& now, const UnknownFrames& before) {
   return {grown(now.dropped, before.dropped), grown(now.would_drop, before.would_drop)};
 }
 
-const char* refused_text() { return enforce::reason_text(GATE_R_DENIED); }
+const char* refused_text() { return gates::reason_text(GATE_R_DENIED); }
 
 /// Whether the reason implies that such frames had the granted identifier and source.
 bool is_of_publisher(const std::string& reason) {
-  return reason == enforce::reason_text(GATE_R_LENGTH) ||
-         reason == enforce::reason_text(GATE_R_FORMAT) ||
-         reason == enforce::reason_text(GATE_R_DENIED) ||
-         reason == enforce::reason_text(GATE_R_EXCESS);
+  return reason == gates::reason_text(GATE_R_LENGTH) ||
+         reason == gates::reason_text(GATE_R_FORMAT) ||
+         reason == gates::reason_text(GATE_R_DENIED) || reason == gates::reason_text(GATE_R_EXCESS);
 }
 
 /// Whether the reason implies that such frames did not.
 bool is_of_sender(const std::string& reason) {
-  return reason == enforce::reason_text(GATE_R_IDENTIFIER) ||
-         reason == enforce::reason_text(GATE_R_SOURCE);
+  return reason == gates::reason_text(GATE_R_IDENTIFIER) ||
+         reason == gates::reason_text(GATE_R_SOURCE);
 }
 
 std::string words_of(const core::Publisher& publisher) {
@@ -92,7 +91,7 @@ void mark_lower_bounds(std::vector<control::Finding>& findings) {
 /// Whether the frame came by the granted interface from the granted station: then it is refused
 /// because the gate there has not admitted it as this delivery.
 bool is_granted_source(const GateReader& gates, const core::GateEntry& entry,
-                       const enforce::RefusedSender& sender) {
+                       const gates::RefusedSender& sender) {
   return sender.reason == GATE_R_SOURCE && entry.source_port &&
          gates.gated_interface(*entry.source_port) == static_cast<int>(sender.source) &&
          (entry.station.is_wildcard() || entry.station.bits == sender.frame.station);
@@ -100,9 +99,9 @@ bool is_granted_source(const GateReader& gates, const core::GateEntry& entry,
 
 /// The address of a sender. A datagram without one is from 0.0.0.0; other frames without one have
 /// no MAC address either.
-std::string address_of(const enforce::UnknownFrame& f) {
-  if (f.station == 0 && f.mac != enforce::Mac{}) return "0.0.0.0";
-  return enforce::address_text(f.station);
+std::string address_of(const gates::UnknownFrame& f) {
+  if (f.station == 0 && f.mac != gates::Mac{}) return "0.0.0.0";
+  return gates::address_text(f.station);
 }
 
 /// The interface of a gate from which a frame came to another one.
@@ -167,22 +166,22 @@ void AuditLog::refused(const core::Verdict& verdict, const core::GateEntry& entr
 }
 
 void AuditLog::refused(const core::Verdict& verdict, const core::GateEntry& entry,
-                       const enforce::RefusedSender& sender, Fate fate, std::uint64_t frames,
+                       const gates::RefusedSender& sender, Fate fate, std::uint64_t frames,
                        std::uint64_t span) {
-  const enforce::UnknownFrame& f = sender.frame;
+  const gates::UnknownFrame& f = sender.frame;
   if (is_granted_source(gates_, entry, sender)) {
-    refused(verdict, entry, enforce::reason_text(sender.reason), fate, frames);
+    refused(verdict, entry, gates::reason_text(sender.reason), fate, frames);
     return;
   }
   Key key{.interface = gates_.interface_name(entry.port),
           .network = gates_.network_of(entry.port),
           .egress = entry.direction == core::Direction::egress,
-          .reason = enforce::reason_text(sender.reason),
+          .reason = gates::reason_text(sender.reason),
           .can_id = f.can_id,
           .format = f.format,
           .subject = f.subject,
           .address = address_of(f),
-          .mac = enforce::mac_text(f.station, f.mac),
+          .mac = gates::mac_text(f.station, f.mac),
           .described = scene_.state->system().channels[verdict.channel].name};
   if (key.egress && sender.source == 0 && sender.uid != GATE_ANY_UID)
     key.user = fmt::format("{}", sender.uid);
@@ -232,7 +231,7 @@ void AuditLog::poll(std::size_t port, const UnknownFrames& unknown, Reporting re
   if (frames > known)
     note({.interface = gates_.interface_name(port),
           .network = gates_.network_of(port),
-          .reason = enforce::reason_text(GATE_R_UNKNOWN),
+          .reason = gates::reason_text(GATE_R_UNKNOWN),
           .others = true},
          {.fate = fate, .frames = frames - known});
 }
@@ -258,8 +257,8 @@ std::uint64_t AuditLog::poll_frames(std::size_t port, Polled& last, News news,
                                     Reporting reporting) {
   std::uint64_t noted = 0;
   decltype(last.frames) now;
-  for (const enforce::UnknownFrame& f : gates_.seen_unknown(port)) {
-    const bool egress = f.direction == enforce::Direction::egress;
+  for (const gates::UnknownFrame& f : gates_.seen_unknown(port)) {
+    const bool egress = f.direction == gates::Direction::egress;
     const auto key = std::tuple(f.can_id, f.subject, f.format, egress);
     now[key] = {f.count, f.sequence};
     const auto known = last.frames.find(key);
@@ -271,12 +270,12 @@ std::uint64_t AuditLog::poll_frames(std::size_t port, Polled& last, News news,
     note({.interface = gates_.interface_name(port),
           .network = gates_.network_of(port),
           .egress = egress,
-          .reason = enforce::reason_text(GATE_R_UNKNOWN),
+          .reason = gates::reason_text(GATE_R_UNKNOWN),
           .can_id = f.can_id,
           .format = f.format,
           .subject = f.subject,
           .address = address_of(f),
-          .mac = enforce::mac_text(f.station, f.mac)},
+          .mac = gates::mac_text(f.station, f.mac)},
          news);
   }
   last.frames = std::move(now);
@@ -391,10 +390,10 @@ std::optional<std::size_t> port_of(const GateReader& gates, const control::Findi
 /// gateway has rules for such frames by now.
 bool complete_frames(std::size_t port, const AuditRules& rules, AuditNames& names,
                      control::Finding& f) {
-  const bool is_unknown = f.reason == enforce::reason_text(GATE_R_UNKNOWN);
+  const bool is_unknown = f.reason == gates::reason_text(GATE_R_UNKNOWN);
   if (!is_unknown && !is_of_sender(f.reason)) return true;
   if (is_unknown ? rules.has(port, f) : rules.has_from_sender(port, f)) return false;
-  const bool has_identifier = f.reason == enforce::reason_text(GATE_R_IDENTIFIER);
+  const bool has_identifier = f.reason == gates::reason_text(GATE_R_IDENTIFIER);
   if (is_unknown || !names.has_channel(f.described) || (has_identifier && names.has_number(f)))
     f.described = names.channel_of(f);
   if (!f.entered_by.empty()) f.entered_network = names.network_of(f.entered_by);

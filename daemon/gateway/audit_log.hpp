@@ -46,7 +46,7 @@ class AuditLog {
   /// The same for frames whose sender is known, and is not the one that the entry admits. They came
   /// within `span` ns; 0: unknown.
   void refused(const core::Verdict& verdict, const core::GateEntry& entry,
-               const enforce::RefusedSender& sender, Fate fate, std::uint64_t frames,
+               const gates::RefusedSender& sender, Fate fate, std::uint64_t frames,
                std::uint64_t span);
   /// Notes the frames that the gate of a port has refused since the last poll and that belong to no
   /// delivery. `unknown` are its counters of frames without a slot.

@@ -119,7 +119,7 @@ std::optional<std::uint64_t> DropReports::sample(const core::GateEntry& entry, D
   const bool passed = reason == Drop::would_be_misfit || reason == Drop::would_exceed;
   const Fate fate = passed ? Fate::passed : Fate::dropped;
   if (is_excess) {
-    audit_.refused(user, entry, enforce::reason_text(GATE_R_EXCESS), fate, grown);
+    audit_.refused(user, entry, gates::reason_text(GATE_R_EXCESS), fate, grown);
     return mention;
   }
   note_misfits(entry, user, fate, grown, frames.last_reason);

@@ -18,10 +18,10 @@ namespace {
 std::string frame_name(const gate_sample& sample) {
   const char* const way = sample.direction == GATE_EGRESS ? " on its way out" : "";
   if (sample.format == 0) {
-    enforce::Mac mac;
+    gates::Mac mac;
     std::ranges::copy(sample.mac, mac.begin());
     return fmt::format("{}{} from {}", core::format_subject(sample.subject), way,
-                       enforce::sender_text(sample.station, mac));
+                       gates::sender_text(sample.station, mac));
   }
   const char* const remote = (sample.can_id & CAN_RTR_FLAG) != 0 ? "remote " : "";
   std::string format;

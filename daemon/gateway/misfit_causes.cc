@@ -38,7 +38,7 @@ void MisfitCauses::begin_round() {
 void MisfitCauses::explain(const core::GateEntry& entry, Fate fate, gate_reason reason,
                            std::uint64_t frames) {
   explained_[{entry.port, entry.direction == core::Direction::egress, fate,
-              enforce::reason_text(reason)}] += frames;
+              gates::reason_text(reason)}] += frames;
 }
 
 std::vector<MisfitCauses::Cause> MisfitCauses::of(const core::GateEntry& entry, Fate fate,
@@ -61,7 +61,7 @@ std::vector<MisfitCauses::Cause> MisfitCauses::of(const core::GateEntry& entry, 
   if (causes.size() == 1 && all >= frames) return {{causes.front().reason, frames}};
   if (all == frames) return causes;
   // The latest frame may be excess, which fits the slot.
-  if (latest.empty() || latest == enforce::reason_text(GATE_R_EXCESS))
+  if (latest.empty() || latest == gates::reason_text(GATE_R_EXCESS))
     return {{"not as granted", frames}};
   return {
       {causes.empty() || frames == 1 ? latest : "cause not known, the latest: " + latest, frames}};

@@ -8,15 +8,15 @@
 namespace mlcca {
 namespace {
 
-auto identity_of(const enforce::RefusedSender& sender) {
-  const enforce::UnknownFrame& f = sender.frame;
+auto identity_of(const gates::RefusedSender& sender) {
+  const gates::UnknownFrame& f = sender.frame;
   return std::tie(sender.slot, sender.reason, sender.source, sender.uid, f.can_id, f.format,
                   f.direction, f.subject, f.station, f.mac);
 }
 
 /// How many of a sender's frames a former state of the table contains.
-std::uint64_t counted_in(const std::map<std::size_t, enforce::RefusedSender>& table,
-                         const enforce::RefusedSender& sender) {
+std::uint64_t counted_in(const std::map<std::size_t, gates::RefusedSender>& table,
+                         const gates::RefusedSender& sender) {
   const auto before = table.find(sender.place);
   const bool is_same = before != table.end() &&
                        identity_of(before->second) == identity_of(sender) &&
@@ -32,7 +32,7 @@ void MisfitSenders::begin_round() {
     const auto [known, fresh] = of_ports_.try_emplace(p);
     OfPort& port = known->second;
     BySender now;
-    for (const enforce::RefusedSender& sender : gates_.refused_senders(p))
+    for (const gates::RefusedSender& sender : gates_.refused_senders(p))
       now.emplace(sender.place, sender);
     if (fresh || port.ifindex != ifindex) {
       port = OfPort{};
@@ -56,12 +56,12 @@ std::vector<MisfitSenders::Sent> MisfitSenders::of(const core::GateEntry& entry,
     ++port.reads;
     port.latest = gates_.refused_senders(entry.port);
   }
-  for (const enforce::RefusedSender& sender : port.latest) {
+  for (const gates::RefusedSender& sender : port.latest) {
     if (sender.slot != *slot) continue;
     const std::uint64_t counted =
         std::max(counted_in(port.sampled, sender), counted_in(port.before, sender));
     const std::uint64_t given = std::min(frames, sender.frame.count - counted);
-    enforce::RefusedSender& taken = port.sampled[sender.place];
+    gates::RefusedSender& taken = port.sampled[sender.place];
     taken = sender;
     taken.frame.count = counted + given;
     frames -= given;

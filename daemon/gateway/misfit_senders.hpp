@@ -29,7 +29,7 @@ class MisfitSenders {
   void forget() { of_ports_.clear(), begin_round(); }
 
   struct Sent {
-    enforce::RefusedSender sender;
+    gates::RefusedSender sender;
     std::uint64_t frames = 0;
   };
   /// The senders of at most `frames` frames that the slot of an entry has refused since its last
@@ -39,11 +39,11 @@ class MisfitSenders {
   [[nodiscard]] std::vector<Sent> of(const core::GateEntry& entry, std::uint64_t frames);
 
  private:
-  using BySender = std::map<std::size_t, enforce::RefusedSender>;  ///< by place
+  using BySender = std::map<std::size_t, gates::RefusedSender>;  ///< by place
   struct OfPort {
     int ifindex = 0;
     unsigned reads = 0;  ///< in this round
-    std::vector<enforce::RefusedSender> latest;
+    std::vector<gates::RefusedSender> latest;
     BySender sampled;  ///< what was given
     BySender before;   ///< at the beginning of the last round
     BySender began;    ///< at the beginning of this round

@@ -12,7 +12,7 @@ namespace mlcca {
 
 void Modes::begin(bool in_audit_mode) {
   begins_in_audit_ = in_audit_mode;
-  if (is_to_be_introduced()) control_.set_mode(enforce::Mode::audit);
+  if (is_to_be_introduced()) control_.set_mode(gates::Mode::audit);
 }
 
 void Modes::report() {
@@ -38,11 +38,11 @@ void Modes::report_drops() {
   drops_.report_all();
 }
 
-control::Done Modes::set(enforce::Mode mode) {
+control::Done Modes::set(gates::Mode mode) {
   report_drops();
   when_clean_ = 0;
   control_.set_mode(mode);
-  if (mode == enforce::Mode::audit) {
+  if (mode == gates::Mode::audit) {
     audit_.restart_clean();
     std::string line = audit_line();
     log_.warning(Kind::mode, line);
@@ -54,8 +54,8 @@ control::Done Modes::set(enforce::Mode mode) {
   return {std::move(line)};
 }
 
-control::Done Modes::enforce() { return set(enforce::Mode::enforce); }
-control::Done Modes::audit() { return set(enforce::Mode::audit); }
+control::Done Modes::enforce() { return set(gates::Mode::enforce); }
+control::Done Modes::audit() { return set(gates::Mode::audit); }
 
 Result<control::Done> Modes::enforce_when_clean(std::uint64_t when_clean) {
   if (!is_audit())
@@ -86,7 +86,7 @@ void Modes::poll() {
   if (clean() < when_clean_) return;
   log_.notice(Kind::mode, fmt::format("nothing would have been dropped for {}",
                                       core::format_span(when_clean_)));
-  set(enforce::Mode::enforce);
+  set(gates::Mode::enforce);
 }
 
 const char* Modes::name() const { return is_audit() ? "audit" : "enforce"; }

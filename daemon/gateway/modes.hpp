@@ -42,7 +42,7 @@ class Modes {
   /// To be called once a second: changes to enforce when the time has come.
   void poll();
 
-  [[nodiscard]] bool is_audit() const { return control_.mode() == enforce::Mode::audit; }
+  [[nodiscard]] bool is_audit() const { return control_.mode() == gates::Mode::audit; }
   /// Whether the audit mode lasts over restarts and reboots until an operator ends it.
   [[nodiscard]] bool is_introduction() const { return is_audit() && is_to_be_introduced(); }
   /// "enforce" or "audit".
@@ -59,7 +59,7 @@ class Modes {
   void note_introduced();
   [[nodiscard]] std::string audit_line() const;
   void report_drops();
-  control::Done set(enforce::Mode mode);
+  control::Done set(gates::Mode mode);
 
   GateControl& control_;
   EventLog& log_;

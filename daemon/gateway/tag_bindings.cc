@@ -9,7 +9,7 @@
 namespace mlcca {
 
 /// Takes up what a gate has learned under an earlier daemon.
-void TagBindings::take_up(std::size_t port, const enforce::FoundBinding& found) {
+void TagBindings::take_up(std::size_t port, const gates::FoundBinding& found) {
   Tag* const tag = tags_.find(gates_.network_number(port), found.subject);
   if (tag == nullptr) return;
   // A tag that was stated before was not dealt by the broker.
@@ -29,7 +29,7 @@ void TagBindings::take_up(Known known) {
   for (std::size_t p = 0; p < gates_.size(); ++p) {
     const auto bindings = gates_.bindings(p);
     if (!bindings) continue;
-    for (const enforce::FoundBinding& found : bindings->found()) take_up(p, found);
+    for (const gates::FoundBinding& found : bindings->found()) take_up(p, found);
   }
   report_rivals(tags_.hold_apart());
   if (known == Known::by_gates_and_disk)
@@ -85,7 +85,7 @@ void TagBindings::report_rivals(const std::vector<Tag*>& changed) {
       report(*tag, 4, tag->rival + ": nothing passes by it");
 }
 
-void TagBindings::take(std::size_t port, const enforce::FoundBinding& found, Poll& poll) {
+void TagBindings::take(std::size_t port, const gates::FoundBinding& found, Poll& poll) {
   Tag* const tag = tags_.find(gates_.network_number(port), found.subject);
   if (tag == nullptr || tag->etag != found.etag) return;
   poll.seen.emplace(tag, found);
@@ -115,7 +115,7 @@ void TagBindings::poll(bool anyway) {
     const auto polled = polled_.find(ifindex);
     if (!anyway && polled != polled_.end() && polled->second == now) continue;
     polled_[ifindex] = now;
-    for (const enforce::FoundBinding& found : bindings->found()) take(p, found, poll);
+    for (const gates::FoundBinding& found : bindings->found()) take(p, found, poll);
   }
   if (poll.seen.empty() && !anyway) return;
   const auto rivals = tags_.hold_apart();
@@ -179,7 +179,7 @@ bool TagBindings::gates_agree_on(const Tag& tag) {
   for (std::size_t p = 0; p < gates_.size(); ++p) {
     auto bindings = gates_.bindings(p);
     if (!bindings || gates_.network_number(p) != tag.network) continue;
-    for (const enforce::FoundBinding& found : bindings->found())
+    for (const gates::FoundBinding& found : bindings->found())
       if (found.subject == tag.subject && found.contradicted)
         agree = agree && found.confirmed && bindings->settle(tag.subject);
   }

@@ -65,15 +65,15 @@ class TagBindings final : public ConditionSource {
  private:
   /// The findings of one poll.
   struct Poll {
-    bool changed = false;                        ///< a contradiction, or who has a tag, has changed
-    std::map<Tag*, enforce::FoundBinding> seen;  ///< what the gate of its network has seen
-    std::vector<Tag*> confirmed;                 ///< contradicted before, and dealt as stated since
+    bool changed = false;                      ///< a contradiction, or who has a tag, has changed
+    std::map<Tag*, gates::FoundBinding> seen;  ///< what the gate of its network has seen
+    std::vector<Tag*> confirmed;               ///< contradicted before, and dealt as stated since
   };
-  void take_up(std::size_t port, const enforce::FoundBinding& found);
+  void take_up(std::size_t port, const gates::FoundBinding& found);
   void put(const Tag& tag) const;
   void note() { recorder_.note_contradicted(tags_.to_keep()); }
   void report_rivals(const std::vector<Tag*>& changed);
-  void take(std::size_t port, const enforce::FoundBinding& found, Poll& poll);
+  void take(std::size_t port, const gates::FoundBinding& found, Poll& poll);
   bool move(const Poll& poll, core::FormerRules& left);
   void move(Tag& tag, core::FormerRules& left);
   [[nodiscard]] bool gates_agree_on(const Tag& tag);

@@ -125,8 +125,8 @@ Tag* Tags::find(std::size_t network, core::Subject subject) {
   return it != tags_.end() && place_of(*it) == std::tuple(network, subject) ? &*it : nullptr;
 }
 
-std::vector<enforce::StatedBinding> Tags::stated(std::size_t network) const {
-  std::vector<enforce::StatedBinding> out;
+std::vector<gates::StatedBinding> Tags::stated(std::size_t network) const {
+  std::vector<gates::StatedBinding> out;
   for (const Tag& tag : tags_)
     if (tag.network == network && tag.is_in_gates)
       out.push_back({.subject = tag.subject,
@@ -188,7 +188,7 @@ std::string subject_words(core::Subject subject) {
   return fmt::format("{} ({})", core::format_subject(subject), text);
 }
 
-std::string contradiction_words(const Tag& tag, const enforce::FoundBinding& found) {
+std::string contradiction_words(const Tag& tag, const gates::FoundBinding& found) {
   if (found.halves == 0)
     return found.dealt != 0 && found.dealt != tag.etag
                ? fmt::format("the broker has dealt it tag {:#x} on {}, and not {:#x}", found.dealt,

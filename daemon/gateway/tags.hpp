@@ -71,7 +71,7 @@ class Tags {
   std::vector<Tag*> hold_apart();
   [[nodiscard]] Tag* find(std::size_t network, core::Subject subject);
   /// The tags of a network, as its gates hold them.
-  [[nodiscard]] std::vector<enforce::StatedBinding> stated(std::size_t network) const;
+  [[nodiscard]] std::vector<gates::StatedBinding> stated(std::size_t network) const;
   /// The contradicted tags of a network, as its Condition has them.
   [[nodiscard]] std::vector<core::Contradicted> contradicted(std::size_t network) const;
   /// The tags that must be kept beyond the gates: stated ones that nothing passes by, since the
@@ -89,7 +89,7 @@ class Tags {
 
 /// The text of a contradiction, for example "the broker has dealt its tag 0x3ffe on robot-can to
 /// 0x44697374616e6365 (Distance)".
-[[nodiscard]] std::string contradiction_words(const Tag& tag, const enforce::FoundBinding& found);
+[[nodiscard]] std::string contradiction_words(const Tag& tag, const gates::FoundBinding& found);
 /// For example "0x44697374616e6365 (Distance)". The text in brackets is present only if all of it
 /// can be printed.
 [[nodiscard]] std::string subject_words(core::Subject subject);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // An interface for what opens and closes all gates of a gateway together: the pinned control word
-// of the kernel (KernelGateControl), or a fake. See enforce::Control for the details of each
+// of the kernel (KernelGateControl), or a fake. See gates::Control for the details of each
 // method.
 #pragma once
 #include <cstdint>
@@ -32,14 +32,14 @@ class GateControl {
   virtual void close_all() = 0;
   [[nodiscard]] virtual bool is_open() const = 0;
 
-  virtual void set_mode(enforce::Mode mode) = 0;
-  [[nodiscard]] virtual enforce::Mode mode() const = 0;
+  virtual void set_mode(gates::Mode mode) = 0;
+  [[nodiscard]] virtual gates::Mode mode() const = 0;
 
   /// Sets how long verdicts stay in force without a heart-beat, ns.
   virtual Result<void> set_grace(std::uint64_t grace) = 0;
   [[nodiscard]] virtual std::uint64_t grace() const = 0;
   /// Sets the latest time at which the gates close, whatever heart-beats come: CLOCK_MONOTONIC, ns;
-  /// 0: no limit. See enforce::Control::set_until().
+  /// 0: no limit. See gates::Control::set_until().
   virtual Result<void> set_until(std::uint64_t until) = 0;
   [[nodiscard]] virtual std::uint64_t until() const = 0;
   /// Gives a heart-beat, which is due every beat_interval() ns. `now`: CLOCK_MONOTONIC, ns.

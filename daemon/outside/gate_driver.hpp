@@ -75,7 +75,7 @@ class GateDriver : public GateReader {
   virtual Result<void> sync(const core::GateState& wanted) = 0;
   /// Makes the changes. After an error the gates hold a part of them, and sync() has to be called.
   virtual Result<void> apply(const core::GateChanges& changes) = 0;
-  /// Sets the priority bands of frames that leave through a port; see enforce::Gate::set_bands().
+  /// Sets the priority bands of frames that leave through a port; see gates::Gate::set_bands().
   virtual void set_bands(std::size_t port, std::span<const std::uint32_t> limits) = 0;
 
   /// What the bus of a port has carried; nullopt if the kernel does not say.

@@ -24,7 +24,7 @@ namespace mlcca {
 class GateReader : public PortFacts {
  public:
   /// The slots of the gates for these rules, in the order of the rules.
-  [[nodiscard]] virtual std::vector<enforce::PlacedSlot> slots(
+  [[nodiscard]] virtual std::vector<gates::PlacedSlot> slots(
       std::span<const core::GateRule> rules) const = 0;
   /// The frames that came in and left by these rules. A frame that leaves is counted once: where it
   /// leaves; or, if that entry is among those `shared` with others, where it came in.
@@ -61,9 +61,9 @@ class GateReader : public PortFacts {
   /// The count of frames without a slot on a port.
   [[nodiscard]] virtual UnknownFrames unknown_frames(std::size_t port) const = 0;
   /// The latest of these frames, each kind with a lower bound of its count.
-  [[nodiscard]] virtual std::vector<enforce::UnknownFrame> seen_unknown(std::size_t port) const = 0;
+  [[nodiscard]] virtual std::vector<gates::UnknownFrame> seen_unknown(std::size_t port) const = 0;
   /// The latest senders that slots of a port have refused.
-  [[nodiscard]] virtual std::vector<enforce::RefusedSender> refused_senders(
+  [[nodiscard]] virtual std::vector<gates::RefusedSender> refused_senders(
       std::size_t port) const = 0;
   /// The number of the slot of an entry, as in these senders; nullopt if it has none.
   [[nodiscard]] virtual std::optional<std::uint32_t> slot_number(
@@ -77,7 +77,7 @@ class GateReader : public PortFacts {
   /// 10.0.0.7".
   [[nodiscard]] virtual std::string latest_unknown(std::size_t port) const = 0;
   /// FAMOUSO's tags in the gate of a port; nullopt if no gate there holds any.
-  [[nodiscard]] virtual std::optional<enforce::Bindings> bindings(std::size_t port) const = 0;
+  [[nodiscard]] virtual std::optional<gates::Bindings> bindings(std::size_t port) const = 0;
 };
 
 }  // namespace mlcca

@@ -8,7 +8,7 @@
 namespace mlcca {
 
 Result<void> KernelGateControl::begin_start(std::uint64_t limit, std::uint64_t now) {
-  auto begun = enforce::Starting::begin(control_, limit, now);
+  auto begun = gates::Starting::begin(control_, limit, now);
   if (!begun) return std::unexpected(begun.error());
   starting_.emplace(std::move(*begun));
   return {};
@@ -19,7 +19,7 @@ void KernelGateControl::beat_while_starting(std::uint64_t now) {
 }
 
 Result<void> KernelGateControl::undo_interrupted_step() {
-  return enforce::undo_interrupted_step(control_);
+  return gates::undo_interrupted_step(control_);
 }
 
 void KernelGateControl::end_start() {
@@ -28,8 +28,8 @@ void KernelGateControl::end_start() {
 }
 
 Result<void> KernelGateControl::listen(GateReports reports) {
-  auto reader = enforce::EventReader::open(control_.events_fd(),
-                                           {std::move(reports.event), std::move(reports.sample)});
+  auto reader = gates::EventReader::open(control_.events_fd(),
+                                         {std::move(reports.event), std::move(reports.sample)});
   if (!reader) return std::unexpected(reader.error());
   reports_.emplace(std::move(*reader));
   return {};

@@ -14,16 +14,16 @@ namespace mlcca {
 /// The control word that all gates in the kernel read, and the ring to which they report.
 class KernelGateControl final : public GateControl {
  public:
-  explicit KernelGateControl(enforce::Control control) : control_(std::move(control)) {}
+  explicit KernelGateControl(gates::Control control) : control_(std::move(control)) {}
 
   /// For the code that attaches gates to it.
-  [[nodiscard]] enforce::Control& control() { return control_; }
+  [[nodiscard]] gates::Control& control() { return control_; }
 
   void open() override { control_.open(); }
   void close_all() override { control_.close_all(); }
   [[nodiscard]] bool is_open() const override { return control_.is_open(); }
-  void set_mode(enforce::Mode mode) override { control_.set_mode(mode); }
-  [[nodiscard]] enforce::Mode mode() const override { return control_.mode(); }
+  void set_mode(gates::Mode mode) override { control_.set_mode(mode); }
+  [[nodiscard]] gates::Mode mode() const override { return control_.mode(); }
   Result<void> set_grace(std::uint64_t grace) override { return control_.set_grace(grace); }
   [[nodiscard]] std::uint64_t grace() const override { return control_.grace(); }
   Result<void> set_until(std::uint64_t until) override { return control_.set_until(until); }
@@ -47,9 +47,9 @@ class KernelGateControl final : public GateControl {
   Result<void> read_reports() override { return reports_->read(); }
 
  private:
-  enforce::Control control_;
-  std::optional<enforce::Starting> starting_;
-  std::optional<enforce::EventReader> reports_;
+  gates::Control control_;
+  std::optional<gates::Starting> starting_;
+  std::optional<gates::EventReader> reports_;
 };
 
 }  // namespace mlcca

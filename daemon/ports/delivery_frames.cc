@@ -40,7 +40,7 @@ Frames delivery_frames(const core::GateState& rules, const std::vector<core::Gat
     if (!rule.policing.counts_only) sum.excess_dropped += counted->excess;
     if (rule.entry.direction == counts) sum.passed += counted->passed;
     if (counted->last_reason != GATE_R_PASSED)
-      sum.last_reason = enforce::reason_text(counted->last_reason);
+      sum.last_reason = gates::reason_text(counted->last_reason);
   }
   return sum;
 }
@@ -48,8 +48,8 @@ Frames delivery_frames(const core::GateState& rules, const std::vector<core::Gat
 Frames delivery_frames(const core::GateState& rules, const std::vector<core::GateEntry>& shared,
                        const GatedPorts& ports) {
   return delivery_frames(
-      rules, shared, [&ports](const core::GateRule& rule) -> std::optional<enforce::SlotCounters> {
-        const enforce::PortGate* gate = ports.gate(rule.entry.port);
+      rules, shared, [&ports](const core::GateRule& rule) -> std::optional<gates::SlotCounters> {
+        const gates::PortGate* gate = ports.gate(rule.entry.port);
         if (gate == nullptr) return std::nullopt;
         const auto slot = slot_of(rule.entry, ports);
         return slot ? gate->counters(*slot) : std::nullopt;

@@ -13,7 +13,7 @@
 namespace mlcca {
 
 /// The counters of the slot of a rule; nullopt if there is none.
-using CountersOf = std::function<std::optional<enforce::SlotCounters>(const core::GateRule& rule)>;
+using CountersOf = std::function<std::optional<gates::SlotCounters>(const core::GateRule& rule)>;
 
 /// Sums up the counters of `rules`. A frame that leaves is counted once: where it leaves; or, if
 /// that entry is among those `shared` with other deliveries (sorted), where it came in.

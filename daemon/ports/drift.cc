@@ -18,7 +18,7 @@ namespace mlcca {
 namespace {
 
 /// What runs before our programs, in words; empty if nothing does.
-Result<std::string> before(int ifindex, const enforce::PortGate& gate) {
+Result<std::string> before(int ifindex, const gates::PortGate& gate) {
   std::string text;
   const auto add = [&](bool ingress, const std::string& what) {
     text +=
@@ -26,9 +26,9 @@ Result<std::string> before(int ifindex, const enforce::PortGate& gate) {
   };
   const auto ahead = gate.ahead();
   if (!ahead) return std::unexpected(ahead.error());
-  for (const enforce::Ahead& a : *ahead)
-    add(a.direction == enforce::Direction::ingress, fmt::format("TCX program {}", a.program));
-  if (gate.hook() != enforce::Hook::clsact) return text;
+  for (const gates::Ahead& a : *ahead)
+    add(a.direction == gates::Direction::ingress, fmt::format("TCX program {}", a.program));
+  if (gate.hook() != gates::Hook::clsact) return text;
   for (const bool ingress : {true, false}) {
     const auto filters = net::filters_before(ifindex, ingress, GATE_TC_PRIORITY, GATE_TC_HANDLE);
     if (!filters) return std::unexpected(filters.error());
@@ -42,9 +42,9 @@ Result<std::string> before(int ifindex, const enforce::PortGate& gate) {
 
 /// XDP programs of other owners, in words; empty if there are none. They run before tc in any case,
 /// and a driver has room for only one.
-std::string before_tc(int ifindex, const enforce::PortGate& gate) {
+std::string before_tc(int ifindex, const gates::PortGate& gate) {
   const auto others =
-      enforce::other_early_programs(static_cast<std::uint32_t>(ifindex), gate.early());
+      gates::other_early_programs(static_cast<std::uint32_t>(ifindex), gate.early());
   if (others.empty()) return {};
   return fmt::format(
       "before the gate of {} runs XDP program {}, which is not ours and stays: what that takes, "
@@ -54,9 +54,9 @@ std::string before_tc(int ifindex, const enforce::PortGate& gate) {
 
 /// The frames that the gate has let out: admitted ones, and those that passed in audit mode, which
 /// are counted here or at ingress.
-std::uint64_t let_out(const enforce::PortGate& gate) {
-  const auto reasons = gate.reasons(enforce::Direction::egress);
-  const auto audit = gate.would_drop(enforce::Direction::egress);
+std::uint64_t let_out(const gates::PortGate& gate) {
+  const auto reasons = gate.reasons(gates::Direction::egress);
+  const auto audit = gate.would_drop(gates::Direction::egress);
   return std::accumulate(audit.begin(), audit.end(), reasons[GATE_R_PASSED] + reasons[GATE_R_ECHO]);
 }
 
@@ -76,7 +76,7 @@ std::vector<int> Drift::repair(const Gates& gates, const net::LinkTable& links) 
   return lost;
 }
 
-bool Drift::repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& links) {
+bool Drift::repair(int ifindex, gates::PortGate& gate, const net::LinkTable& links) {
   if (!links.contains(ifindex)) return true;
   Seen& seen = seen_[ifindex];
   gated_.insert(ifindex);
@@ -108,7 +108,7 @@ bool Drift::repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& l
     if (!seen.unpinned.lasts()) keep_first(ifindex, gate, seen);
     return true;
   }
-  const bool replaced = enforce::is_gated(static_cast<std::uint32_t>(ifindex), gate.hook());
+  const bool replaced = gates::is_gated(static_cast<std::uint32_t>(ifindex), gate.hook());
   const auto repaired = gate.reattach();
   if (!repaired) {
     report_(
@@ -136,7 +136,7 @@ void Drift::report_repaired(Seen& seen, const std::string& line) {
 }
 
 /// Pins come first, because what is put back afterwards is pinned as well.
-void Drift::keep_pinned(const enforce::PortGate& gate, Seen& seen) {
+void Drift::keep_pinned(const gates::PortGate& gate, Seen& seen) {
   const auto again = gate.keep_pinned();
   if (seen.unpinned.is_new(
           again ? ""
@@ -154,7 +154,7 @@ void Drift::keep_pinned(const enforce::PortGate& gate, Seen& seen) {
 }
 
 /// A missing XDP program lets nothing pass, because both filters check all frames.
-void Drift::keep_early(int ifindex, enforce::PortGate& gate, Seen& seen) {
+void Drift::keep_early(int ifindex, gates::PortGate& gate, Seen& seen) {
   const std::string others = before_tc(ifindex, gate);
   const std::string reported = std::exchange(seen.early, others);
   const bool lost = gate.lost_early();
@@ -181,7 +181,7 @@ void Drift::keep_early(int ifindex, enforce::PortGate& gate, Seen& seen) {
 
 /// Puts our programs first where that takes nothing away from others. A program in front may let
 /// frames pass that ours never see.
-void Drift::keep_first(int ifindex, enforce::PortGate& gate, Seen& seen) {
+void Drift::keep_first(int ifindex, gates::PortGate& gate, Seen& seen) {
   auto found = before(ifindex, gate);
   std::string standing;
   if (!found) {
@@ -211,7 +211,7 @@ void Drift::keep_first(int ifindex, enforce::PortGate& gate, Seen& seen) {
           !standing.empty());
 }
 
-void Drift::report_taken_off(const enforce::PortGate& gate) {
+void Drift::report_taken_off(const gates::PortGate& gate) {
   report_(
       Kind::drift,
       fmt::format("the gate of {}, which is not described, was taken off: nothing is judged there "
@@ -231,7 +231,7 @@ void Drift::check_bypass(const Gates& gates, net::Links& links, std::int64_t now
   for (const auto& [ifindex, gate] : gates) check_bypass(ifindex, *gate, links, now_s);
 }
 
-void Drift::check_bypass(int ifindex, const enforce::PortGate& gate, net::Links& links,
+void Drift::check_bypass(int ifindex, const gates::PortGate& gate, net::Links& links,
                          std::int64_t now_s) {
   if (!gate.judges_everything()) return;
   Seen& seen = seen_[ifindex];
@@ -253,8 +253,8 @@ void Drift::check_bypass(int ifindex, const enforce::PortGate& gate, net::Links&
             true);
 }
 
-void Drift::report(int ifindex, const enforce::PortGate& gate, control::Interface& to) const {
-  to.hook = enforce::to_text(gate.hook());
+void Drift::report(int ifindex, const gates::PortGate& gate, control::Interface& to) const {
+  to.hook = gates::to_text(gate.hook());
   const auto it = seen_.find(ifindex);
   if (it == seen_.end()) return;
   const Seen& seen = it->second;

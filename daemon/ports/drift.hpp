@@ -24,7 +24,7 @@ class Drift {
  public:
   using Report = std::function<void(Kind kind, const std::string& line, bool problem)>;
   /// The gates by interface index.
-  using Gates = std::map<int, enforce::PortGate*>;
+  using Gates = std::map<int, gates::PortGate*>;
 
   explicit Drift(Report report) : report_(std::move(report)) {
     reported_past_.end_round();  // it counts from 0 from now on
@@ -34,19 +34,19 @@ class Drift {
   /// back.
   std::vector<int> repair(const Gates& gates, const net::LinkTable& links);
   /// The same for one gate; false if it cannot be put back.
-  bool repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& links);
+  bool repair(int ifindex, gates::PortGate& gate, const net::LinkTable& links);
   /// Forgets all interfaces except `gated`, which is sorted.
   void forget_all_but(const std::vector<int>& gated);
   /// Reports that a gate was taken off an interface that is not described any more.
-  void report_taken_off(const enforce::PortGate& gate);
+  void report_taken_off(const gates::PortGate& gate);
   /// Reports that an interface with a gate has moved to another namespace, where our gate is not.
   void report_moved(const net::Links::Moved& link);
   /// To be called about once a second. `now_s`: seconds of any steady clock.
   void check_bypass(const Gates& gates, net::Links& links, std::int64_t now_s);
-  void check_bypass(int ifindex, const enforce::PortGate& gate, net::Links& links,
+  void check_bypass(int ifindex, const gates::PortGate& gate, net::Links& links,
                     std::int64_t now_s);
 
-  void report(int ifindex, const enforce::PortGate& gate, control::Interface& to) const;
+  void report(int ifindex, const gates::PortGate& gate, control::Interface& to) const;
 
  private:
   struct Seen {
@@ -60,9 +60,9 @@ class Drift {
     Bypass bypass;
   };
   void report_repaired(Seen& seen, const std::string& line);
-  void keep_pinned(const enforce::PortGate& gate, Seen& seen);
-  void keep_first(int ifindex, enforce::PortGate& gate, Seen& seen);
-  void keep_early(int ifindex, enforce::PortGate& gate, Seen& seen);
+  void keep_pinned(const gates::PortGate& gate, Seen& seen);
+  void keep_first(int ifindex, gates::PortGate& gate, Seen& seen);
+  void keep_early(int ifindex, gates::PortGate& gate, Seen& seen);
 
   Report report_;
   std::map<int, Seen> seen_;

@@ -25,7 +25,7 @@ void FormerGates::close_pinned(const Result<std::vector<std::uint32_t>>& pinned,
   }
 }
 
-void FormerGates::close_orphans(const Result<std::vector<enforce::GatedInterface>>& found,
+void FormerGates::close_orphans(const Result<std::vector<gates::GatedInterface>>& found,
                                 const Present& present, GateSet& gates) {
   orphans_closed_ = found.has_value();
   if (orphans_unknown_.is_new(found ? "" : found.error().text))
@@ -34,7 +34,7 @@ void FormerGates::close_orphans(const Result<std::vector<enforce::GatedInterface
         orphans_unknown_.text() + ": it is unknown which gates without pins a former daemon left",
         true);
   if (!found) return;
-  for (const enforce::GatedInterface& gated : *found) {
+  for (const gates::GatedInterface& gated : *found) {
     const auto ifindex = static_cast<int>(gated.ifindex);
     const auto link = present.links.find(ifindex);
     if (!gated.passes || present.is_gated_port(ifindex) || gates.contains(ifindex) ||

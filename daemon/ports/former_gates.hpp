@@ -37,7 +37,7 @@ class FormerGates {
   /// Closes gates that no pin names, because another program has removed the pins of a former
   /// daemon. `found`: all gates, of any daemon. If the interface is a port, its own gate replaces
   /// the orphan.
-  void close_orphans(const Result<std::vector<enforce::GatedInterface>>& found,
+  void close_orphans(const Result<std::vector<gates::GatedInterface>>& found,
                      const Present& present, GateSet& gates);
 
   /// Whether it is unknown what a former daemon has pinned.

@@ -41,11 +41,11 @@ std::string formats_of(std::uint8_t formats, bool can) {
 }
 
 /// The traffic that an Ethernet gate passes without a subject.
-control::GateSlot left_alone(const enforce::PortGate& gate, enforce::Direction direction,
+control::GateSlot left_alone(const gates::PortGate& gate, gates::Direction direction,
                              gate_reason reason) {
   control::GateSlot out;
-  out.name = enforce::reason_text(reason);
-  out.egress = direction == enforce::Direction::egress;
+  out.name = gates::reason_text(reason);
+  out.egress = direction == gates::Direction::egress;
   out.passes = true;
   out.passed = gate.reasons(direction)[reason];
   return out;
@@ -64,7 +64,7 @@ class GateReport {
     out.problem = ports_[p].problem();
     const bool can = ports_[p].is_can();
     out.masked_room = can ? GATE_WALK : 0;
-    const enforce::PortGate* gate = ports_.gate(p);
+    const gates::PortGate* gate = ports_.gate(p);
     if (gate == nullptr) gate = ports_.closed_gate(p);
     if (gate == nullptr) return out;
     out.attached = gate->attached().value_or(false);
@@ -72,30 +72,30 @@ class GateReport {
     auto slots = gate->present();
     out.slots = static_cast<std::uint32_t>(slots.size());
     const auto listed = slots.begin() + std::min(std::ssize(slots), kListed);
-    std::ranges::partial_sort(slots, listed, {}, [](const enforce::SlotSpec& s) {
+    std::ranges::partial_sort(slots, listed, {}, [](const gates::SlotSpec& s) {
       return std::tuple(s.direction, s.id, s.mask, s.source, s.uid, s.origin, s.subject, s.station);
     });
     slots.erase(listed, slots.end());
     std::array<std::uint32_t, 2> masked{};
-    for (const enforce::SlotSpec& slot : slots) {
+    for (const gates::SlotSpec& slot : slots) {
       if (gate->is_masked(slot)) ++masked.at(static_cast<std::size_t>(slot.direction));
       auto& list = is_control(slot, p) ? out.control : out.channels;
       list.push_back(slot_of(*gate, slot, p));
     }
     out.masked = std::ranges::max(masked);
     if (!can)
-      for (const auto direction : {enforce::Direction::ingress, enforce::Direction::egress})
+      for (const auto direction : {gates::Direction::ingress, gates::Direction::egress})
         out.control.push_back(left_alone(*gate, direction, GATE_R_FOREIGN));
-    if (!can) out.control.push_back(left_alone(*gate, enforce::Direction::ingress, GATE_R_ECHO));
+    if (!can) out.control.push_back(left_alone(*gate, gates::Direction::ingress, GATE_R_ECHO));
     return out;
   }
 
  private:
-  [[nodiscard]] control::GateSlot slot_of(const enforce::PortGate& gate,
-                                          const enforce::SlotSpec& slot, std::size_t port) const {
+  [[nodiscard]] control::GateSlot slot_of(const gates::PortGate& gate, const gates::SlotSpec& slot,
+                                          std::size_t port) const {
     control::GateSlot out;
     out.name = name_of(slot, port);
-    out.egress = slot.direction == enforce::Direction::egress;
+    out.egress = slot.direction == gates::Direction::egress;
     out.passes = slot.pass;
     out.id = slot.id;
     out.mask = slot.mask;
@@ -114,17 +114,17 @@ class GateReport {
       out.would_exceed = counted->would_exceed;
       out.bytes = counted->bytes;
       if (counted->last_reason != GATE_R_PASSED)
-        out.last_reason = enforce::reason_text(counted->last_reason);
+        out.last_reason = gates::reason_text(counted->last_reason);
     }
     return out;
   }
 
-  [[nodiscard]] bool is_control(const enforce::SlotSpec& slot, std::size_t port) const {
+  [[nodiscard]] bool is_control(const gates::SlotSpec& slot, std::size_t port) const {
     if (ports_[port].is_can()) return slot.subject == core::kControlSubject;
     return slot.subject == core::kSubscribeSubject && !state_.channel_of(slot.subject);
   }
 
-  [[nodiscard]] std::string name_of(const enforce::SlotSpec& slot, std::size_t port) const {
+  [[nodiscard]] std::string name_of(const gates::SlotSpec& slot, std::size_t port) const {
     if (is_control(slot, port))
       return ports_[port].is_can()
                  ? std::string(core::control_kind_of(ports_[port].profile(), slot.id, slot.mask))
@@ -133,15 +133,15 @@ class GateReport {
     return channel ? state_.system().channels[*channel].name : fmt::format("{:#x}", slot.subject);
   }
 
-  [[nodiscard]] std::string source_of(const enforce::SlotSpec& slot) const {
+  [[nodiscard]] std::string source_of(const gates::SlotSpec& slot) const {
     std::string station = core::to_text(core::Station{slot.station});
-    if (slot.direction == enforce::Direction::ingress) return station;
+    if (slot.direction == gates::Direction::ingress) return station;
     const std::string way = way_of(slot);
     return station.empty() ? way : station + " by " + way;
   }
 
   /// The source of frames that leave.
-  [[nodiscard]] std::string way_of(const enforce::SlotSpec& slot) const {
+  [[nodiscard]] std::string way_of(const gates::SlotSpec& slot) const {
     if (slot.source == GATE_NO_SOURCE) return "kernel";
     if (slot.source == 0)
       return slot.uid == GATE_ANY_UID ? "any user" : fmt::format("user {}", slot.uid);
@@ -152,13 +152,13 @@ class GateReport {
   }
 
   /// The identifier with which a frame came in, if it leaves with another one; otherwise empty.
-  [[nodiscard]] std::string identifier_at(const enforce::PortGate& gate,
-                                          const enforce::SlotSpec& slot) const {
+  [[nodiscard]] std::string identifier_at(const gates::PortGate& gate,
+                                          const gates::SlotSpec& slot) const {
     if (slot.origin == 0) return {};
     const auto [at, fresh] = entered_.try_emplace(gate.ifindex());
     if (fresh)
-      for (const enforce::SlotSpec& s : gate.present())
-        if (s.direction == enforce::Direction::ingress) at->second.emplace(s.origin, s.id);
+      for (const gates::SlotSpec& s : gate.present())
+        if (s.direction == gates::Direction::ingress) at->second.emplace(s.origin, s.id);
     const auto id = at->second.find(slot.origin);
     if (id == at->second.end() || id->second == slot.id) return {};
     const bool extended = (id->second & CAN_EFF_FLAG) != 0;

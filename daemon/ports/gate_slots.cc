@@ -29,20 +29,20 @@ std::optional<std::uint32_t> source_of(const core::GateEntry& entry, const Gated
 
 /// `from` is the entry or its rule.
 template <class From>
-std::optional<enforce::SlotSpec> slot_from(const From& from, const core::GateEntry& entry,
-                                           const GatedPorts& ports) {
+std::optional<gates::SlotSpec> slot_from(const From& from, const core::GateEntry& entry,
+                                         const GatedPorts& ports) {
   const auto source = source_of(entry, ports);
   if (!source) return std::nullopt;
-  return enforce::slot_of(from, ports[entry.port].kind(), *source);
+  return gates::slot_of(from, ports[entry.port].kind(), *source);
 }
 
-using ByPort = std::map<std::size_t, enforce::SlotChanges>;
-using Slots = std::vector<enforce::SlotSpec>;
+using ByPort = std::map<std::size_t, gates::SlotChanges>;
+using Slots = std::vector<gates::SlotSpec>;
 
 /// Adds slots to one list of the changes of each port. `from`: entries or rules.
 template <class From, class EntryOf>
 void spread(const std::vector<From>& from, const EntryOf& entry_of,
-            Slots enforce::SlotChanges::* list, const GatedPorts& ports, ByPort& to) {
+            Slots gates::SlotChanges::* list, const GatedPorts& ports, ByPort& to) {
   for (const From& one : from) {
     const std::size_t port = std::invoke(entry_of, one).port;
     if (ports.has_gate(port))
@@ -63,54 +63,54 @@ std::vector<Slots> slots_by_port(const core::GateState& rules, const GatedPorts&
 
 }  // namespace
 
-std::optional<enforce::SlotSpec> slot_of(const core::GateEntry& entry, const GatedPorts& ports) {
+std::optional<gates::SlotSpec> slot_of(const core::GateEntry& entry, const GatedPorts& ports) {
   return slot_from(entry, entry, ports);
 }
 
-std::optional<enforce::SlotSpec> slot_of(const core::GateRule& rule, const GatedPorts& ports) {
+std::optional<gates::SlotSpec> slot_of(const core::GateRule& rule, const GatedPorts& ports) {
   return slot_from(rule, rule.entry, ports);
 }
 
 std::optional<std::uint32_t> slot_number_of(const core::GateEntry& entry, const GatedPorts& ports) {
-  const enforce::PortGate* const gate = ports.gate(entry.port);
+  const gates::PortGate* const gate = ports.gate(entry.port);
   const auto slot = slot_of(entry, ports);
   return gate == nullptr || !slot ? std::nullopt : gate->number_of(*slot);
 }
 
 ByPort changes_by_port(const core::GateChanges& changes, const GatedPorts& ports) {
   ByPort out;
-  spread(changes.close, std::identity{}, &enforce::SlotChanges::close, ports, out);
-  spread(changes.remove, std::identity{}, &enforce::SlotChanges::remove, ports, out);
-  spread(changes.open, std::identity{}, &enforce::SlotChanges::open, ports, out);
-  spread(changes.add, &core::GateRule::entry, &enforce::SlotChanges::add, ports, out);
-  spread(changes.police, &core::GateRule::entry, &enforce::SlotChanges::police, ports, out);
+  spread(changes.close, std::identity{}, &gates::SlotChanges::close, ports, out);
+  spread(changes.remove, std::identity{}, &gates::SlotChanges::remove, ports, out);
+  spread(changes.open, std::identity{}, &gates::SlotChanges::open, ports, out);
+  spread(changes.add, &core::GateRule::entry, &gates::SlotChanges::add, ports, out);
+  spread(changes.police, &core::GateRule::entry, &gates::SlotChanges::police, ports, out);
   return out;
 }
 
-std::vector<enforce::PlacedSlot> placed_slots(std::span<const core::GateRule> rules,
-                                              const GatedPorts& ports) {
-  std::vector<enforce::PlacedSlot> placed;
+std::vector<gates::PlacedSlot> placed_slots(std::span<const core::GateRule> rules,
+                                            const GatedPorts& ports) {
+  std::vector<gates::PlacedSlot> placed;
   for (const core::GateRule& rule : rules)
-    if (const enforce::PortGate* gate = ports.gate(rule.entry.port))
+    if (const gates::PortGate* gate = ports.gate(rule.entry.port))
       if (const auto slot = slot_of(rule, ports)) placed.push_back({gate->ifindex(), *slot});
   return placed;
 }
 
 Result<void> hold_exactly(const core::GateState& wanted, const GatedPorts& ports) {
   const std::vector<Slots> slots = slots_by_port(wanted, ports);
-  std::vector<enforce::PortGate::Change> changes;
+  std::vector<gates::PortGate::Change> changes;
   for (std::size_t p = 0; p < ports.size(); ++p) {
-    enforce::PortGate* const gate = ports.gate(p);
+    gates::PortGate* const gate = ports.gate(p);
     if (gate == nullptr) continue;
-    if (auto change = enforce::slot_changes_between(gate->present(), slots[p]); !change.empty())
+    if (auto change = gates::slot_changes_between(gate->present(), slots[p]); !change.empty())
       changes.push_back({gate, std::move(change)});
     core::Progress::made();
   }
   std::string problems;
   for (;;) {
-    const auto done = enforce::PortGate::apply_together(changes);
+    const auto done = gates::PortGate::apply_together(changes);
     if (done) break;
-    enforce::PortGate* const refusing = done.error().gate;
+    gates::PortGate* const refusing = done.error().gate;
     refusing->deny_all();
     problems += (problems.empty() ? "" : "; ") + refusing->name() + ": " + done.error().error.text;
     std::erase_if(changes, [&](const auto& c) { return c.gate == refusing; });
@@ -120,10 +120,10 @@ Result<void> hold_exactly(const core::GateState& wanted, const GatedPorts& ports
 }
 
 Result<void> make_changes(const core::GateChanges& changes, const GatedPorts& ports) {
-  std::vector<enforce::PortGate::Change> gates;
+  std::vector<gates::PortGate::Change> gates;
   for (auto& [p, change] : changes_by_port(changes, ports))
     gates.push_back({ports.gate(p), std::move(change)});
-  if (const auto done = enforce::PortGate::apply_together(gates); !done)
+  if (const auto done = gates::PortGate::apply_together(gates); !done)
     return fail(done.error().gate->name() + ": " + done.error().error.text);
   return {};
 }

@@ -7,18 +7,18 @@ GateSpec gate_spec(const net::Link& link, core::NetworkKind kind, core::Profile 
                    core::Refused refused, std::size_t slots) {
   const bool silent = refused == core::Refused::silent;
   if (kind == core::NetworkKind::can && !link.is_ethernet && !link.is_wpan)
-    return enforce::GateConfig{.ifindex = static_cast<std::uint32_t>(link.ifindex),
-                               .name = link.name,
-                               .profile = profile,
-                               .echo_by_mark = link.kind == "can",
-                               .hook = {},
-                               .silent = silent};
-  return enforce::EtherConfig{.ifindex = static_cast<std::uint32_t>(link.ifindex),
-                              .name = link.name,
-                              .slots = slots,
-                              .hook = {},
-                              .silent = silent,
-                              .framing = {}};
+    return gates::GateConfig{.ifindex = static_cast<std::uint32_t>(link.ifindex),
+                             .name = link.name,
+                             .profile = profile,
+                             .echo_by_mark = link.kind == "can",
+                             .hook = {},
+                             .silent = silent};
+  return gates::EtherConfig{.ifindex = static_cast<std::uint32_t>(link.ifindex),
+                            .name = link.name,
+                            .slots = slots,
+                            .hook = {},
+                            .silent = silent,
+                            .framing = {}};
 }
 
 GateSpec closed_gate_spec(const net::Link& link, std::size_t slots) {

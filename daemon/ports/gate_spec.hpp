@@ -12,7 +12,7 @@
 
 namespace mlcca {
 
-using GateSpec = std::variant<enforce::GateConfig, enforce::EtherConfig>;
+using GateSpec = std::variant<gates::GateConfig, gates::EtherConfig>;
 
 /// For an interface that is a port on a network of that kind and profile. An Ethernet gate must
 /// have room for `slots`.

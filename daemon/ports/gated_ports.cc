@@ -73,19 +73,19 @@ HeldGate* GatedPorts::held(std::size_t port) const {
                                                                : nullptr;
 }
 
-enforce::PortGate* GatedPorts::gate(std::size_t port) const {
+gates::PortGate* GatedPorts::gate(std::size_t port) const {
   HeldGate* const gate = held(port);
   return gate == nullptr ? nullptr : &gate->port_gate();
 }
 
-enforce::PortGate* GatedPorts::closed_gate(std::size_t port) const {
+gates::PortGate* GatedPorts::closed_gate(std::size_t port) const {
   const int ifindex = ports_[port].port.ifindex();
   if (ifindex == 0 || is_to_be_gated(ifindex)) return nullptr;
   HeldGate* const gate = gates_.find(ifindex);
   return gate == nullptr ? nullptr : &gate->port_gate();
 }
 
-enforce::Gate* GatedPorts::can_gate(std::size_t port) const {
+gates::Gate* GatedPorts::can_gate(std::size_t port) const {
   HeldGate* const gate = held(port);
   return gate == nullptr ? nullptr : gate->can_gate();
 }

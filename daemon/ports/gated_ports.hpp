@@ -52,12 +52,12 @@ class GatedPorts {
   [[nodiscard]] std::size_t ether_slots() const { return ether_slots_; }
 
   /// The gate of a port; nullptr if it needs none, or has none that holds its slots.
-  [[nodiscard]] enforce::PortGate* gate(std::size_t port) const;
-  [[nodiscard]] enforce::Gate* can_gate(std::size_t port) const;
+  [[nodiscard]] gates::PortGate* gate(std::size_t port) const;
+  [[nodiscard]] gates::Gate* can_gate(std::size_t port) const;
   [[nodiscard]] bool has_gate(std::size_t port) const { return held(port) != nullptr; }
   /// The gate of a port that needs none, if a former description had one there that nobody has
   /// removed. It stays closed. Otherwise nullptr.
-  [[nodiscard]] enforce::PortGate* closed_gate(std::size_t port) const;
+  [[nodiscard]] gates::PortGate* closed_gate(std::size_t port) const;
 
   /// Whether the interface is a port that needs a gate.
   [[nodiscard]] bool is_to_be_gated(int ifindex) const;

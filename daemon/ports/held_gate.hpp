@@ -19,7 +19,7 @@ class HeldGate {
   /// Whether the gate need not be replaced by one that is loaded by `spec`.
   [[nodiscard]] virtual bool is(const GateSpec& spec) const = 0;
 
-  // See enforce::PortGate.
+  // See gates::PortGate.
 
   virtual Result<void> put() = 0;
   virtual Result<void> reattach() = 0;
@@ -27,9 +27,9 @@ class HeldGate {
   virtual void unpin() = 0;
 
   /// The gate itself, for its slots and counters.
-  [[nodiscard]] virtual enforce::PortGate& port_gate() = 0;
+  [[nodiscard]] virtual gates::PortGate& port_gate() = 0;
   /// The gate if it is a CAN gate; nullptr otherwise.
-  [[nodiscard]] virtual enforce::Gate* can_gate() = 0;
+  [[nodiscard]] virtual gates::Gate* can_gate() = 0;
 };
 
 }  // namespace mlcca

@@ -34,7 +34,7 @@ void InterfaceHold::hold_by_former(const net::Link& link, GateSet& gates) {
 /// Holds the interface by programs without pins and slots, which deny everything.
 void InterfaceHold::hold_closed(const net::Link& link, const Close& close) {
   const auto closing = close(link.name);
-  const bool fresh = closing && *closing == enforce::Closing::closed;
+  const bool fresh = closing && *closing == gates::Closing::closed;
   if (fresh) closed_ = link.ifindex;
   // A gate that was there already is an older one that we do not command, unless this object has
   // put it there.

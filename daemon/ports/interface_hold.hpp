@@ -14,8 +14,8 @@ namespace mlcca {
 /// Chooses and remembers the way in which an interface is held.
 class InterfaceHold {
  public:
-  /// The last resort; see enforce::close_interface().
-  using Close = std::function<Result<enforce::Closing>(const std::string& interface)>;
+  /// The last resort; see gates::close_interface().
+  using Close = std::function<Result<gates::Closing>(const std::string& interface)>;
   /// Receives a line for the operator about a problem.
   using Problem = std::function<void(const std::string& line)>;
 

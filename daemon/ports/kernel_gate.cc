@@ -11,7 +11,7 @@ Result<std::unique_ptr<HeldGate>> held(Result<Gate> loaded) {
 }
 
 /// A gate has one profile, and fixed settings.
-bool is_of(const enforce::Gate& gate, const enforce::GateConfig& config) {
+bool is_of(const gates::Gate& gate, const gates::GateConfig& config) {
   return gate.config().profile == config.profile &&
          gate.config().echo_by_mark == config.echo_by_mark && gate.config().silent == config.silent;
 }
@@ -19,23 +19,23 @@ bool is_of(const enforce::Gate& gate, const enforce::GateConfig& config) {
 }  // namespace
 
 Result<std::unique_ptr<HeldGate>> KernelGate::load(const GateSpec& spec,
-                                                   const enforce::Control& control) {
-  if (const auto* const can = std::get_if<enforce::GateConfig>(&spec))
-    return held(enforce::Gate::load(*can, control));
-  return held(enforce::EtherGate::load(std::get<enforce::EtherConfig>(spec), control));
+                                                   const gates::Control& control) {
+  if (const auto* const can = std::get_if<gates::GateConfig>(&spec))
+    return held(gates::Gate::load(*can, control));
+  return held(gates::EtherGate::load(std::get<gates::EtherConfig>(spec), control));
 }
 
 bool KernelGate::is(const GateSpec& spec) const {
-  if (const auto* const can = std::get_if<enforce::Gate>(&gate_)) {
-    const auto* const config = std::get_if<enforce::GateConfig>(&spec);
+  if (const auto* const can = std::get_if<gates::Gate>(&gate_)) {
+    const auto* const config = std::get_if<gates::GateConfig>(&spec);
     return config != nullptr && is_of(*can, *config);
   }
-  const auto* const config = std::get_if<enforce::EtherConfig>(&spec);
-  return config != nullptr && std::get<enforce::EtherGate>(gate_).holds(*config);
+  const auto* const config = std::get_if<gates::EtherConfig>(&spec);
+  return config != nullptr && std::get<gates::EtherGate>(gate_).holds(*config);
 }
 
-enforce::PortGate& KernelGate::port_gate() {
-  return std::visit([](auto& gate) -> enforce::PortGate& { return gate; }, gate_);
+gates::PortGate& KernelGate::port_gate() {
+  return std::visit([](auto& gate) -> gates::PortGate& { return gate; }, gate_);
 }
 
 }  // namespace mlcca

@@ -12,9 +12,9 @@ namespace mlcca {
 /// A gate of either kind in the kernel.
 class KernelGate final : public HeldGate {
  public:
-  /// See enforce::PortGate::load().
+  /// See gates::PortGate::load().
   static Result<std::unique_ptr<HeldGate>> load(const GateSpec& spec,
-                                                const enforce::Control& control);
+                                                const gates::Control& control);
   template <class Gate>
   explicit KernelGate(Gate gate) : gate_(std::move(gate)) {}
 
@@ -23,11 +23,11 @@ class KernelGate final : public HeldGate {
   Result<void> reattach() override { return port_gate().reattach(); }
   void deny_all() override { port_gate().deny_all(); }
   void unpin() override { port_gate().unpin(); }
-  [[nodiscard]] enforce::PortGate& port_gate() override;
-  [[nodiscard]] enforce::Gate* can_gate() override { return std::get_if<enforce::Gate>(&gate_); }
+  [[nodiscard]] gates::PortGate& port_gate() override;
+  [[nodiscard]] gates::Gate* can_gate() override { return std::get_if<gates::Gate>(&gate_); }
 
  private:
-  std::variant<enforce::Gate, enforce::EtherGate> gate_;
+  std::variant<gates::Gate, gates::EtherGate> gate_;
 };
 
 }  // namespace mlcca

@@ -14,7 +14,7 @@
 namespace mlcca {
 namespace {
 
-control::Traffic traffic_of(const enforce::PortGate& gate, enforce::Direction direction) {
+control::Traffic traffic_of(const gates::PortGate& gate, gates::Direction direction) {
   control::Traffic out;
   const auto reasons = gate.reasons(direction);
   for (std::size_t i = 0; i < reasons.size(); ++i) {
@@ -22,16 +22,16 @@ control::Traffic traffic_of(const enforce::PortGate& gate, enforce::Direction di
     const auto reason = static_cast<gate_reason>(i);
     if (reason == GATE_R_PASSED) out.passed = reasons[i];
     if (reason == GATE_R_UNKNOWN) out.unknown = reasons[i];
-    const bool is_drop = enforce::is_drop(reason);
+    const bool is_drop = gates::is_drop(reason);
     if (is_drop) out.dropped += reasons[i];
-    out.reasons.push_back({enforce::reason_text(reason), reasons[i], !is_drop});
+    out.reasons.push_back({gates::reason_text(reason), reasons[i], !is_drop});
   }
   const auto spared = gate.would_drop(direction);
   for (std::size_t i = 0; i < spared.size(); ++i) {
     if (spared[i] == 0) continue;
     out.would_drop += spared[i];
     out.would_drop_reasons.push_back(
-        {enforce::reason_text(static_cast<gate_reason>(i)), spared[i], false});
+        {gates::reason_text(static_cast<gate_reason>(i)), spared[i], false});
   }
   return out;
 }
@@ -53,25 +53,25 @@ control::Interface report_of(const DescribedPort& port, const net::LinkTable& li
   return i;
 }
 
-void add_gate(const enforce::PortGate& gate, control::Interface& to) {
+void add_gate(const gates::PortGate& gate, control::Interface& to) {
   to.attached = gate.attached().value_or(false);
   to.drops_early = gate.drops_early();
   to.slots = static_cast<std::uint32_t>(gate.size());
-  to.ingress = traffic_of(gate, enforce::Direction::ingress);
-  to.egress = traffic_of(gate, enforce::Direction::egress);
-  for (const enforce::UnknownFrame& f : gate.unknown())
+  to.ingress = traffic_of(gate, gates::Direction::ingress);
+  to.egress = traffic_of(gate, gates::Direction::egress);
+  for (const gates::UnknownFrame& f : gate.unknown())
     to.unknown.push_back({f.can_id, f.len, f.format == GATE_FD,
-                          f.direction == enforce::Direction::egress, f.count, f.subject,
-                          f.format == GATE_XL, enforce::address_text(f.station),
-                          enforce::mac_text(f.station, f.mac)});
+                          f.direction == gates::Direction::egress, f.count, f.subject,
+                          f.format == GATE_XL, gates::address_text(f.station),
+                          gates::mac_text(f.station, f.mac)});
 }
 
 }  // namespace
 
-UnknownFrames unknown_frames(const enforce::PortGate* gate) {
+UnknownFrames unknown_frames(const gates::PortGate* gate) {
   UnknownFrames sum;
   if (gate == nullptr) return sum;
-  for (const auto direction : enforce::kBothDirections) {
+  for (const auto direction : gates::kBothDirections) {
     sum.dropped += gate->reasons(direction)[GATE_R_UNKNOWN];
     sum.would_drop += gate->would_drop(direction)[GATE_R_UNKNOWN];
   }
@@ -80,16 +80,16 @@ UnknownFrames unknown_frames(const enforce::PortGate* gate) {
 
 namespace {
 
-std::vector<Refusals> counted_for(const enforce::PortGate* gate,
+std::vector<Refusals> counted_for(const gates::PortGate* gate,
                                   std::span<const gate_reason> reasons) {
   if (gate == nullptr) return {};
   std::vector<Refusals> out;
-  for (const auto direction : enforce::kBothDirections) {
-    const enforce::ReasonCounters dropped = gate->reasons(direction);
-    const enforce::ReasonCounters passed = gate->would_drop(direction);
+  for (const auto direction : gates::kBothDirections) {
+    const gates::ReasonCounters dropped = gate->reasons(direction);
+    const gates::ReasonCounters passed = gate->would_drop(direction);
     for (const gate_reason reason : reasons)
-      out.push_back({.reason = enforce::reason_text(reason),
-                     .egress = direction == enforce::Direction::egress,
+      out.push_back({.reason = gates::reason_text(reason),
+                     .egress = direction == gates::Direction::egress,
                      .frames = {dropped.at(reason), passed.at(reason)}});
   }
   return out;
@@ -97,27 +97,27 @@ std::vector<Refusals> counted_for(const enforce::PortGate* gate,
 
 }  // namespace
 
-std::vector<Refusals> refusals(const enforce::PortGate* gate) {
+std::vector<Refusals> refusals(const gates::PortGate* gate) {
   constexpr std::array reasons{GATE_R_ERROR_FRAME, GATE_R_MALFORMED, GATE_R_CLOSED, GATE_R_OPAQUE};
   return counted_for(gate, reasons);
 }
 
-std::vector<Refusals> misfits(const enforce::PortGate* gate) {
+std::vector<Refusals> misfits(const gates::PortGate* gate) {
   constexpr std::array reasons{
       GATE_R_IDENTIFIER,  GATE_R_SOURCE,    GATE_R_FORMAT, GATE_R_LENGTH,   GATE_R_DENIED,
       GATE_R_ERROR_FRAME, GATE_R_MALFORMED, GATE_R_CLOSED, GATE_R_FRAGMENT, GATE_R_OPAQUE};
   return counted_for(gate, reasons);
 }
 
-std::string latest_unknown(const enforce::PortGate* gate) {
+std::string latest_unknown(const gates::PortGate* gate) {
   if (gate == nullptr) return {};
-  for (const enforce::UnknownFrame& f : gate->unknown()) {
-    if (f.direction != enforce::Direction::ingress) continue;
+  for (const gates::UnknownFrame& f : gate->unknown()) {
+    if (f.direction != gates::Direction::ingress) continue;
     if (f.format != 0)
       return (f.can_id & CAN_EFF_FLAG) != 0 ? fmt::format("{:08X}", f.can_id & CAN_EFF_MASK)
                                             : fmt::format("{:03X}", f.can_id & CAN_SFF_MASK);
     return fmt::format("{} from {}", core::format_subject(f.subject),
-                       enforce::sender_text(f.station, f.mac));
+                       gates::sender_text(f.station, f.mac));
   }
   return {};
 }
@@ -127,13 +127,13 @@ std::vector<control::Interface> port_reports(const GatedPorts& ports, const net:
   std::vector<control::Interface> out;
   for (std::size_t p = 0; p < ports.size(); ++p) {
     control::Interface i = report_of(ports[p], links.table());
-    if (const enforce::PortGate* gate = ports.gate(p)) {
+    if (const gates::PortGate* gate = ports.gate(p)) {
       add_gate(*gate, i);
       drift.report(ports[p].ifindex(), *gate, i);
       if (!links.problem().empty())
         i.drift += (i.drift.empty() ? "" : "; ") + links.problem() + ": all stays as it was";
     }
-    if (const enforce::PortGate* gate = ports.closed_gate(p)) add_gate(*gate, i);
+    if (const gates::PortGate* gate = ports.closed_gate(p)) add_gate(*gate, i);
     out.push_back(std::move(i));
     core::Progress::made();
   }

@@ -13,7 +13,7 @@
 
 namespace mlcca {
 
-Ports::Ports(net::Links& links, enforce::Control& control, net::FactsOf facts_of, ReportLine report,
+Ports::Ports(net::Links& links, gates::Control& control, net::FactsOf facts_of, ReportLine report,
              Drift::Report report_drift)
     : links_(links),
       control_(control),
@@ -21,7 +21,7 @@ Ports::Ports(net::Links& links, enforce::Control& control, net::FactsOf facts_of
       report_(std::move(report)),
       ports_([&control](const GateSpec& spec) { return KernelGate::load(spec, control); },
              [&control](const std::string& interface) {
-               return enforce::close_interface(interface, control);
+               return gates::close_interface(interface, control);
              }),
       former_(report_),
       drift_(std::move(report_drift)) {}
@@ -53,7 +53,7 @@ void Ports::forget_vanished() {
   vanished_.note(links_.take_gone(), ports_.gates());
   vanished_.let_go(ports_.gates(), links_.table(),
                    [this](int ifindex) { return presence(ifindex); });
-  if (const auto unpinned = enforce::unpin_vanished(control_); !unpinned)
+  if (const auto unpinned = gates::unpin_vanished(control_); !unpinned)
     report_({}, unpinned.error().text, true);
 }
 
@@ -82,9 +82,8 @@ void Ports::close_undescribed() {
       .presence = [this](int ifindex) { return presence(ifindex); },
       .is_gated_port = [this](int ifindex) { return ports_.is_to_be_gated(ifindex); },
       .slots = ports_.ether_slots()};
-  former_.close_pinned(enforce::pinned_interfaces(control_), present, gates);
-  if (former_.may_leave_orphans())
-    former_.close_orphans(enforce::gated_interfaces(), present, gates);
+  former_.close_pinned(gates::pinned_interfaces(control_), present, gates);
+  if (former_.may_leave_orphans()) former_.close_orphans(gates::gated_interfaces(), present, gates);
   report_undescribed();
 }
 
@@ -174,7 +173,7 @@ bool Ports::repair(int ifindex) {
 
 /// A person takes the gate off an undescribed interface by removing its programs in both
 /// directions. If one is left, or if that is unknown, the gate is repaired like any other.
-bool Ports::give_up(int ifindex, enforce::PortGate& gate) {
+bool Ports::give_up(int ifindex, gates::PortGate& gate) {
   if (ports_.is_to_be_gated(ifindex) || !gate.is_taken_off().value_or(false)) return false;
   drift_.report_taken_off(gate);
   gate.give_up();
@@ -200,7 +199,7 @@ Result<void> Ports::apply(const core::GateChanges& changes) {
 }
 
 void Ports::set_bands(std::size_t port, std::span<const std::uint32_t> limits) {
-  if (enforce::Gate* gate = ports_.can_gate(port)) gate->set_bands(limits);
+  if (gates::Gate* gate = ports_.can_gate(port)) gate->set_bands(limits);
 }
 
 std::vector<core::Condition> Ports::conditions(std::size_t networks) const {
@@ -221,8 +220,8 @@ std::optional<BusCounters> Ports::bus_counters(std::size_t port) {
                      traffic->sent_bytes + traffic->received_bytes};
 }
 
-std::optional<enforce::Bindings> Ports::bindings(std::size_t port) const {
-  const enforce::Gate* gate = ports_.can_gate(port);
+std::optional<gates::Bindings> Ports::bindings(std::size_t port) const {
+  const gates::Gate* gate = ports_.can_gate(port);
   if (gate == nullptr || !core::traits_of(ports_[port].profile()).deals_tags) return std::nullopt;
   return gate->bindings();
 }

@@ -34,7 +34,7 @@ namespace mlcca {
 
 class Ports final : public GateDriver {
  public:
-  Ports(net::Links& links, enforce::Control& control, net::FactsOf facts_of, ReportLine report,
+  Ports(net::Links& links, gates::Control& control, net::FactsOf facts_of, ReportLine report,
         Drift::Report report_drift);
 
   // Ports, interfaces and gates:
@@ -73,7 +73,7 @@ class Ports final : public GateDriver {
   Result<void> sync(const core::GateState& wanted) override;
   Result<void> apply(const core::GateChanges& changes) override;
   void set_bands(std::size_t port, std::span<const std::uint32_t> limits) override;
-  [[nodiscard]] std::vector<enforce::PlacedSlot> slots(
+  [[nodiscard]] std::vector<gates::PlacedSlot> slots(
       std::span<const core::GateRule> rules) const override {
     return placed_slots(rules, ports_);
   }
@@ -122,20 +122,19 @@ class Ports final : public GateDriver {
     return ports_[port].problem();
   }
   /// nullptr if the port needs no gate, or it could not be attached.
-  [[nodiscard]] const enforce::PortGate* gate(std::size_t port) const { return ports_.gate(port); }
+  [[nodiscard]] const gates::PortGate* gate(std::size_t port) const { return ports_.gate(port); }
   [[nodiscard]] std::vector<core::Condition> conditions(std::size_t networks) const override;
   [[nodiscard]] std::optional<BusCounters> bus_counters(std::size_t port) override;
   [[nodiscard]] UnknownFrames unknown_frames(std::size_t port) const override {
     return mlcca::unknown_frames(gate(port));
   }
-  [[nodiscard]] std::vector<enforce::UnknownFrame> seen_unknown(std::size_t port) const override {
-    const enforce::PortGate* const of_port = gate(port);
-    return of_port == nullptr ? std::vector<enforce::UnknownFrame>() : of_port->unknown();
+  [[nodiscard]] std::vector<gates::UnknownFrame> seen_unknown(std::size_t port) const override {
+    const gates::PortGate* const of_port = gate(port);
+    return of_port == nullptr ? std::vector<gates::UnknownFrame>() : of_port->unknown();
   }
-  [[nodiscard]] std::vector<enforce::RefusedSender> refused_senders(
-      std::size_t port) const override {
-    const enforce::PortGate* const of_port = gate(port);
-    return of_port == nullptr ? std::vector<enforce::RefusedSender>() : of_port->refused_senders();
+  [[nodiscard]] std::vector<gates::RefusedSender> refused_senders(std::size_t port) const override {
+    const gates::PortGate* const of_port = gate(port);
+    return of_port == nullptr ? std::vector<gates::RefusedSender>() : of_port->refused_senders();
   }
   [[nodiscard]] std::optional<std::uint32_t> slot_number(
       const core::GateEntry& entry) const override {
@@ -150,7 +149,7 @@ class Ports final : public GateDriver {
   [[nodiscard]] std::string latest_unknown(std::size_t port) const override {
     return mlcca::latest_unknown(gate(port));
   }
-  [[nodiscard]] std::optional<enforce::Bindings> bindings(std::size_t port) const override;
+  [[nodiscard]] std::optional<gates::Bindings> bindings(std::size_t port) const override;
   [[nodiscard]] std::vector<control::Interface> report() const override {
     return port_reports(ports_, links_, drift_);
   }
@@ -163,11 +162,11 @@ class Ports final : public GateDriver {
   void attach();
   void settle();
   [[nodiscard]] std::vector<std::string> closed() const;
-  bool give_up(int ifindex, enforce::PortGate& gate);
+  bool give_up(int ifindex, gates::PortGate& gate);
   [[nodiscard]] net::Presence presence(int ifindex) { return links_.presence(ifindex); }
 
   net::Links& links_;
-  enforce::Control& control_;
+  gates::Control& control_;
   net::FactsOf facts_of_;
   ReportLine report_;
   std::function<void()> step_ = [] {};

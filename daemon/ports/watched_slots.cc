@@ -17,12 +17,12 @@ namespace {
 
 /// The gate counts for the subscriber with the shortest timeout. For one with a longer timeout
 /// nothing is missing yet.
-bool is_missing(const core::Watching& expected, const enforce::Arrivals& found) {
+bool is_missing(const core::Watching& expected, const gates::Arrivals& found) {
   if (!found.silent || expected.silence == 0) return false;
   return expected.silence <= found.silence || found.since_last >= expected.silence;
 }
 
-control::Watch report_of(const core::Watching& expected, const enforce::Arrivals& found) {
+control::Watch report_of(const core::Watching& expected, const gates::Arrivals& found) {
   return {.period_ns = expected.period,
           .timeout_ns = expected.silence,
           .missing_now = is_missing(expected, found),
@@ -38,7 +38,7 @@ control::Watch report_of(const core::Watching& expected, const enforce::Arrivals
 }
 
 struct WatchedSlot {
-  const enforce::PortGate* gate;
+  const gates::PortGate* gate;
   std::uint32_t number;
   core::Watching expected;
 };
@@ -46,7 +46,7 @@ struct WatchedSlot {
 /// The slot by which the events of a delivery enter, if they are watched; nullopt otherwise.
 std::optional<WatchedSlot> watched_slot(const core::GateState& rules, const GatedPorts& ports) {
   for (const core::GateRule& rule : rules) {
-    const enforce::PortGate* gate = ports.gate(rule.entry.port);
+    const gates::PortGate* gate = ports.gate(rule.entry.port);
     const auto slot = slot_of(rule, ports);
     if (gate == nullptr || !slot || slot->period == 0) continue;
     if (const auto number = gate->watched_as(*slot))
@@ -70,7 +70,7 @@ Result<void> report_missing_again(const core::GateState& rules, const GatedPorts
 
 bool is_of(const gate_event& event, const core::GateState& rules, const GatedPorts& ports) {
   return std::ranges::any_of(rules, [&](const core::GateRule& rule) {
-    const enforce::PortGate* gate = ports.gate(rule.entry.port);
+    const gates::PortGate* gate = ports.gate(rule.entry.port);
     const auto slot = slot_of(rule, ports);
     return gate != nullptr && slot && slot->period != 0 && gate->ifindex() == event.ifindex &&
            rule.entry.subject == event.subject && gate->watched_as(*slot) == event.slot;
@@ -80,7 +80,7 @@ bool is_of(const gate_event& event, const core::GateState& rules, const GatedPor
 void report_unwatched(GatedPorts& ports, const net::LinkTable& links, const ReportLine& report) {
   std::size_t p = 0;
   for (GatedPort& gated : ports) {
-    const enforce::PortGate* gate = ports.gate(p++);
+    const gates::PortGate* gate = ports.gate(p++);
     const bool now = gate != nullptr && gate->unwatched() != 0;
     if (std::exchange(gated.unwatched, now) == now) continue;
     report(gated.port.network(),

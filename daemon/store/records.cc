@@ -10,9 +10,9 @@
 namespace mlcca::store {
 namespace {
 
-using enforce::Direction;
-using enforce::PlacedSlot;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::PlacedSlot;
+using gates::SlotSpec;
 
 // If SlotSpec gets another field, its record needs it as well.
 static_assert(sizeof(SlotSpec) == 104);

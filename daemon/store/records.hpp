@@ -20,9 +20,9 @@ namespace mlcca::store {
 [[nodiscard]] std::optional<core::Grants> grants_in(std::string_view record);
 
 /// An encoded Slots message, without the subject; empty if there are no slots.
-[[nodiscard]] std::string record_of(std::span<const enforce::PlacedSlot> slots);
+[[nodiscard]] std::string record_of(std::span<const gates::PlacedSlot> slots);
 /// nullopt if the bytes are no such message.
-[[nodiscard]] std::optional<std::vector<enforce::PlacedSlot>> slots_in(std::string_view record,
-                                                                       std::uint64_t subject);
+[[nodiscard]] std::optional<std::vector<gates::PlacedSlot>> slots_in(std::string_view record,
+                                                                     std::uint64_t subject);
 
 }  // namespace mlcca::store

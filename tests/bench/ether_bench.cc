@@ -23,8 +23,8 @@
 namespace mlcca::test {
 namespace {
 
-using enforce::Direction;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::SlotSpec;
 
 constexpr int kRuns = 400;  // the best of so many, each shorter than a turn of the scheduler
 constexpr int kRepeat = 20'000;

@@ -22,8 +22,8 @@
 namespace mlcca::test {
 namespace {
 
-using enforce::Direction;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::SlotSpec;
 
 constexpr int kRuns = 1000;  // short ones, and the best of them: the others were disturbed
 constexpr int kRepeat = 20'000;
@@ -141,10 +141,10 @@ void fill(LoadedGate& gate, std::uint32_t profile) {
 double time_of(const Case& c) {
   auto& gate = LoadedGate::with({.profile = c.profile, .direct_access = c.direct_access});
   fill(gate, c.profile);
-  std::vector<enforce::StatedBinding> stated;
+  std::vector<gates::StatedBinding> stated;
   for (std::uint16_t i = 0; i < c.bindings; ++i)
     stated.push_back({.subject = i + 1U, .etag = static_cast<std::uint16_t>(0x64 + i)});
-  enforce::Bindings(gate.table()).state(stated);
+  gates::Bindings(gate.table()).state(stated);
   const Sender sender{.local = c.local};
   return nanoseconds_of([&](int repeat) { gate.time(c.direction, frame(c.id, 8), sender, repeat); },
                         c.bindings != 0 ? kRepeat / 100 : kRepeat);
@@ -166,8 +166,8 @@ double verdict_flip(bool with_lookup) {
   const auto spec = slot(Direction::egress, 500, true);
   auto& verdict = gate.table().slots[gate.slots().find(spec).value()].verdict;
   auto& generation = gate.control().generation;
-  enforce::SlotChanges close;
-  enforce::SlotChanges open;
+  gates::SlotChanges close;
+  gates::SlotChanges open;
   close.close = open.open = {spec};
   return nanoseconds_of(
       [&](int repeat) {

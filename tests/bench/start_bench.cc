@@ -105,12 +105,12 @@ Fd empty_program() {
 /// What the kernel alone takes to attach a program in both directions: it waits for a grace period
 /// of RCU in each call, and the first one of a machine takes effect behind that. 0: it has no TCX.
 std::uint64_t time_to_attach(const std::string& interface) {
-  if (!enforce::kernel_has_tcx()) return 0;
+  if (!gates::kernel_has_tcx()) return 0;
   const Fd program = empty_program();
   const auto ifindex = if_nametoindex(interface.c_str());
   const std::uint64_t began = clock_ns();
-  for (const auto direction : {enforce::Direction::egress, enforce::Direction::ingress})
-    if (!enforce::tcx_attach_first(ifindex, direction, program.get())) std::exit(1);
+  for (const auto direction : {gates::Direction::egress, gates::Direction::ingress})
+    if (!gates::tcx_attach_first(ifindex, direction, program.get())) std::exit(1);
   return clock_ns() - began;
 }
 

@@ -10,8 +10,8 @@ namespace {
 /// Each band but the last has a limit: the arbitration of the last frame that goes into it.
 TEST(GateBands, AFrameGoesIntoTheFirstBandWhoseLimitIsNotBelowIt) {
   auto& gate = LoadedGate::with();
-  enforce::SlotSpec any;
-  any.direction = enforce::Direction::egress;
+  gates::SlotSpec any;
+  any.direction = gates::Direction::egress;
   any.pass = true;
   any.mask = CAN_EFF_FLAG | CAN_RTR_FLAG;  // any identifier of 11 bits, of a program of user 0
   any.subject = 1;

@@ -16,8 +16,7 @@ ClosedGate::ClosedGate(int control_map)
   require(gate_closed_test_bpf__load(object_.get()) == 0, "load the closed gate");
 }
 
-bool ClosedGate::drops(enforce::Direction direction, const Bytes& bytes,
-                       const Sender& sender) const {
+bool ClosedGate::drops(gates::Direction direction, const Bytes& bytes, const Sender& sender) const {
   __sk_buff context{};
   context.priority = priority_of(sender);
   LIBBPF_OPTS(bpf_test_run_opts, run);
@@ -25,8 +24,8 @@ bool ClosedGate::drops(enforce::Direction direction, const Bytes& bytes,
   run.data_size_in = static_cast<std::uint32_t>(bytes.size());
   run.ctx_in = &context;
   run.ctx_size_in = sizeof(context);
-  const auto* program = direction == enforce::Direction::ingress ? object_->progs.closed_ingress
-                                                                 : object_->progs.closed_egress;
+  const auto* program = direction == gates::Direction::ingress ? object_->progs.closed_ingress
+                                                               : object_->progs.closed_egress;
   require(bpf_prog_test_run_opts(bpf_program__fd(program), &run) == 0, "run a frame");
   return static_cast<int>(run.retval) == TC_ACT_SHOT;
 }

@@ -13,7 +13,7 @@ class ClosedGate {
  public:
   /// Aborts the test program where the kernel refuses the object.
   explicit ClosedGate(int control_map);
-  [[nodiscard]] bool drops(enforce::Direction direction, const Bytes& bytes,
+  [[nodiscard]] bool drops(gates::Direction direction, const Bytes& bytes,
                            const Sender& sender) const;
 
  private:

@@ -15,7 +15,7 @@ namespace mlcca::test {
 namespace {
 
 using core::Profile;
-using enforce::Direction;
+using gates::Direction;
 
 constexpr std::uint32_t kEff = CAN_EFF_FLAG;
 
@@ -40,14 +40,14 @@ std::uint32_t gate_profile(Profile profile) {
   }
 }
 
-std::vector<enforce::SlotSpec> slots_of(Profile profile) {
+std::vector<gates::SlotSpec> slots_of(Profile profile) {
   core::System system;
   system.networks.emplace_back().profile = profile;
   if (profile == Profile::famouso) system.networks[0].subscribe_tag = 0x3fff;
   system.gateways.emplace_back().ports.emplace_back();
-  std::vector<enforce::SlotSpec> slots;
+  std::vector<gates::SlotSpec> slots;
   for (const auto& rule : core::control_rules(system, 0)) {
-    enforce::SlotSpec s;
+    gates::SlotSpec s;
     const bool in = rule.entry.direction == core::Direction::ingress;
     s.direction = in ? Direction::ingress : Direction::egress;
     s.pass = rule.pass;
@@ -151,7 +151,7 @@ TEST(ControlRate, IsKeptByTheGate) {
   const auto tenths = static_cast<int>((monotonic_ns() - began) / 100'000'000);
   EXPECT_GE(passed, 3);
   EXPECT_LE(passed, 3 + tenths + 1);
-  EXPECT_EQ(enforce::reason_counters(gate.cpus(), Direction::ingress).at(GATE_R_EXCESS),
+  EXPECT_EQ(gates::reason_counters(gate.cpus(), Direction::ingress).at(GATE_R_EXCESS),
             static_cast<unsigned>(50 - passed));
 }
 

@@ -11,8 +11,8 @@
 namespace mlcca::test {
 namespace {
 
-using enforce::Direction;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::SlotSpec;
 
 constexpr std::uint32_t kEff = CAN_EFF_FLAG;
 constexpr std::uint32_t kRtr = CAN_RTR_FLAG;
@@ -373,23 +373,23 @@ class GateFrames : public ::testing::TestWithParam<Row> {
 
     const Outcome outcome = gate.run(row.direction, row.bytes, row.sender);
 
-    const bool counted_as_drop = enforce::is_drop(row.expect.reason);
+    const bool counted_as_drop = gates::is_drop(row.expect.reason);
     EXPECT_EQ(outcome.dropped, counted_as_drop && row.state != State::audit);
     if (!outcome.dropped) {
       EXPECT_EQ(outcome.mark, row.expect.mark);
     }
-    enforce::ReasonCounters once{};
+    gates::ReasonCounters once{};
     once.at(row.expect.reason) = 1;
     const bool passed_by_audit = counted_as_drop && !outcome.dropped;
-    const auto dropped = enforce::reason_counters(gate.cpus(), row.direction);
-    const auto would_drop = enforce::would_drop_counters(gate.table(), row.direction);
+    const auto dropped = gates::reason_counters(gate.cpus(), row.direction);
+    const auto would_drop = gates::would_drop_counters(gate.table(), row.direction);
     EXPECT_EQ(passed_by_audit ? would_drop : dropped, once);
-    EXPECT_EQ(passed_by_audit ? dropped : would_drop, enforce::ReasonCounters{});
+    EXPECT_EQ(passed_by_audit ? dropped : would_drop, gates::ReasonCounters{});
 
     std::uint32_t counting = row.direction == kIn ? GATE_INGRESS : GATE_EGRESS;
     if (row.expect.slot != kOwn)
       counting = gate.slots().find(row.slots.at(static_cast<std::size_t>(row.expect.slot))).value();
-    const auto count = enforce::slot_counters(gate.table(), gate.cpus(), counting);
+    const auto count = gates::slot_counters(gate.table(), gate.cpus(), counting);
     EXPECT_EQ(count.dropped, outcome.dropped ? 1U : 0U);
     EXPECT_EQ(count.would_drop, passed_by_audit ? 1U : 0U);
     EXPECT_EQ(count.passed, row.expect.reason == GATE_R_PASSED ? 1U : 0U);
@@ -415,7 +415,7 @@ TEST(GateCounters, CountPayloadBytesAndNoneOfRemoteFrames) {
   for (unsigned len = 0; len <= 8; ++len) gate.run(kIn, frame(0x123, len));
   gate.run(kIn, frame(kRtr | 0x123, 8));
   const auto count =
-      enforce::slot_counters(gate.table(), gate.cpus(), gate.slots().find(spec).value());
+      gates::slot_counters(gate.table(), gate.cpus(), gate.slots().find(spec).value());
   EXPECT_EQ(count.passed, 10U);
   EXPECT_EQ(count.bytes, 36U);
 }
@@ -425,7 +425,7 @@ TEST(GateCounters, ListUnknownFramesNewestFirst) {
   for (const std::uint32_t id : {0x100U, 0x200U, kEff | 0x300U, 0x100U})
     gate.run(kIn, frame(id, 3));
   gate.run(kOut, frame(0x200, 5, true), kLocal);
-  const auto seen = enforce::unknown_frames(gate.cpus());
+  const auto seen = gates::unknown_frames(gate.cpus());
   ASSERT_EQ(seen.size(), 4U);
   EXPECT_EQ(seen[0].can_id, 0x200U);
   EXPECT_EQ(seen[0].direction, kOut);
@@ -445,7 +445,7 @@ TEST(GateCounters, AtomicAdditionsCountTheSame) {
     gate.run(kIn, frame(0x123, 8));
     gate.run(kIn, frame(0x124, 8));
   }
-  const auto reasons = enforce::reason_counters(gate.cpus(), kIn);
+  const auto reasons = gates::reason_counters(gate.cpus(), kIn);
   EXPECT_EQ(reasons.at(GATE_R_PASSED), 1000U);
   EXPECT_EQ(reasons.at(GATE_R_DENIED), 1000U);
 }
@@ -454,7 +454,7 @@ TEST(GateCounters, AtomicAdditionsCountTheSame) {
 TEST(SilentGate, ReportsSuccessToSendersAndCountsAllTheSame) {
   const Bytes unknown = frame(0x124, 8);
   const auto drops = [](const LoadedGate& gate, Direction direction) {
-    return enforce::reason_counters(gate.cpus(), direction).at(GATE_R_UNKNOWN);
+    return gates::reason_counters(gate.cpus(), direction).at(GATE_R_UNKNOWN);
   };
   auto& reporting = LoadedGate::with();
   EXPECT_EQ(reporting.action(Direction::egress, unknown, {.local = true}), TC_ACT_SHOT);
@@ -475,7 +475,7 @@ TEST(GateWithoutProfile, KnowsNoSubject) {
   auto& gate = LoadedGate::with({.profile = GATE_PROFILE_NONE});
   EXPECT_TRUE(gate.run(kIn, frame(0x123, 8)).dropped);
   EXPECT_TRUE(gate.run(kOut, frame(kEff | 0x123, 8), kLocal).dropped);
-  EXPECT_EQ(enforce::reason_counters(gate.cpus(), kIn).at(GATE_R_UNKNOWN), 1U);
+  EXPECT_EQ(gates::reason_counters(gate.cpus(), kIn).at(GATE_R_UNKNOWN), 1U);
 }
 
 }  // namespace

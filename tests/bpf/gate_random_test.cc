@@ -13,8 +13,8 @@
 namespace mlcca::test {
 namespace {
 
-using enforce::Direction;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::SlotSpec;
 
 constexpr int kRounds = 800;  // 4 million frames
 constexpr int kFrames = 5000;
@@ -158,7 +158,7 @@ class Round {
 
  private:
   void add(const SlotSpec& spec) {
-    enforce::SlotChanges changes;
+    gates::SlotChanges changes;
     changes.add.push_back(spec);
     if (!gate_.slots().apply(changes)) return;  // there already, or the chain is full
     world_.slots.push_back(spec);
@@ -179,7 +179,7 @@ class Round {
     if (world_.slots.empty()) return;
     auto& s = world_.slots[random_.below(static_cast<std::uint32_t>(world_.slots.size()))];
     s.pass = !s.pass;
-    enforce::SlotChanges changes;
+    gates::SlotChanges changes;
     (s.pass ? changes.open : changes.close).push_back(s);
     ASSERT_TRUE(gate_.slots().apply(changes));
   }
@@ -190,11 +190,11 @@ class Round {
     const auto bytes = random_frame(random_, world_.profile, sender.xl);
     const auto want = judge(world_, direction, bytes, sender);
     const auto got = gate_.run(direction, bytes, sender);
-    ASSERT_EQ(got.dropped, want.outcome.dropped) << enforce::reason_text(want.reason);
-    ASSERT_EQ(got.mark, want.outcome.mark) << enforce::reason_text(want.reason);
+    ASSERT_EQ(got.dropped, want.outcome.dropped) << gates::reason_text(want.reason);
+    ASSERT_EQ(got.mark, want.outcome.mark) << gates::reason_text(want.reason);
 
     const auto d = static_cast<std::size_t>(direction);
-    const bool drop = enforce::is_drop(want.reason);
+    const bool drop = gates::is_drop(want.reason);
     ++(drop && world_.audit ? would_drop_ : reasons_).at(d).at(want.reason);
     auto& counted = want.slot ? counted_[*want.slot] : own_[d];
     if (want.reason == GATE_R_PASSED) {
@@ -207,7 +207,7 @@ class Round {
   }
 
   void compare(std::uint32_t slot, const Counted& want) const {
-    const auto got = enforce::slot_counters(gate_.table(), gate_.cpus(), slot);
+    const auto got = gates::slot_counters(gate_.table(), gate_.cpus(), slot);
     EXPECT_EQ(got.passed, want.passed);
     EXPECT_EQ(got.dropped, want.dropped);
     EXPECT_EQ(got.would_drop, want.would_drop);
@@ -218,8 +218,8 @@ class Round {
   void compare_counters() {
     for (const auto direction : {Direction::ingress, Direction::egress}) {
       const auto d = static_cast<std::uint16_t>(direction);
-      EXPECT_EQ(enforce::reason_counters(gate_.cpus(), direction), reasons_.at(d));
-      EXPECT_EQ(enforce::would_drop_counters(gate_.table(), direction), would_drop_.at(d));
+      EXPECT_EQ(gates::reason_counters(gate_.cpus(), direction), reasons_.at(d));
+      EXPECT_EQ(gates::would_drop_counters(gate_.table(), direction), would_drop_.at(d));
       compare(d, own_[d]);
     }
     for (std::size_t i = 0; i < world_.slots.size(); ++i)
@@ -229,8 +229,8 @@ class Round {
   Random random_;
   World world_;
   LoadedGate& gate_;
-  std::array<enforce::ReasonCounters, 2> reasons_{};
-  std::array<enforce::ReasonCounters, 2> would_drop_{};
+  std::array<gates::ReasonCounters, 2> reasons_{};
+  std::array<gates::ReasonCounters, 2> would_drop_{};
   std::vector<Counted> own_;
   std::vector<Counted> counted_;
 };

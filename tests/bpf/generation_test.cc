@@ -10,9 +10,9 @@
 namespace mlcca::test {
 namespace {
 
-using enforce::Direction;
-using enforce::SlotChanges;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::SlotChanges;
+using gates::SlotSpec;
 
 constexpr std::uint32_t kPairs = 1000;
 constexpr std::uint32_t kMask = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK;
@@ -31,7 +31,7 @@ SlotSpec slot(std::uint32_t id, std::uint64_t subject, bool pass) {
 /// destroyed.
 class Swapping {
  public:
-  Swapping(enforce::SlotTable& slots, const std::vector<SlotSpec>& first,
+  Swapping(gates::SlotTable& slots, const std::vector<SlotSpec>& first,
            const std::vector<SlotSpec>& second)
       : thread_([this, &slots, &first, &second] {
           SlotChanges change;

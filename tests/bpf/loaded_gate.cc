@@ -64,7 +64,7 @@ LoadedGate::LoadedGate(const GateOptions& options)
   knobs->direct_access = options.direct_access;
   knobs->echo_by_mark = options.echo_by_mark;
   knobs->atomic_counts = options.atomic_counts;
-  knobs->ordered_stores = enforce::kOrderedStores && !options.atomic_counts;
+  knobs->ordered_stores = gates::kOrderedStores && !options.atomic_counts;
   knobs->silent = options.silent;
   const auto cpus = static_cast<std::size_t>(libbpf_num_possible_cpus());
   bpf_map__set_max_entries(object_->maps.cpus, static_cast<std::uint32_t>(cpus));
@@ -92,16 +92,16 @@ void LoadedGate::reset() {
   control().open = 1;
   control().deadline = ~0ULL;
   control().token = kToken;
-  auto slots = enforce::SlotTable::read({table(), cpus(), control().generation}, profile_, true,
-                                        [] { return Result<void>{}; });
+  auto slots = gates::SlotTable::read({table(), cpus(), control().generation}, profile_, true,
+                                      [] { return Result<void>{}; });
   require(slots.has_value(), "read the slots");
-  slots_ = std::make_unique<enforce::SlotTable>(std::move(*slots));
+  slots_ = std::make_unique<gates::SlotTable>(std::move(*slots));
 }
 
 gate_table& LoadedGate::table() const { return object_->bss->table; }
 gate_control& LoadedGate::control() const { return object_->data_control->control; }
 
-bpf_test_run_opts LoadedGate::execute(enforce::Direction direction, const Bytes& bytes,
+bpf_test_run_opts LoadedGate::execute(gates::Direction direction, const Bytes& bytes,
                                       __sk_buff& context, const Sender& sender, int repeat) const {
   context.priority = priority_of(sender);
   context.mark = sender.mark;
@@ -113,15 +113,15 @@ bpf_test_run_opts LoadedGate::execute(enforce::Direction direction, const Bytes&
   run.ctx_out = &context;
   run.ctx_size_in = run.ctx_size_out = sizeof(context);
   run.repeat = repeat;
-  auto* program = direction == enforce::Direction::ingress ? object_->progs.gate_ingress
-                                                           : object_->progs.gate_egress;
+  auto* program = direction == gates::Direction::ingress ? object_->progs.gate_ingress
+                                                         : object_->progs.gate_egress;
   require(bpf_prog_test_run_opts(bpf_program__fd(program), &run) == 0, "run a frame");
   return run;
 }
 
 int LoadedGate::control_fd() const { return bpf_map__fd(object_->maps.data_control); }
 
-Outcome LoadedGate::run(enforce::Direction direction, const Bytes& bytes,
+Outcome LoadedGate::run(gates::Direction direction, const Bytes& bytes,
                         const Sender& sender) const {
   __sk_buff context{};
   const auto run = execute(direction, bytes, context, sender, 0);
@@ -129,28 +129,27 @@ Outcome LoadedGate::run(enforce::Direction direction, const Bytes& bytes,
   return {run.retval == TC_ACT_SHOT, context.mark};
 }
 
-int LoadedGate::action(enforce::Direction direction, const Bytes& bytes,
-                       const Sender& sender) const {
+int LoadedGate::action(gates::Direction direction, const Bytes& bytes, const Sender& sender) const {
   __sk_buff context{};
   return static_cast<int>(execute(direction, bytes, context, sender, 0).retval);
 }
 
 std::uint32_t LoadedGate::band(const Bytes& bytes, const Sender& sender) const {
   __sk_buff context{};
-  const auto run = execute(enforce::Direction::egress, bytes, context, sender, 0);
+  const auto run = execute(gates::Direction::egress, bytes, context, sender, 0);
   require(static_cast<int>(run.retval) == TC_ACT_UNSPEC, "let a frame out");
   return context.priority;
 }
 
-std::uint32_t LoadedGate::time(enforce::Direction direction, const Bytes& bytes,
-                               const Sender& sender, int repeat) const {
+std::uint32_t LoadedGate::time(gates::Direction direction, const Bytes& bytes, const Sender& sender,
+                               int repeat) const {
   __sk_buff context{};
   return execute(direction, bytes, context, sender, repeat).duration;
 }
 
-void LoadedGate::admit(const std::vector<enforce::SlotSpec>& specs) {
+void LoadedGate::admit(const std::vector<gates::SlotSpec>& specs) {
   for (const auto& spec : specs) {
-    enforce::SlotChanges changes;
+    gates::SlotChanges changes;
     changes.add.push_back(spec);
     const auto added = slots_->apply(changes);
     if (!added) std::fprintf(stderr, "%s\n", added.error().text.c_str());

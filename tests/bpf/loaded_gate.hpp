@@ -67,36 +67,36 @@ class LoadedGate {
   LoadedGate(const LoadedGate&) = delete;
   LoadedGate& operator=(const LoadedGate&) = delete;
 
-  Outcome run(enforce::Direction direction, const Bytes& bytes, const Sender& sender = {}) const;
+  Outcome run(gates::Direction direction, const Bytes& bytes, const Sender& sender = {}) const;
   /// What the program gives: TC_ACT_*.
-  int action(enforce::Direction direction, const Bytes& bytes, const Sender& sender = {}) const;
+  int action(gates::Direction direction, const Bytes& bytes, const Sender& sender = {}) const;
   /// skb->priority of what is let out.
   std::uint32_t band(const Bytes& bytes, const Sender& sender) const;
   /// Average ns of a run.
-  std::uint32_t time(enforce::Direction direction, const Bytes& bytes, const Sender& sender,
+  std::uint32_t time(gates::Direction direction, const Bytes& bytes, const Sender& sender,
                      int repeat) const;
 
   [[nodiscard]] gate_table& table() const;
   [[nodiscard]] gate_control& control() const;
   [[nodiscard]] int control_fd() const;
   [[nodiscard]] std::span<gate_cpu> cpus() const { return cpus_.span(); }
-  [[nodiscard]] enforce::SlotTable& slots() { return *slots_; }
+  [[nodiscard]] gates::SlotTable& slots() { return *slots_; }
 
   /// No slots, no counts, open and enforcing.
   void reset();
 
   /// Adds slots one after the other; the last is the first of its chain.
-  void admit(const std::vector<enforce::SlotSpec>& specs);
+  void admit(const std::vector<gates::SlotSpec>& specs);
 
  private:
   /// Runs a frame; `context` is what the program was given and left behind.
-  bpf_test_run_opts execute(enforce::Direction direction, const Bytes& bytes, __sk_buff& context,
+  bpf_test_run_opts execute(gates::Direction direction, const Bytes& bytes, __sk_buff& context,
                             const Sender& sender, int repeat) const;
 
   std::uint32_t profile_;
   std::unique_ptr<gate_test_bpf, void (*)(gate_test_bpf*)> object_;
-  enforce::Mapped<gate_cpu> cpus_;
-  std::unique_ptr<enforce::SlotTable> slots_;
+  gates::Mapped<gate_cpu> cpus_;
+  std::unique_ptr<gates::SlotTable> slots_;
 };
 
 }  // namespace mlcca::test

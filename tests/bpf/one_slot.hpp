@@ -11,9 +11,9 @@ namespace mlcca::test {
 
 inline constexpr std::uint32_t kId = 0x123;
 
-inline enforce::SlotSpec one_slot() {
-  enforce::SlotSpec s;
-  s.direction = enforce::Direction::ingress;
+inline gates::SlotSpec one_slot() {
+  gates::SlotSpec s;
+  s.direction = gates::Direction::ingress;
   s.pass = true;
   s.id = kId;
   s.mask = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK;
@@ -23,13 +23,13 @@ inline enforce::SlotSpec one_slot() {
 
 class OneSlot : public ::testing::Test {
  protected:
-  void admit(const enforce::SlotSpec& s) {
+  void admit(const gates::SlotSpec& s) {
     gate_.reset();
     gate_.admit({s});
     slot_ = gate_.slots().find(s).value();
   }
   bool passes(unsigned length = 8) {
-    return !gate_.run(enforce::Direction::ingress, frame(kId, length)).dropped;
+    return !gate_.run(gates::Direction::ingress, frame(kId, length)).dropped;
   }
 
   LoadedGate& gate_ = LoadedGate::with();

@@ -7,8 +7,8 @@
 namespace mlcca::test {
 namespace {
 
-using enforce::Direction;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::SlotSpec;
 
 struct Parsed {
   std::uint32_t can_id = 0;

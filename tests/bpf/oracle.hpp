@@ -14,7 +14,7 @@ struct World {
   bool open = true;
   bool lapsed = false;
   bool audit = false;
-  std::vector<enforce::SlotSpec> slots;  ///< in the order they were added
+  std::vector<gates::SlotSpec> slots;  ///< in the order they were added
 };
 
 struct Judgement {
@@ -24,7 +24,7 @@ struct Judgement {
   std::uint64_t bytes = 0;
 };
 
-Judgement judge(const World& world, enforce::Direction direction, const Bytes& bytes,
+Judgement judge(const World& world, gates::Direction direction, const Bytes& bytes,
                 const Sender& sender);
 
 }  // namespace mlcca::test

@@ -15,8 +15,8 @@
 namespace mlcca::test {
 namespace {
 
-using enforce::Direction;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::SlotSpec;
 
 constexpr std::uint64_t kHour = 3'600'000'000'000;  // ns
 
@@ -30,8 +30,8 @@ SlotSpec policed(std::uint64_t per_frame, std::uint64_t tolerance, std::uint64_t
 
 class Police : public OneSlot {
  protected:
-  [[nodiscard]] enforce::SlotCounters counted() const {
-    return enforce::slot_counters(gate_.table(), gate_.cpus(), slot_);
+  [[nodiscard]] gates::SlotCounters counted() const {
+    return gates::slot_counters(gate_.table(), gate_.cpus(), slot_);
   }
 };
 
@@ -45,7 +45,7 @@ TEST_F(Police, WhatComesBeforeItsTurnIsDroppedAndCounted) {
   EXPECT_EQ(counted().dropped, 2U);
   EXPECT_EQ(counted().excess, 2U);
   EXPECT_EQ(counted().last_reason, GATE_R_EXCESS);
-  EXPECT_EQ(enforce::reason_counters(gate_.cpus(), Direction::ingress)[GATE_R_EXCESS], 2U);
+  EXPECT_EQ(gates::reason_counters(gate_.cpus(), Direction::ingress)[GATE_R_EXCESS], 2U);
 }
 
 TEST_F(Police, AnEventOfSeveralFramesComesAtOnce) {
@@ -75,7 +75,7 @@ TEST_F(Police, AuditDropsNothing) {
   EXPECT_EQ(counted().would_exceed, 1U);
   EXPECT_EQ(counted().excess, 0U);
   EXPECT_EQ(counted().dropped, 0U);
-  EXPECT_EQ(enforce::would_drop_counters(gate_.table(), Direction::ingress)[GATE_R_EXCESS], 1U);
+  EXPECT_EQ(gates::would_drop_counters(gate_.table(), Direction::ingress)[GATE_R_EXCESS], 1U);
 }
 
 TEST_F(Police, BytesHaveTheirPrice) {
@@ -107,7 +107,7 @@ TEST_F(Police, AnotherRateHoldsFromTheNextFrameOn) {
   admit(policed(kHour, 0));
   EXPECT_TRUE(passes());
   EXPECT_FALSE(passes());
-  enforce::SlotChanges changes;
+  gates::SlotChanges changes;
   changes.police = {policed(kHour, kHour)};
   ASSERT_TRUE(gate_.slots().apply(changes));
   EXPECT_EQ(gate_.slots().present().front(), changes.police.front());

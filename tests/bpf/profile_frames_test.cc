@@ -12,8 +12,8 @@
 namespace mlcca::test {
 namespace {
 
-using enforce::Direction;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::SlotSpec;
 
 constexpr std::uint32_t kEff = CAN_EFF_FLAG;
 constexpr std::uint32_t kForm = CAN_EFF_FLAG | CAN_RTR_FLAG;
@@ -219,7 +219,7 @@ TEST_P(ProfileFrames, AreJudgedAlikeInBothDirections) {
     const bool out = direction == Direction::egress;
     const auto outcome = gate.run(direction, frame(GetParam().can_id, 8), {.local = out});
     EXPECT_EQ(outcome.dropped, GetParam().reason != GATE_R_PASSED);
-    EXPECT_EQ(enforce::reason_counters(gate.cpus(), direction).at(GetParam().reason), 1U);
+    EXPECT_EQ(gates::reason_counters(gate.cpus(), direction).at(GetParam().reason), 1U);
   }
 }
 
@@ -256,9 +256,9 @@ class XlFrames : public ::testing::Test {
     return s;
   }
   gate_reason reason(const Bytes& bytes, Direction direction = Direction::ingress) {
-    const auto before = enforce::reason_counters(gate_.cpus(), direction);
+    const auto before = gates::reason_counters(gate_.cpus(), direction);
     gate_.run(direction, bytes, {.local = direction == Direction::egress, .xl = true});
-    const auto after = enforce::reason_counters(gate_.cpus(), direction);
+    const auto after = gates::reason_counters(gate_.cpus(), direction);
     for (std::size_t r = 0; r < after.size(); ++r)
       if (after.at(r) != before.at(r)) return static_cast<gate_reason>(r);
     return GATE_REASONS;
@@ -284,10 +284,10 @@ TEST_F(XlFrames, CountTheirPayload) {
   reason(xl_frame(0x123, 2048));
   reason(xl_frame(0x123, 300));
   const auto number = gate_.slots().find(xl_slot(2048)).value();
-  EXPECT_EQ(enforce::slot_counters(gate_.table(), gate_.cpus(), number).bytes, 2348U);
+  EXPECT_EQ(gates::slot_counters(gate_.table(), gate_.cpus(), number).bytes, 2348U);
   reason(xl_frame(0x124, 2000));
-  EXPECT_EQ(enforce::unknown_frames(gate_.cpus()).at(0).len, 2000U);
-  EXPECT_EQ(enforce::unknown_frames(gate_.cpus()).at(0).format, GATE_XL);
+  EXPECT_EQ(gates::unknown_frames(gate_.cpus()).at(0).len, 2000U);
+  EXPECT_EQ(gates::unknown_frames(gate_.cpus()).at(0).format, GATE_XL);
 }
 
 TEST_F(XlFrames, AreAFormatOfTheirOwn) {
@@ -300,7 +300,7 @@ TEST_F(XlFrames, AreAFormatOfTheirOwn) {
   // What says that it is classic or FD and has the XL flag where their length stands.
   Bytes forged = xl_frame(0x123, 4);
   EXPECT_TRUE(gate_.run(Direction::ingress, forged).dropped);
-  EXPECT_EQ(enforce::reason_counters(gate_.cpus(), Direction::ingress).at(GATE_R_MALFORMED), 1U);
+  EXPECT_EQ(gates::reason_counters(gate_.cpus(), Direction::ingress).at(GATE_R_MALFORMED), 1U);
 }
 
 TEST_F(XlFrames, OfAnotherNetworkNumberAreUnknown) {

@@ -13,7 +13,7 @@ namespace {
 using core::testing::kBridge;
 using core::testing::kRobotCan;
 using core::testing::kSecondCan;
-using enforce::Direction;
+using gates::Direction;
 
 constexpr std::uint8_t kFirst = core::testing::kSwitchNode;
 constexpr std::uint8_t kSecond = 9;
@@ -38,7 +38,7 @@ class Publishers : public ::testing::Test {
     const bool raw = system.networks[kRobotCan].profile == core::Profile::raw;
     exit_ = raw ? &LoadedGate::with() : &entry_;
     for (const core::GateRule& rule : core::State(system).gate_state(kBridge)) {
-      enforce::SlotSpec slot = enforce::slot_of(rule, core::NetworkKind::can, kIfindex);
+      gates::SlotSpec slot = gates::slot_of(rule, core::NetworkKind::can, kIfindex);
       slot.per_frame = slot.per_byte = slot.tolerance = 0;
       (rule.entry.direction == core::Direction::ingress ? &entry_ : exit_)->admit({slot});
     }

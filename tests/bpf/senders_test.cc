@@ -13,9 +13,9 @@
 namespace mlcca::test {
 namespace {
 
-using enforce::Direction;
-using enforce::RefusedSender;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::RefusedSender;
+using gates::SlotSpec;
 
 constexpr std::uint32_t kEff = CAN_EFF_FLAG;
 constexpr std::uint32_t kForm = CAN_EFF_FLAG | CAN_RTR_FLAG;
@@ -41,10 +41,10 @@ class GateSenders : public ::testing::Test {
     gate_.run(Direction::ingress, frame(id, length));
   }
   [[nodiscard]] std::vector<RefusedSender> senders() const {
-    return enforce::refused_senders(gate_.cpus());
+    return gates::refused_senders(gate_.cpus());
   }
   [[nodiscard]] std::uint64_t refused(gate_reason reason) const {
-    return enforce::reason_counters(gate_.cpus(), Direction::ingress).at(reason);
+    return gates::reason_counters(gate_.cpus(), Direction::ingress).at(reason);
   }
 
   const SlotSpec in_ = slot(Direction::ingress, of_node(5));
@@ -146,12 +146,12 @@ TEST(GateSendersOfDestinations, AFrameToAnotherDestinationIsNotSentInPlaceOfTheG
   granted.subject = 1;
   gate.admit({granted});
   gate.run(Direction::ingress, frame(kEff | 0x18ef4433U, 8));
-  EXPECT_TRUE(enforce::refused_senders(gate.cpus()).empty());
-  const auto unknown = enforce::unknown_frames(gate.cpus());
+  EXPECT_TRUE(gates::refused_senders(gate.cpus()).empty());
+  const auto unknown = gates::unknown_frames(gate.cpus());
   ASSERT_EQ(unknown.size(), 1U);
   EXPECT_EQ(unknown[0].can_id, kEff | 0x18ef4433U);
   gate.run(Direction::ingress, frame(kEff | 0x18ef2133U, 8));
-  EXPECT_EQ(enforce::refused_senders(gate.cpus()).size(), 1U) << "the same destination";
+  EXPECT_EQ(gates::refused_senders(gate.cpus()).size(), 1U) << "the same destination";
 }
 
 /// A message of the transport protocol is reported as itself.
@@ -169,7 +169,7 @@ TEST(GateSendersOfMessages, ATransportedMessageOfAnotherNodeHasItsOwnIdentifier)
   const Bytes data = {GATE_TP_BAM, 20, 0, 3, 0xff, 0xca, 0xfe, 0};
   std::ranges::copy(data, announcement.begin() + 8);
   gate.run(Direction::ingress, announcement);
-  const auto found = enforce::refused_senders(gate.cpus());
+  const auto found = gates::refused_senders(gate.cpus());
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].frame.can_id, kEff | 0x18feca06U);
   EXPECT_EQ(found[0].reason, GATE_R_IDENTIFIER);

@@ -13,9 +13,9 @@
 namespace mlcca::test {
 namespace {
 
-using enforce::Bindings;
-using enforce::Direction;
-using enforce::FoundBinding;
+using gates::Bindings;
+using gates::Direction;
+using gates::FoundBinding;
 
 constexpr std::uint32_t kEff = CAN_EFF_FLAG;
 constexpr std::uint64_t kSwitch = 0x5377697463682020;    // "Switch  "
@@ -48,14 +48,14 @@ Bytes half_of(const Reply& r, int half) {
 class GateTags : public ::testing::Test {
  protected:
   GateTags() {
-    stated_.state(std::vector<enforce::StatedBinding>{{kSwitch, kTag, false}});
+    stated_.state(std::vector<gates::StatedBinding>{{kSwitch, kTag, false}});
     gate_.admit({slot(Direction::ingress), slot(Direction::egress), reply(Direction::ingress),
                  reply(Direction::egress)});
   }
   ~GateTags() override { gate_.reset(); }
-  static enforce::SlotSpec slot(Direction direction, std::uint16_t tag = kTag,
-                                std::uint64_t subject = kSwitch) {
-    enforce::SlotSpec s;
+  static gates::SlotSpec slot(Direction direction, std::uint16_t tag = kTag,
+                              std::uint64_t subject = kSwitch) {
+    gates::SlotSpec s;
     s.direction = direction;
     s.pass = true;
     s.id = event_of(tag);
@@ -63,8 +63,8 @@ class GateTags : public ::testing::Test {
     s.subject = subject;
     return s;
   }
-  static enforce::SlotSpec reply(Direction direction) {
-    enforce::SlotSpec s = slot(direction, 0, 0);
+  static gates::SlotSpec reply(Direction direction) {
+    gates::SlotSpec s = slot(direction, 0, 0);
     s.id = kEff | 0x1f5fc004;
     return s;
   }
@@ -156,7 +156,7 @@ TEST_F(GateTags, AReplySentHereCountsAsOneThatWasReceived) {
 }
 
 TEST_F(GateTags, WhatTheGateDoesNotLetOutWasOnNoBus) {
-  enforce::SlotChanges changes;
+  gates::SlotChanges changes;
   changes.close = {reply(Direction::egress)};
   ASSERT_TRUE(gate_.slots().apply(changes));
   receive({}, Direction::egress);
@@ -165,7 +165,7 @@ TEST_F(GateTags, WhatTheGateDoesNotLetOutWasOnNoBus) {
 
 /// In audit mode it was on the bus, whatever was the matter with it; and is no word of a broker.
 TEST_F(GateTags, WhatAuditModeLetsOutIsHeldAgainstWhatIsStated) {
-  enforce::SlotChanges changes;
+  gates::SlotChanges changes;
   changes.close = {reply(Direction::egress)};
   ASSERT_TRUE(gate_.slots().apply(changes));
   gate_.control().mode = GATE_AUDIT;
@@ -185,9 +185,9 @@ TEST_F(GateTags, WhatAClosedGateLetsOutInAuditModeCountsToo) {
 }
 
 TEST_F(GateTags, WhatIsMoreThanAdmittedAndLeavesInAuditModeCountsToo) {
-  enforce::SlotSpec seldom = reply(Direction::egress);
+  gates::SlotSpec seldom = reply(Direction::egress);
   seldom.per_frame = 3'600'000'000'000;
-  enforce::SlotChanges changes;
+  gates::SlotChanges changes;
   changes.remove = {reply(Direction::egress)};
   ASSERT_TRUE(gate_.slots().apply(changes));
   gate_.admit({seldom});
@@ -201,7 +201,7 @@ TEST_F(GateTags, WhatIsMoreThanAdmittedAndLeavesInAuditModeCountsToo) {
 }
 
 TEST_F(GateTags, WhatCameInWasOnTheBusWhateverBecomesOfIt) {
-  enforce::SlotChanges changes;
+  gates::SlotChanges changes;
   changes.close = {reply(Direction::ingress)};
   ASSERT_TRUE(gate_.slots().apply(changes));
   receive({});
@@ -257,7 +257,7 @@ TEST_F(GateTags, OpensAgainWhenTheTagIsDealtAsStatedAndUserSpaceSaysSo) {
 
 TEST_F(GateTags, ASlotThatComesLaterIsShutAsWell) {
   receive({});
-  enforce::SlotChanges changes;
+  gates::SlotChanges changes;
   changes.remove = {slot(Direction::ingress)};
   ASSERT_TRUE(gate_.slots().apply(changes));
   gate_.admit({slot(Direction::ingress)});
@@ -268,10 +268,10 @@ TEST_F(GateTags, ASlotThatComesLaterIsShutAsWell) {
 
 TEST_F(GateTags, OutlastTheDaemonAndEndWithTheStatement) {
   receive({});
-  const std::vector<enforce::StatedBinding> same{{kSwitch, kTag, false}};
+  const std::vector<gates::StatedBinding> same{{kSwitch, kTag, false}};
   Bindings(gate_.table()).state(same);
   EXPECT_TRUE(found().contradicted) << "another daemon states the same";
-  stated_.state(std::vector<enforce::StatedBinding>{{kSwitch, 0x3ff0, false}});
+  stated_.state(std::vector<gates::StatedBinding>{{kSwitch, 0x3ff0, false}});
   EXPECT_FALSE(found().contradicted);
   receive({.subject = kDistance, .tag = 0x3ff0});
   EXPECT_TRUE(found().contradicted);
@@ -280,8 +280,7 @@ TEST_F(GateTags, OutlastTheDaemonAndEndWithTheStatement) {
 }
 
 TEST_F(GateTags, ATagThatIsNotKnownIsLearnedFromAWholeReply) {
-  stated_.state(
-      std::vector<enforce::StatedBinding>{{kSwitch, 0, false}, {GATE_SUBSCRIBE, 0, false}});
+  stated_.state(std::vector<gates::StatedBinding>{{kSwitch, 0, false}, {GATE_SUBSCRIBE, 0, false}});
   hear_half({.subject = kSwitch}, 1);
   EXPECT_EQ(found().dealt, 0);
   receive({.subject = kSwitch, .id = kEff | 0x1f5f4004});
@@ -295,7 +294,7 @@ TEST_F(GateTags, ATagThatIsNotKnownIsLearnedFromAWholeReply) {
 }
 
 TEST_F(GateTags, ATagThatIsDealtToAnotherBeforeItIsStatedIsTakenBack) {
-  stated_.state(std::vector<enforce::StatedBinding>{{.subject = kSwitch}, {.subject = kDistance}});
+  stated_.state(std::vector<gates::StatedBinding>{{.subject = kSwitch}, {.subject = kDistance}});
   receive({.subject = kSwitch});
   const FoundBinding seen = found();
   EXPECT_EQ(seen.dealt, kTag);
@@ -306,7 +305,7 @@ TEST_F(GateTags, ATagThatIsDealtToAnotherBeforeItIsStatedIsTakenBack) {
   stated_.move(seen, kTag);
   EXPECT_TRUE(found().contradicted);
   gate_.admit({});
-  enforce::SlotChanges changes;
+  gates::SlotChanges changes;
   changes.remove = {slot(Direction::ingress)};
   ASSERT_TRUE(gate_.slots().apply(changes));
   gate_.admit({slot(Direction::ingress)});
@@ -314,14 +313,14 @@ TEST_F(GateTags, ATagThatIsDealtToAnotherBeforeItIsStatedIsTakenBack) {
 }
 
 TEST_F(GateTags, OneHalfOfAnotherSubjectTakesItBackAsWell) {
-  stated_.state(std::vector<enforce::StatedBinding>{{.subject = kSwitch}});
+  stated_.state(std::vector<gates::StatedBinding>{{.subject = kSwitch}});
   receive({.subject = kSwitch});
   hear_half({}, 0);
   EXPECT_EQ(found().dealt, 0);
 }
 
 TEST_F(GateTags, ATagThatMovesIsOpenAndSupervisedAtOnce) {
-  stated_.state(std::vector<enforce::StatedBinding>{{.subject = kSwitch, .dealt = kTag}});
+  stated_.state(std::vector<gates::StatedBinding>{{.subject = kSwitch, .dealt = kTag}});
   EXPECT_EQ(found().dealt, kTag) << "of a gate that has not seen it";
   stated_.move(found(), kTag);
   EXPECT_EQ(found().etag, kTag);
@@ -338,16 +337,16 @@ TEST_F(GateTags, ATagThatMovesIsOpenAndSupervisedAtOnce) {
 }
 
 TEST_F(GateTags, WhatTheBrokerHasDealtOutlastsThatTheTagIsGivenUp) {
-  stated_.state(std::vector<enforce::StatedBinding>{{.subject = kSwitch}});
+  stated_.state(std::vector<gates::StatedBinding>{{.subject = kSwitch}});
   receive({.subject = kSwitch});
   stated_.move(found(), kTag);
-  stated_.state(std::vector<enforce::StatedBinding>{{.subject = kSwitch, .dealt = kTag}});
+  stated_.state(std::vector<gates::StatedBinding>{{.subject = kSwitch, .dealt = kTag}});
   EXPECT_EQ(found().etag, 0);
   EXPECT_EQ(found().dealt, kTag);
 }
 
 TEST_F(GateTags, SubscriptionsAreShutLikeAChannel) {
-  stated_.state(std::vector<enforce::StatedBinding>{{GATE_SUBSCRIBE, 0x3fff, false}});
+  stated_.state(std::vector<gates::StatedBinding>{{GATE_SUBSCRIBE, 0x3fff, false}});
   gate_.admit({slot(Direction::ingress, 0x3fff, 0)});
   EXPECT_TRUE(enters(0x3fff));
   receive({.tag = 0x3fff});
@@ -356,7 +355,7 @@ TEST_F(GateTags, SubscriptionsAreShutLikeAChannel) {
 }
 
 TEST_F(GateTags, OfAThousandBindingsTheRightOneIsFound) {
-  std::vector<enforce::StatedBinding> many;
+  std::vector<gates::StatedBinding> many;
   for (std::uint16_t i = 0; i < GATE_BINDINGS - 1; ++i)
     many.push_back({0x1000000000000000U + i, static_cast<std::uint16_t>(0x64 + i), false});
   many.push_back({kSwitch, kTag, false});
@@ -370,7 +369,7 @@ TEST_F(GateTags, OfAThousandBindingsTheRightOneIsFound) {
 
 TEST(GateTagsOfOthers, AreIgnored) {
   auto& gate = LoadedGate::with({.profile = GATE_PROFILE_RAW});
-  Bindings(gate.table()).state(std::vector<enforce::StatedBinding>{{kSwitch, kTag, false}});
+  Bindings(gate.table()).state(std::vector<gates::StatedBinding>{{kSwitch, kTag, false}});
   for (const int half : {0, 1}) gate.run(Direction::ingress, half_of({}, half));
   EXPECT_FALSE(Bindings(gate.table()).found().at(0).contradicted);
   gate.reset();

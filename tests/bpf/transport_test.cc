@@ -13,8 +13,8 @@
 namespace mlcca::test {
 namespace {
 
-using enforce::Direction;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::SlotSpec;
 
 constexpr std::uint32_t kEff = CAN_EFF_FLAG;
 constexpr std::uint32_t kWhole = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_EFF_MASK;
@@ -148,7 +148,7 @@ TEST_P(Announcements, AreJudgedAsFramesOfTheirPgnInBothDirections) {
     const Sender sender{.local = direction == Direction::egress};
     const auto outcome = gate.run(direction, announce(GetParam().announcement), sender);
     EXPECT_EQ(outcome.dropped, GetParam().reason != GATE_R_PASSED);
-    EXPECT_EQ(enforce::reason_counters(gate.cpus(), direction).at(GetParam().reason), 1U);
+    EXPECT_EQ(gates::reason_counters(gate.cpus(), direction).at(GetParam().reason), 1U);
     // Only behind one that passed does a packet.
     EXPECT_EQ(gate.run(direction, packet(1), sender).dropped, outcome.dropped);
   }
@@ -167,13 +167,13 @@ class Transport : public ::testing::Test {
     return !gate_.run(direction, bytes, sender).dropped;
   }
   std::uint64_t counted(gate_reason reason, Direction direction = Direction::ingress) {
-    return enforce::reason_counters(gate_.cpus(), direction).at(reason);
+    return gates::reason_counters(gate_.cpus(), direction).at(reason);
   }
   gate_session& session(std::uint8_t source = 5, Direction direction = Direction::ingress) {
     return gate_.table().sessions[std::to_underlying(direction)][source];
   }
-  enforce::SlotCounters counters(const SlotSpec& s) {
-    return enforce::slot_counters(gate_.table(), gate_.cpus(), gate_.slots().find(s).value());
+  gates::SlotCounters counters(const SlotSpec& s) {
+    return gates::slot_counters(gate_.table(), gate_.cpus(), gate_.slots().find(s).value());
   }
 
   LoadedGate& gate_ = LoadedGate::with({.profile = GATE_PROFILE_J1939});
@@ -424,13 +424,13 @@ TEST_F(Transport, AMessageToAnotherDestinationOfAChannelsNumberIsNoControlTraffi
   admit(slots);
   EXPECT_FALSE(passes(announce({.pgn = kPdu1})));
   EXPECT_FALSE(passes(announce({.pgn = kPdu1, .control = GATE_TP_RTS, .id = 0x18ec2205})));
-  EXPECT_TRUE(enforce::refused_senders(gate_.cpus()).empty());
-  const auto unknown = enforce::unknown_frames(gate_.cpus());
+  EXPECT_TRUE(gates::refused_senders(gate_.cpus()).empty());
+  const auto unknown = gates::unknown_frames(gate_.cpus());
   ASSERT_EQ(unknown.size(), 2U);
   EXPECT_EQ(unknown[0].can_id, kEff | 0x18122205);
   EXPECT_EQ(unknown[1].can_id, kEff | 0x1812ff05);
   EXPECT_FALSE(passes(announce({.pgn = kPdu1, .control = GATE_TP_RTS, .id = 0x18ec2106})));
-  EXPECT_EQ(enforce::refused_senders(gate_.cpus()).size(), 1U) << "another node, the same place";
+  EXPECT_EQ(gates::refused_senders(gate_.cpus()).size(), 1U) << "another node, the same place";
 }
 
 TEST_F(Transport, WithoutControlTrafficThePgnIsReported) {
@@ -438,7 +438,7 @@ TEST_F(Transport, WithoutControlTrafficThePgnIsReported) {
   slots.push_back(dm1_);
   admit(slots);
   EXPECT_FALSE(passes(announce({.pgn = 0xfecb})));
-  const auto unknown = enforce::unknown_frames(gate_.cpus());
+  const auto unknown = gates::unknown_frames(gate_.cpus());
   ASSERT_EQ(unknown.size(), 1U);
   EXPECT_EQ(unknown[0].can_id, kEff | 0x18fecb05);
   EXPECT_FALSE(passes(packet(1)));

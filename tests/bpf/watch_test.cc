@@ -15,8 +15,8 @@
 namespace mlcca::test {
 namespace {
 
-using enforce::Direction;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::SlotSpec;
 
 constexpr std::uint64_t kPeriod = 8'000'000'000;  // ns
 constexpr std::uint64_t kEighth = kPeriod / 8;
@@ -158,7 +158,7 @@ TEST_F(Watch, WithoutAPeriodASlotIsNotSupervised) {
 TEST_F(Watch, RestartsWithAnotherPeriod) {
   admit(watched(kPeriod));
   passes_after(3 * kPeriod);
-  enforce::SlotChanges changes;
+  gates::SlotChanges changes;
   changes.police = {watched(kPeriod / 2)};
   ASSERT_TRUE(gate_.slots().apply(changes));
   EXPECT_EQ(gate_.slots().present().front(), changes.police.front());

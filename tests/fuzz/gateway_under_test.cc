@@ -119,9 +119,9 @@ void GatewayUnderTest::start() {
   p.options.bpf_root = surroundings().bpf_root;
   p.options.state_directory = folder + "/state";
   p.options.grace_ns = 600'000'000'000;
-  auto control = enforce::Control::create(p.options.bpf_root);
+  auto control = gates::Control::create(p.options.bpf_root);
   demand(control.has_value(), control ? "" : control.error().text);
-  audit_ = control->mode() == enforce::Mode::audit;
+  audit_ = control->mode() == gates::Mode::audit;
   auto links = net::Links::open();
   demand(links.has_value(), links ? "" : links.error().text);
   p.world.emplace(
@@ -403,7 +403,7 @@ void GatewayUnderTest::check_admissions(const store::Contents& journal) {
 }
 
 void GatewayUnderTest::check_gates(const store::Contents& journal) const {
-  auto reading = enforce::read_back(parts_->options.bpf_root);
+  auto reading = gates::read_back(parts_->options.bpf_root);
   demand(reading.has_value(), reading ? "" : reading.error().text);
   demand(reading->open && !reading->lapsed, "the gates are closed");
   if (std::ranges::all_of(clients_, [](const auto& c) { return c->asked.empty(); }) && !unsure_)
@@ -421,7 +421,7 @@ void GatewayUnderTest::check_gates(const store::Contents& journal) const {
 
 /// Of a channel that is not described: every network allows its subject, and on the bus its tag is
 /// that of one admission only.
-void GatewayUnderTest::check_unlisted_slot(const enforce::SlotSpec& slot,
+void GatewayUnderTest::check_unlisted_slot(const gates::SlotSpec& slot,
                                            const store::Contents& journal,
                                            const std::string& what) const {
   const core::System& system = names_->system();
@@ -444,7 +444,7 @@ void GatewayUnderTest::check_unlisted_slot(const enforce::SlotSpec& slot,
 }
 
 /// By the description and the admissions alone, whatever the daemon has made of them.
-void GatewayUnderTest::check_slot(const enforce::SlotSpec& slot, const store::Contents& journal,
+void GatewayUnderTest::check_slot(const gates::SlotSpec& slot, const store::Contents& journal,
                                   const std::string& where) const {
   if (slot.subject == 0 || slot.source == GATE_NO_SOURCE) return;  // not of a channel
   const std::string what = fmt::format("{}: subject {:#x} passes", where, slot.subject);
@@ -454,7 +454,7 @@ void GatewayUnderTest::check_slot(const enforce::SlotSpec& slot, const store::Co
       system.channels.begin());
   if (slot.subject == core::kSubscribeSubject && c == system.channels.size()) {
     // Control traffic, which no description of this target forbids or gives to another user.
-    demand(slot.direction == enforce::Direction::ingress || slot.source != 0 || slot.uid == 0,
+    demand(slot.direction == gates::Direction::ingress || slot.source != 0 || slot.uid == 0,
            fmt::format("{} for user {}, who sends no control traffic", what, slot.uid));
     return;
   }
@@ -485,7 +485,7 @@ void GatewayUnderTest::check_slot(const enforce::SlotSpec& slot, const store::Co
   demand(published || released, what + ", and no endpoint publishes it");
   demand(published, what + ", and was released");
   demand(subscribed || released, what + ", and no endpoint subscribes to it");
-  if (slot.direction == enforce::Direction::egress && slot.source == 0)
+  if (slot.direction == gates::Direction::egress && slot.source == 0)
     demand(users.contains(slot.uid),
            fmt::format("{} for user {}, who was not granted it", what, slot.uid));
 }

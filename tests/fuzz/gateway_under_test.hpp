@@ -100,9 +100,9 @@ class GatewayUnderTest {
   void check(bool gates_too = false);
   void check_admissions(const store::Contents& journal);
   void check_gates(const store::Contents& journal) const;
-  void check_slot(const enforce::SlotSpec& slot, const store::Contents& journal,
+  void check_slot(const gates::SlotSpec& slot, const store::Contents& journal,
                   const std::string& where) const;
-  void check_unlisted_slot(const enforce::SlotSpec& slot, const store::Contents& journal,
+  void check_unlisted_slot(const gates::SlotSpec& slot, const store::Contents& journal,
                            const std::string& what) const;
 
   std::unique_ptr<Parts> parts_;

@@ -33,13 +33,13 @@ void take_gate(const std::string& root, Device& device) {
                      });
   device.gate = hangs ? Gate::enforcing : Gate::none;
   if (::access(root.c_str(), F_OK) != 0 && errno == ENOENT) return;
-  const auto pinned = enforce::read_back(root);
+  const auto pinned = gates::read_back(root);
   if (!pinned && !hangs) {
     device.gate = Gate::unknown;
     device.gate_error = pinned.error().text;
   }
   if (!pinned) return;
-  const bool ours = std::ranges::any_of(pinned->gates, [&](const enforce::GateReading& gate) {
+  const bool ours = std::ranges::any_of(pinned->gates, [&](const gates::GateReading& gate) {
     return static_cast<int>(gate.ifindex) == ifindex;
   });
   if (ours) device.gate = pinned->audit ? Gate::audit : Gate::enforcing;

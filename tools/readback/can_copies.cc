@@ -23,7 +23,7 @@
 namespace mlcca::readback {
 namespace {
 
-using enforce::failure;
+using gates::failure;
 
 /// A CAN socket bound to an interface, created with the file-system user `uid`. It does not receive
 /// its own frames.
@@ -67,24 +67,24 @@ bool send(const Fd& fd, const Probe& probe) {
 }  // namespace
 
 /// Makes the copy with the same bytes that were read, but without policing and supervision.
-Result<void> CanCopies::add(const enforce::GateReading& gate, const Original& original) {
+Result<void> CanCopies::add(const gates::GateReading& gate, const Original& original) {
   const int far = kFarIndex + static_cast<int>(gate.ifindex);
   if (auto made = net::make_pair("vxcan", {gate.interface, static_cast<int>(gate.ifindex)},
                                  {fmt::format("far{}", gate.ifindex), far});
       !made)
     return made;
-  enforce::GateConfig config;
+  gates::GateConfig config;
   config.ifindex = gate.ifindex;
   config.name = gate.interface;
-  config.profile = enforce::core_profile_of(gate.profile);
-  auto attached = enforce::Gate::attach(config, *control_);
+  config.profile = gates::core_profile_of(gate.profile);
+  auto attached = gates::Gate::attach(config, *control_);
   auto near = can_socket(static_cast<int>(gate.ifindex));
   auto far_end = can_socket(far);
   if (!attached) return std::unexpected(attached.error());
   if (!near || !far_end) return std::unexpected((near ? far_end : near).error());
-  const std::string pins = enforce::gate_directory(control_->directory(), gate.ifindex);
-  const Fd table = enforce::open_pin(enforce::table_pin(pins));
-  const enforce::Mapped<gate_table> to(table.get(), 1);
+  const std::string pins = gates::gate_directory(control_->directory(), gate.ifindex);
+  const Fd table = gates::open_pin(gates::table_pin(pins));
+  const gates::Mapped<gate_table> to(table.get(), 1);
   if (!to) return failure("map the table of " + gate.interface, errno);
   std::memcpy(&to[0], gate.can_image.get(), sizeof(gate_table));
   for (gate_slot& slot : to[0].slots) slot.per_frame = slot.per_byte = 0;

@@ -21,19 +21,19 @@ namespace mlcca::readback {
 /// The copies of all CAN gates of a reading.
 class CanCopies {
  public:
-  CanCopies(const enforce::Reading& reading, const enforce::Control& control)
+  CanCopies(const gates::Reading& reading, const gates::Control& control)
       : reading_(&reading), control_(&control) {}
 
   /// Makes the copy of `gate`, a gate of the reading, in the present network namespace.
-  Result<void> add(const enforce::GateReading& gate, const Original& original);
+  Result<void> add(const gates::GateReading& gate, const Original& original);
   /// Sends all probe frames through the copy of a gate and records the results; `closed` states
   /// that the gates are closed.
   void run(std::uint32_t ifindex, bool closed, Trial& trial);
 
  private:
   struct Copy {
-    const enforce::GateReading* original;
-    enforce::Gate gate;
+    const gates::GateReading* original;
+    gates::Gate gate;
     Fd near;  ///< the end of programs on this machine
     Fd far;   ///< the end of the bus
   };
@@ -44,8 +44,8 @@ class CanCopies {
   [[nodiscard]] Result<Fate> fate(const Probe& probe, const Copy& copy) const;
   void try_one(const Probe& probe, const Copy& copy, bool closed, Trial& trial) const;
 
-  const enforce::Reading* reading_;
-  const enforce::Control* control_;
+  const gates::Reading* reading_;
+  const gates::Control* control_;
   net::KernelCanRules rules_;
   std::vector<std::unique_ptr<Copy>> copies_;
 };

@@ -17,9 +17,9 @@
 namespace mlcca::readback {
 namespace {
 
-using enforce::Direction;
-using enforce::GateReading;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::GateReading;
+using gates::SlotSpec;
 using Words = std::vector<std::string>;
 
 std::string formats_of(const SlotSpec& s, bool ethernet) {
@@ -106,7 +106,7 @@ bool watches_all_it_can(const GateReading& gate) {
 std::vector<std::string> differences(const GateReading& gate, std::span<const SlotSpec> ought,
                                      const NameOf& name_of) {
   // As in the gate, publishers with the same grant share a slot, which passes frames of either.
-  std::map<SlotSpec, SlotSpec, enforce::ByGrant> wanted;
+  std::map<SlotSpec, SlotSpec, gates::ByGrant> wanted;
   for (const SlotSpec& s : ought) {
     SlotSpec& shared = wanted.try_emplace(s, s).first->second;
     shared.pass = shared.pass || s.pass;
@@ -136,14 +136,14 @@ std::vector<std::string> differences(const GateReading& gate, std::span<const Sl
   return lines;
 }
 
-void compare_slots(enforce::Reading& reading, const store::Contents& journal) {
+void compare_slots(gates::Reading& reading, const store::Contents& journal) {
   std::map<std::uint32_t, std::vector<SlotSpec>> ought;
   for (const auto& [subject, record] : journal.enforced) {
     const auto slots = store::slots_in(record, subject);
     if (!slots)
       reading.problems.push_back("what the journal says of the slots of subject " +
                                  core::format_subject(subject) + " is not understood");
-    for (const auto& placed : slots.value_or(std::vector<enforce::PlacedSlot>{}))
+    for (const auto& placed : slots.value_or(std::vector<gates::PlacedSlot>{}))
       ought[placed.ifindex].push_back(placed.slot);
   }
   const NameOf name_of = [&](std::uint32_t ifindex) {

@@ -16,11 +16,11 @@ namespace mlcca::readback {
 using NameOf = std::function<std::string(std::uint32_t ifindex)>;
 
 /// The differences, a line each: interface, direction, subject, present and expected content.
-[[nodiscard]] std::vector<std::string> differences(const enforce::GateReading& gate,
-                                                   std::span<const enforce::SlotSpec> ought,
+[[nodiscard]] std::vector<std::string> differences(const gates::GateReading& gate,
+                                                   std::span<const gates::SlotSpec> ought,
                                                    const NameOf& name_of);
 
 /// Compares the gates of all ports in the journal; differences become problems of the gate.
-void compare_slots(enforce::Reading& reading, const store::Contents& journal);
+void compare_slots(gates::Reading& reading, const store::Contents& journal);
 
 }  // namespace mlcca::readback

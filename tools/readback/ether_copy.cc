@@ -20,7 +20,7 @@
 namespace mlcca::readback {
 namespace {
 
-using enforce::failure;
+using gates::failure;
 
 /// A packet socket for one EtherType, behind the gate, created with the file-system user `uid`.
 Result<Fd> packet_socket(int ifindex, std::uint16_t ethertype, std::uint32_t uid = 0) {
@@ -44,20 +44,20 @@ bool receives(const Fd& fd, const std::vector<std::uint8_t>& frame) {
 
 template <class T>
 bool fill(const Fd& to, const std::vector<T>& from) {
-  const enforce::Mapped<T> memory(to.get(), from.size());
+  const gates::Mapped<T> memory(to.get(), from.size());
   if (!memory) return false;
   std::ranges::copy(from, memory.span().begin());
   return true;
 }
 
 /// Copies the tables byte by byte, but without policing and supervision.
-Result<void> copy_table(const enforce::EtherImage& from, const enforce::EtherPinned& to) {
+Result<void> copy_table(const gates::EtherImage& from, const gates::EtherPinned& to) {
   if (from.sizes != to.sizes) return fail("its copy has another size");
   if (!fill(to.maps.table, from.table) || !fill(to.maps.buckets, from.buckets) ||
       !fill(to.maps.prefilter, from.prefilters) || !fill(to.maps.slots, from.slots) ||
       !fill(to.maps.contracts, from.contracts))
     return failure("map the table", errno);
-  const enforce::Mapped<ether_contract> contracts(to.maps.contracts.get(), to.sizes.contracts);
+  const gates::Mapped<ether_contract> contracts(to.maps.contracts.get(), to.sizes.contracts);
   if (!contracts) return failure("map the contracts", errno);
   for (ether_contract& c : contracts.span()) c.per_frame = c.per_byte = 0;
   return {};
@@ -65,7 +65,7 @@ Result<void> copy_table(const enforce::EtherImage& from, const enforce::EtherPin
 
 }  // namespace
 
-EtherCopy::EtherCopy(const enforce::GateReading& gate, enforce::EtherGate copy)
+EtherCopy::EtherCopy(const gates::GateReading& gate, gates::EtherGate copy)
     : gate_(std::move(copy)), near_index_(static_cast<int>(gate.ifindex)), probes_(gate) {}
 
 Result<EtherCopy::Ends> EtherCopy::open_ends(int near, int far, std::uint16_t ethertype) {
@@ -75,23 +75,23 @@ Result<EtherCopy::Ends> EtherCopy::open_ends(int near, int far, std::uint16_t et
   return Ends{std::move(*at_gate), std::move(*on_wire)};
 }
 
-Result<EtherCopy> EtherCopy::make(const enforce::GateReading& gate, const Original& original,
-                                  const enforce::Control& control) {
+Result<EtherCopy> EtherCopy::make(const gates::GateReading& gate, const Original& original,
+                                  const gates::Control& control) {
   const int near_index = static_cast<int>(gate.ifindex);
   const int far_index = kFarIndex + near_index;
   if (auto made = net::make_pair("veth", {gate.interface, near_index},
                                  {fmt::format("far{}", gate.ifindex), far_index});
       !made)
     return std::unexpected(made.error());
-  enforce::EtherConfig config;
+  gates::EtherConfig config;
   config.ifindex = gate.ifindex;
   config.name = gate.interface;
   config.slots = gate.ether_image->sizes.slots - ETHER_FIRST_SLOT;
-  config.framing = gate.wpan ? enforce::Framing::wpan : enforce::Framing::ethernet;
-  auto copy = enforce::EtherGate::attach(config, control);
+  config.framing = gate.wpan ? gates::Framing::wpan : gates::Framing::ethernet;
+  auto copy = gates::EtherGate::attach(config, control);
   if (!copy) return std::unexpected(copy.error());
-  const std::string pins = enforce::gate_directory(control.directory(), gate.ifindex);
-  const auto own = enforce::pinned_ether_maps(pins);
+  const std::string pins = gates::gate_directory(control.directory(), gate.ifindex);
+  const auto own = gates::pinned_ether_maps(pins);
   if (!own) return fail("its copy has no maps");
   if (auto copied = copy_table(*gate.ether_image, *own); !copied)
     return std::unexpected(copied.error());

@@ -19,8 +19,8 @@ namespace mlcca::readback {
 class EtherCopy {
  public:
   /// Makes the copy in the present network namespace.
-  static Result<EtherCopy> make(const enforce::GateReading& gate, const Original& original,
-                                const enforce::Control& control);
+  static Result<EtherCopy> make(const gates::GateReading& gate, const Original& original,
+                                const gates::Control& control);
 
   /// Sends all probes through the copy and records the results; `closed` states that the gate is
   /// closed.
@@ -33,11 +33,11 @@ class EtherCopy {
     Fd far;
   };
 
-  EtherCopy(const enforce::GateReading& gate, enforce::EtherGate copy);
+  EtherCopy(const gates::GateReading& gate, gates::EtherGate copy);
   static Result<Ends> open_ends(int near, int far, std::uint16_t ethertype);
   [[nodiscard]] Result<Fate> fate(const EtherProbe& probe);
 
-  enforce::EtherGate gate_;
+  gates::EtherGate gate_;
   int near_index_;
   std::map<std::uint16_t, Ends> ends_;  ///< by EtherType
   EtherProbes probes_;

@@ -31,13 +31,13 @@ void put(std::vector<std::uint8_t>& to, std::uint64_t number, unsigned octets) {
 
 }  // namespace
 
-EtherProbes::EtherProbes(const enforce::GateReading& gate)
+EtherProbes::EtherProbes(const gates::GateReading& gate)
     : first_station_(gate.wpan ? kWpanStation : kStation) {
   std::size_t forwarded = 0;
-  std::vector<const enforce::SlotSpec*> within_reach;
-  for (const enforce::SlotSpec& slot : gate.slots) {
+  std::vector<const gates::SlotSpec*> within_reach;
+  for (const gates::SlotSpec& slot : gate.slots) {
     slots_.emplace(slot.subject, &slot);
-    const bool out = slot.direction == enforce::Direction::egress;
+    const bool out = slot.direction == gates::Direction::egress;
     if ((out && slot.source != 0) || (slot.formats & ETHER_UNFRAGMENTED) == 0)
       ++forwarded;
     else
@@ -62,9 +62,9 @@ EtherProbes::EtherProbes(const enforce::GateReading& gate)
                     within_reach.size(), step));
 }
 
-void EtherProbes::add(const enforce::SlotSpec& slot) {
+void EtherProbes::add(const gates::SlotSpec& slot) {
   EtherProbe probe{
-      .out = slot.direction == enforce::Direction::egress,
+      .out = slot.direction == gates::Direction::egress,
       .subject = slot.subject,
       .payload = std::min(slot.max_len, kMostPayload),
       .station = slot.station != 0 ? slot.station : station_without_slot(slot.subject)};
@@ -91,8 +91,8 @@ std::uint64_t EtherProbes::station_without_slot(std::uint64_t subject) const {
 
 bool EtherProbes::is_admitted(const EtherProbe& probe) const {
   const auto [first, last] = slots_.equal_range(probe.subject);
-  const auto may_send = [&](const enforce::SlotSpec& slot) {
-    return (slot.direction == enforce::Direction::egress) == probe.out &&
+  const auto may_send = [&](const gates::SlotSpec& slot) {
+    return (slot.direction == gates::Direction::egress) == probe.out &&
            (!probe.out ||
             (slot.source == 0 && (slot.uid == GATE_ANY_UID || slot.uid == probe.uid)));
   };
@@ -101,7 +101,7 @@ bool EtherProbes::is_admitted(const EtherProbe& probe) const {
     return may_send(*at.second) && at.second->station == probe.station;
   });
   return std::any_of(first, last, [&](const auto& at) {
-    const enforce::SlotSpec& slot = *at.second;
+    const gates::SlotSpec& slot = *at.second;
     return may_send(slot) && slot.station == (known ? probe.station : 0) && slot.pass &&
            (slot.formats & ETHER_UNFRAGMENTED) != 0 && probe.payload <= slot.max_len;
   });

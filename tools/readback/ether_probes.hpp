@@ -29,7 +29,7 @@ class EtherProbes {
   /// At most so many slots are tried; if there are more, every n-th.
   static constexpr std::size_t kMost = 4096;
 
-  explicit EtherProbes(const enforce::GateReading& gate);
+  explicit EtherProbes(const gates::GateReading& gate);
 
   /// For every slot a datagram that fits, one that is too long and one from a station without a
   /// slot; also one with a subject that has no slot.
@@ -40,10 +40,10 @@ class EtherProbes {
   [[nodiscard]] bool is_admitted(const EtherProbe& probe) const;
 
  private:
-  void add(const enforce::SlotSpec& slot);
+  void add(const gates::SlotSpec& slot);
   [[nodiscard]] std::uint64_t station_without_slot(std::uint64_t subject) const;
 
-  std::unordered_multimap<std::uint64_t, const enforce::SlotSpec*> slots_;  ///< by subject
+  std::unordered_multimap<std::uint64_t, const gates::SlotSpec*> slots_;  ///< by subject
   std::uint64_t first_station_;  ///< the first of the station numbers that are used for stations
                                  ///< without a slot
   std::vector<EtherProbe> probes_;

@@ -17,12 +17,12 @@ namespace mlcca::readback {
 enum class Fate : std::uint8_t { passed, dropped, lost };
 
 /// The frames that the gate has dropped in both directions.
-inline std::uint64_t drops_of(const enforce::PortGate& gate) {
+inline std::uint64_t drops_of(const gates::PortGate& gate) {
   std::uint64_t sum = 0;
-  for (const auto direction : enforce::kBothDirections) {
+  for (const auto direction : gates::kBothDirections) {
     const auto reasons = gate.reasons(direction);
     for (std::size_t r = 0; r < reasons.size(); ++r)
-      if (enforce::is_drop(static_cast<gate_reason>(r))) sum += reasons.at(r);
+      if (gates::is_drop(static_cast<gate_reason>(r))) sum += reasons.at(r);
   }
   return sum;
 }

@@ -64,12 +64,11 @@ Result<store::Contents> read_journal(const std::string& state_directory) {
 
 /// Checks that the interface of each port is the one in the journal and has a gate, and that no
 /// other interface passes anything.
-std::vector<std::string> compare_ports(const enforce::Reading& reading,
+std::vector<std::string> compare_ports(const gates::Reading& reading,
                                        const store::Contents& journal) {
   std::vector<std::string> problems = reading.problems;
   for (const auto& [identity, port] : journal.gated) {
-    const auto gate =
-        std::ranges::find(reading.gates, port.ifindex, &enforce::GateReading::ifindex);
+    const auto gate = std::ranges::find(reading.gates, port.ifindex, &gates::GateReading::ifindex);
     const std::string what = fmt::format("the journal has {} (interface {}) as {} of {}",
                                          port.interface, port.ifindex, identity, port.network);
     if (gate == reading.gates.end())
@@ -79,7 +78,7 @@ std::vector<std::string> compare_ports(const enforce::Reading& reading,
                          (gate->interface.empty() ? "not there" : "now " + gate->interface));
   }
   for (const auto& gate : reading.gates)
-    if (std::ranges::any_of(gate.slots, &enforce::SlotSpec::pass) &&
+    if (std::ranges::any_of(gate.slots, &gates::SlotSpec::pass) &&
         std::ranges::none_of(
             journal.gated, [&](const auto& known) { return known.second.ifindex == gate.ifindex; }))
       problems.push_back(
@@ -88,8 +87,8 @@ std::vector<std::string> compare_ports(const enforce::Reading& reading,
   return problems;
 }
 
-void find_filters_before(enforce::GateReading& gate) {
-  if (gate.interface.empty() || gate.hook != enforce::Hook::clsact) return;
+void find_filters_before(gates::GateReading& gate) {
+  if (gate.interface.empty() || gate.hook != gates::Hook::clsact) return;
   for (const bool ingress : {true, false}) {
     const auto before = net::filters_before(static_cast<int>(gate.ifindex), ingress,
                                             GATE_TC_PRIORITY, GATE_TC_HANDLE);
@@ -101,19 +100,19 @@ void find_filters_before(enforce::GateReading& gate) {
   }
 }
 
-std::vector<std::string> without_gate(const enforce::Reading& reading) {
+std::vector<std::string> without_gate(const gates::Reading& reading) {
   std::vector<std::string> names;
   const auto links = net::Links::open();
   if (!links) return names;
   for (const auto& [ifindex, link] : links->table())
     if (link.is_can && std::ranges::count(reading.gates, static_cast<std::uint32_t>(ifindex),
-                                          &enforce::GateReading::ifindex) == 0)
+                                          &gates::GateReading::ifindex) == 0)
       names.push_back(link.name);
   return names;
 }
 
-std::size_t passing(const enforce::GateReading& gate) {
-  return static_cast<std::size_t>(std::ranges::count_if(gate.slots, &enforce::SlotSpec::pass));
+std::size_t passing(const gates::GateReading& gate) {
+  return static_cast<std::size_t>(std::ranges::count_if(gate.slots, &gates::SlotSpec::pass));
 }
 
 /// What does not belong to a gate.
@@ -125,13 +124,10 @@ struct Rest {
 /// The trials by interface index, or why there are none.
 using Trials = Result<std::map<std::uint32_t, readback::Trial>>;
 
-nlohmann::ordered_json json(const enforce::GateReading& gate, const Trials& trials) {
-  nlohmann::ordered_json out = {{"ifindex", gate.ifindex},
-                                {"interface", gate.interface},
-                                {"hook", enforce::to_text(gate.hook)},
-                                {"slots", gate.slots.size()},
-                                {"passing", passing(gate)},
-                                {"problems", gate.problems}};
+nlohmann::ordered_json json(const gates::GateReading& gate, const Trials& trials) {
+  nlohmann::ordered_json out = {{"ifindex", gate.ifindex},           {"interface", gate.interface},
+                                {"hook", gates::to_text(gate.hook)}, {"slots", gate.slots.size()},
+                                {"passing", passing(gate)},          {"problems", gate.problems}};
   if (!trials || !trials->contains(gate.ifindex)) {
     out["probes"] = nullptr;
     return out;
@@ -142,7 +138,7 @@ nlohmann::ordered_json json(const enforce::GateReading& gate, const Trials& tria
   return out;
 }
 
-std::string json(const enforce::Reading& reading, const Rest& rest, const Trials& trials) {
+std::string json(const gates::Reading& reading, const Rest& rest, const Trials& trials) {
   nlohmann::ordered_json gates = nlohmann::ordered_json::array();
   for (const auto& gate : reading.gates) gates.push_back(json(gate, trials));
   const nlohmann::ordered_json all = {
@@ -158,18 +154,18 @@ std::string json(const enforce::Reading& reading, const Rest& rest, const Trials
   return all.dump() + "\n";
 }
 
-const char* state_of(const enforce::Reading& reading) {
+const char* state_of(const gates::Reading& reading) {
   if (reading.lapsed) return "closed by the kernel: the daemon gives no heart-beat";
   return reading.open ? "open" : "closed";
 }
 
-std::string text(const enforce::Reading& reading, const Rest& rest, const Trials& trials) {
+std::string text(const gates::Reading& reading, const Rest& rest, const Trials& trials) {
   std::string out = fmt::format("gates are {}{}, generation {}\n", state_of(reading),
                                 reading.audit ? " in AUDIT MODE" : "", reading.generation);
   for (const auto& gate : reading.gates) {
     const std::string name =
         gate.interface.empty() ? fmt::format("ifindex {}", gate.ifindex) : gate.interface;
-    out += fmt::format("{}: {}, {}, {} of them pass: {}\n", name, enforce::to_text(gate.hook),
+    out += fmt::format("{}: {}, {}, {} of them pass: {}\n", name, gates::to_text(gate.hook),
                        many(gate.slots.size(), "slot"), passing(gate),
                        gate.problems.empty() ? "as it should be" : "NOT as it should be");
     for (const auto& problem : gate.problems) out += "  " + problem + "\n";
@@ -189,13 +185,13 @@ std::string text(const enforce::Reading& reading, const Rest& rest, const Trials
 }
 
 /// Sends frames through copies. Wrong results become problems of the gate.
-Trials try_gates(enforce::Reading& reading, const std::string& root) {
+Trials try_gates(gates::Reading& reading, const std::string& root) {
   auto tried = readback::try_gates(reading, root);
   if (!tried) return std::unexpected(tried.error());
   std::map<std::uint32_t, readback::Trial> trials;
   for (readback::Trial& trial : *tried) {
     auto& problems =
-        std::ranges::find(reading.gates, trial.ifindex, &enforce::GateReading::ifindex)->problems;
+        std::ranges::find(reading.gates, trial.ifindex, &gates::GateReading::ifindex)->problems;
     problems.insert(problems.end(), trial.problems.begin(), trial.problems.end());
     trials.emplace(trial.ifindex, std::move(trial));
   }
@@ -203,7 +199,7 @@ Trials try_gates(enforce::Reading& reading, const std::string& root) {
 }
 
 struct Comparison {
-  enforce::Reading reading;
+  gates::Reading reading;
   Rest rest;
 
   [[nodiscard]] bool good() const {
@@ -220,7 +216,7 @@ struct Comparison {
     keep(rest.problems, former.rest.problems);
     for (auto& gate : reading.gates) {
       const auto same =
-          std::ranges::find(former.reading.gates, gate.ifindex, &enforce::GateReading::ifindex);
+          std::ranges::find(former.reading.gates, gate.ifindex, &gates::GateReading::ifindex);
       keep(gate.problems,
            same == former.reading.gates.end() ? std::vector<std::string>{} : same->problems);
     }
@@ -228,7 +224,7 @@ struct Comparison {
 };
 
 Result<Comparison> compare(const std::string& root, const std::string& state) {
-  auto reading = enforce::read_back(root);
+  auto reading = gates::read_back(root);
   if (!reading) return std::unexpected(reading.error());
   const auto journal = read_journal(state);
   if (!journal) return std::unexpected(journal.error());

@@ -17,13 +17,12 @@ struct Original {
                                     ///< instructions, by the kernel
 
   explicit Original(const std::string& directory)
-      : tags{tag(directory, enforce::Direction::ingress),
-             tag(directory, enforce::Direction::egress)} {}
+      : tags{tag(directory, gates::Direction::ingress), tag(directory, gates::Direction::egress)} {}
 
  private:
-  static std::string tag(const std::string& directory, enforce::Direction direction) {
-    const Fd program = enforce::open_pin(enforce::program_pin(directory, direction));
-    return program ? enforce::program_info(program.get()).tag : std::string();
+  static std::string tag(const std::string& directory, gates::Direction direction) {
+    const Fd program = gates::open_pin(gates::program_pin(directory, direction));
+    return program ? gates::program_info(program.get()).tag : std::string();
   }
 };
 

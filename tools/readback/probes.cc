@@ -14,9 +14,9 @@
 namespace mlcca::readback {
 namespace {
 
-using enforce::Direction;
-using enforce::GateReading;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::GateReading;
+using gates::SlotSpec;
 
 /// The lengths from 8 bytes on that CAN FD has.
 constexpr std::array<std::uint16_t, 8> kFdLengths = {8, 12, 16, 20, 24, 32, 48, 64};

@@ -35,16 +35,16 @@ struct Probes {
 
 /// For every slot a frame that fits and one that is too long, and a frame with a key without a
 /// slot. Slots only for CAN XL and slots for frames that the kernel itself sends cannot be tried.
-Probes probes_for(const enforce::GateReading& gate);
+Probes probes_for(const gates::GateReading& gate);
 
 /// Whether the gates should pass the frame while they are open.
-bool is_admitted(const Probe& probe, const enforce::GateReading& gate,
-                 std::span<const enforce::GateReading> all);
+bool is_admitted(const Probe& probe, const gates::GateReading& gate,
+                 std::span<const gates::GateReading> all);
 
 /// Whether the frame is forwarded and may leave through the gate, but enters with another
 /// identifier if at all. Only its drop at the ingress can be shown then.
-bool enters_otherwise(const Probe& probe, const enforce::GateReading& gate,
-                      std::span<const enforce::GateReading> all);
+bool enters_otherwise(const Probe& probe, const gates::GateReading& gate,
+                      std::span<const gates::GateReading> all);
 
 /// A text such as "1ABCDEF0#, 8 bytes from the bus".
 std::string to_text(const Probe& probe);

@@ -19,7 +19,7 @@
 namespace mlcca::readback {
 namespace {
 
-using enforce::failure;
+using gates::failure;
 
 /// Enters new namespaces. The bpffs that is mounted there hides the original pins from this
 /// process.
@@ -35,21 +35,21 @@ Result<void> enter_namespaces(const std::string& root) {
 /// Copies the control word so that the copies enforce even in audit mode, without limit and
 /// heart-beat. Verdicts that the daemon has put in force since the reading do not apply to them.
 Result<void> copy_control(const Fd& original, std::uint32_t generation,
-                          const enforce::Control& control) {
-  const enforce::Mapped<gate_control> from(original.get(), 1);
-  const enforce::Mapped<gate_control> to(control.map_fd(), 1);
+                          const gates::Control& control) {
+  const gates::Mapped<gate_control> from(original.get(), 1);
+  const gates::Mapped<gate_control> to(control.map_fd(), 1);
   if (!from || !to) return failure("map the control word", errno);
   to[0] = from[0];
   to[0].generation = generation;
   to[0].mode = GATE_ENFORCE;
   to[0].armed = 0;
-  to[0].deadline = enforce::kForEver;
+  to[0].deadline = gates::kForEver;
   return {};
 }
 
 class Replica {
  public:
-  Replica(const enforce::Reading& reading, enforce::Control control)
+  Replica(const gates::Reading& reading, gates::Control control)
       : control_(std::move(control)), can_(reading, control_) {}
   Replica(const Replica&) = delete;
   Replica& operator=(const Replica&) = delete;
@@ -57,7 +57,7 @@ class Replica {
   Replica& operator=(Replica&&) = delete;
   ~Replica() = default;
 
-  void add(const enforce::GateReading& gate, const Original& original) {
+  void add(const gates::GateReading& gate, const Original& original) {
     Trial& trial = trials_[gate.ifindex];
     trial.ifindex = gate.ifindex;
     Result<void> added;
@@ -92,7 +92,7 @@ class Replica {
     }
   }
 
-  enforce::Control control_;
+  gates::Control control_;
   CanCopies can_;
   std::map<std::uint32_t, EtherCopy> ether_;
   std::map<std::uint32_t, Trial> trials_;
@@ -100,14 +100,14 @@ class Replica {
 
 }  // namespace
 
-Result<std::vector<Trial>> try_gates(const enforce::Reading& reading, const std::string& root) {
+Result<std::vector<Trial>> try_gates(const gates::Reading& reading, const std::string& root) {
   const std::string pins = fmt::format("{}/v{}", root, GATE_LAYOUT_VERSION);
-  const Fd word = enforce::open_pin(pins + "/control");
+  const Fd word = gates::open_pin(pins + "/control");
   std::map<std::uint32_t, Original> originals;
   for (const auto& gate : reading.gates)
-    originals.emplace(gate.ifindex, Original(enforce::gate_directory(pins, gate.ifindex)));
+    originals.emplace(gate.ifindex, Original(gates::gate_directory(pins, gate.ifindex)));
   if (auto done = enter_namespaces(root); !done) return std::unexpected(done.error());
-  auto control = enforce::Control::create(root);
+  auto control = gates::Control::create(root);
   if (!control) return std::unexpected(control.error());
   if (auto done = copy_control(word, reading.generation, *control); !done)
     return std::unexpected(done.error());

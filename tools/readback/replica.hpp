@@ -15,6 +15,6 @@ namespace mlcca::readback {
 /// Sends frames through copies of all gates of the reading, first as the gates are now, then
 /// closed. The calling thread enters the namespaces for good. `root` is the bpffs of the reading.
 /// An error without privileges or without virtual interfaces in the kernel.
-Result<std::vector<Trial>> try_gates(const enforce::Reading& reading, const std::string& root);
+Result<std::vector<Trial>> try_gates(const gates::Reading& reading, const std::string& root);
 
 }  // namespace mlcca::readback

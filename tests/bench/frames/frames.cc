@@ -117,7 +117,7 @@ int pace(const std::string& interface, std::uint32_t id, std::uint32_t count, st
 }
 
 int gate(const std::string& interface, std::uint32_t slots, const std::string& bpffs) {
-  using namespace mlcca::enforce;
+  using namespace mlcca::gates;
   auto control = Control::create(bpffs);
   if (!control) die(control.error().text);
   static_cast<void>(control->set_grace(kForEver));

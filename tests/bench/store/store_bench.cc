@@ -55,16 +55,16 @@ Entries admission(std::uint64_t id) {
   admit.offered = {{"Bandwidth", 400'000, "byte s^-1", false}, {"Period", 40'000'000, "ns", false}};
   admit.node = 0x20;
   const std::uint64_t subject = 0x6d6c636361000000 + id;
-  enforce::PlacedSlot slot{.ifindex = 3, .slot = {}};
+  gates::PlacedSlot slot{.ifindex = 3, .slot = {}};
   slot.slot.pass = true;
   slot.slot.id = 0x80000000 | static_cast<std::uint32_t>(id);
   slot.slot.mask = 0xdfffffff;
   slot.slot.per_frame = 320'000;
   slot.slot.per_byte = 2'000;
   slot.slot.tolerance = 1'000'000;
-  std::array<enforce::PlacedSlot, 2> slots{slot, slot};
+  std::array<gates::PlacedSlot, 2> slots{slot, slot};
   slots[1].ifindex = 4;
-  slots[1].slot.direction = enforce::Direction::egress;
+  slots[1].slot.direction = gates::Direction::egress;
   slots[1].slot.source = 3;
   return {store::Admitted{{id, admit}, 1000},
           store::Granted{core::format_subject(subject),

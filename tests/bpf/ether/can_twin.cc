@@ -19,14 +19,14 @@ CanTwin::CanTwin(int control_map) : object_(gate_test_bpf__open(), gate_test_bpf
   require(bpf_map__reuse_fd(object_->maps.data_control, control_map) == 0, "share the control");
   require(gate_test_bpf__load(object_.get()) == 0, "load the CAN gate");
   auto table =
-      enforce::SlotTable::read({object_->bss->table, {}, object_->data_control->control.generation},
-                               GATE_PROFILE_RAW, true, [] { return Result<void>{}; });
+      gates::SlotTable::read({object_->bss->table, {}, object_->data_control->control.generation},
+                             GATE_PROFILE_RAW, true, [] { return Result<void>{}; });
   require(table.has_value(), "read the slots");
-  table_ = std::make_unique<enforce::SlotTable>(std::move(*table));
+  table_ = std::make_unique<gates::SlotTable>(std::move(*table));
 }
 
-enforce::SlotSpec CanTwin::slot(std::uint32_t id, bool pass) {
-  enforce::SlotSpec s;
+gates::SlotSpec CanTwin::slot(std::uint32_t id, bool pass) {
+  gates::SlotSpec s;
   s.pass = pass;
   s.id = id;
   s.mask = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK;
@@ -34,8 +34,8 @@ enforce::SlotSpec CanTwin::slot(std::uint32_t id, bool pass) {
   return s;
 }
 
-void CanTwin::admit(const std::vector<enforce::SlotSpec>& specs) {
-  enforce::SlotChanges changes;
+void CanTwin::admit(const std::vector<gates::SlotSpec>& specs) {
+  gates::SlotChanges changes;
   changes.add = specs;
   require(table_->apply(changes).has_value(), "add slots");
 }

@@ -14,14 +14,14 @@ class CanTwin {
  public:
   explicit CanTwin(int control_map);
   /// What comes in by this 11-bit identifier.
-  static enforce::SlotSpec slot(std::uint32_t id, bool pass);
-  void admit(const std::vector<enforce::SlotSpec>& specs);
+  static gates::SlotSpec slot(std::uint32_t id, bool pass);
+  void admit(const std::vector<gates::SlotSpec>& specs);
   [[nodiscard]] bool passes(std::uint32_t id) const;
-  [[nodiscard]] enforce::SlotTable& table() { return *table_; }
+  [[nodiscard]] gates::SlotTable& table() { return *table_; }
 
  private:
   std::unique_ptr<gate_test_bpf, void (*)(gate_test_bpf*)> object_;
-  std::unique_ptr<enforce::SlotTable> table_;
+  std::unique_ptr<gates::SlotTable> table_;
 };
 
 }  // namespace mlcca::test

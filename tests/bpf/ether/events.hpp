@@ -7,8 +7,8 @@
 
 namespace mlcca::test {
 
-using enforce::Direction;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::SlotSpec;
 
 inline constexpr auto kIn = Direction::ingress;
 inline constexpr auto kOut = Direction::egress;

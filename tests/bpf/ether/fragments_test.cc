@@ -209,11 +209,11 @@ TEST_F(EtherFragments, ARefusedSuccessorEndsThePassage) {
 
 TEST_F(EtherFragments, ObeyTheVerdictOfNow) {
   EXPECT_TRUE(passes(known_, 0, 576));
-  enforce::SlotChanges close;
+  gates::SlotChanges close;
   close.close = {admitted_};
   ASSERT_TRUE(gate_.table().apply(close));
   EXPECT_FALSE(passes(known_, 576, 1152));
-  enforce::SlotChanges remove;
+  gates::SlotChanges remove;
   remove.remove = {admitted_};
   ASSERT_TRUE(gate_.table().apply(remove));
   EXPECT_FALSE(passes(known_, 576, 1152));
@@ -264,7 +264,7 @@ TEST_F(EtherFragments, HaveTheMarkOfTheirStation) {
 TEST_F(EtherFragments, ADatagramIsPolicedOnce) {
   SlotSpec policed = admitted_;
   policed.per_frame = 3'600'000'000'000;
-  enforce::SlotChanges change;
+  gates::SlotChanges change;
   change.police = {policed};
   ASSERT_TRUE(gate_.table().apply(change));
   EXPECT_TRUE(passes(known_, 0, 576));
@@ -367,7 +367,7 @@ TEST(EtherStates, AnUnknownFrameIsReported) {
   LoadedEther& gate = LoadedEther::with();
   for (int i = 0; i < 3; ++i) gate.run(kIn, packet());
   gate.run(kOut, packet([](Datagram& d) { d.subject = 5, d.payload = 300; }), kLocal);
-  const auto unknown = enforce::unknown_frames(gate.cpus());
+  const auto unknown = gates::unknown_frames(gate.cpus());
   ASSERT_EQ(unknown.size(), 2U);
   EXPECT_EQ(unknown[0].subject, 5U);
   EXPECT_EQ(unknown[0].len, 300U);
@@ -377,42 +377,42 @@ TEST(EtherStates, AnUnknownFrameIsReported) {
 }
 
 /// Puts a source address into an Ethernet header at `at`.
-Bytes sent_by(const enforce::Mac& mac, Bytes bytes, std::size_t at = 0) {
+Bytes sent_by(const gates::Mac& mac, Bytes bytes, std::size_t at = 0) {
   std::ranges::copy(mac, bytes.begin() + static_cast<std::ptrdiff_t>(at + 6));
   return bytes;
 }
 
 /// The gate in front of drivers and that of tc note the same.
 TEST(EtherStates, AnUnknownFrameIsReportedWithTheAddressOfItsSender) {
-  constexpr enforce::Mac near{0x02, 0, 0x5e, 0x10, 0, 1};
-  constexpr enforce::Mac inner{0x02, 0, 0x5e, 0x10, 0, 2};
+  constexpr gates::Mac near{0x02, 0, 0x5e, 0x10, 0, 1};
+  constexpr gates::Mac inner{0x02, 0, 0x5e, 0x10, 0, 2};
   for (const bool direct : {true, false})
     for (const bool early : {false, true}) {
       LoadedEther& gate = LoadedEther::with({.direct_access = direct});
       const auto latest = [&](const Bytes& bytes) {
         EXPECT_TRUE(early ? gate.dropped_early(bytes) : gate.run(kIn, bytes).dropped);
-        return enforce::unknown_frames(gate.cpus()).at(0);
+        return gates::unknown_frames(gate.cpus()).at(0);
       };
       const auto udp =
           latest(sent_by(near, packet([](Datagram& d) { d.subject = 1, d.source = 0x0a000007; })));
       EXPECT_EQ(udp.subject, 1U);
-      EXPECT_EQ(enforce::sender_text(udp.station, udp.mac), "10.0.0.7 (02:00:5e:10:00:01)");
+      EXPECT_EQ(gates::sender_text(udp.station, udp.mac), "10.0.0.7 (02:00:5e:10:00:01)");
       const auto again =
           latest(sent_by(inner, packet([](Datagram& d) { d.subject = 1, d.source = 0x0a000008; })));
       EXPECT_EQ(again.count, 2U);
-      EXPECT_EQ(enforce::sender_text(again.station, again.mac), "10.0.0.8 (02:00:5e:10:00:02)")
+      EXPECT_EQ(gates::sender_text(again.station, again.mac), "10.0.0.8 (02:00:5e:10:00:02)")
           << "the latest";
       const auto tagged =
           latest(sent_by(near, ethernet(0x0800, Datagram{.subject = 2}.whole(), {0x8100})));
-      EXPECT_EQ(enforce::sender_text(tagged.station, tagged.mac), "10.0.0.1 (02:00:5e:10:00:01)");
+      EXPECT_EQ(gates::sender_text(tagged.station, tagged.mac), "10.0.0.1 (02:00:5e:10:00:01)");
       const auto awds = latest(sent_by(near, ethernet(0x8334, awds_flood(0x7c, awds_event(3, 8)))));
-      EXPECT_EQ(enforce::sender_text(awds.station, awds.mac), "02:a1:b2:c3:d4:e5")
+      EXPECT_EQ(gates::sender_text(awds.station, awds.mac), "02:a1:b2:c3:d4:e5")
           << "not the neighbour that passed it on";
       const auto in_awds = latest(sent_by(
           near,
           ethernet(0x8334,
                    awds_flood(98, sent_by(inner, packet([](Datagram& d) { d.subject = 4; }))))));
-      EXPECT_EQ(enforce::sender_text(in_awds.station, in_awds.mac), "10.0.0.1 (02:00:5e:10:00:02)");
+      EXPECT_EQ(gates::sender_text(in_awds.station, in_awds.mac), "10.0.0.1 (02:00:5e:10:00:02)");
     }
 }
 

@@ -13,8 +13,8 @@
 namespace mlcca::test {
 namespace {
 
-using enforce::SlotChanges;
-using enforce::VerdictTable;
+using gates::SlotChanges;
+using gates::VerdictTable;
 
 struct Sets {
   std::vector<SlotSpec> first;

@@ -31,8 +31,8 @@ T require(T value, const char* what) {
 }
 
 template <class T>
-enforce::Mapped<T> mapped(const bpf_map* map) {
-  enforce::Mapped<T> memory(bpf_map__fd(map), bpf_map__max_entries(map));
+gates::Mapped<T> mapped(const bpf_map* map) {
+  gates::Mapped<T> memory(bpf_map__fd(map), bpf_map__max_entries(map));
   require(static_cast<bool>(memory), "map memory");
   return memory;
 }
@@ -46,14 +46,14 @@ void clear(const bpf_map* map) {
 }  // namespace
 
 LoadedEther::LoadedEther(const EtherOptions& options)
-    : sizes_(enforce::EtherSizes::for_slots(
-          options.slots, static_cast<std::uint32_t>(libbpf_num_possible_cpus()))),
+    : sizes_(gates::EtherSizes::for_slots(options.slots,
+                                          static_cast<std::uint32_t>(libbpf_num_possible_cpus()))),
       object_(require(ether_test_bpf__open(), "open the gate"), ether_test_bpf__destroy) {
   auto* knobs = object_->rodata;
   knobs->ifindex = kIfindex;
   knobs->direct_access = options.direct_access;
   knobs->atomic_counts = options.atomic_counts;
-  knobs->ordered_stores = enforce::kOrderedStores && !options.atomic_counts;
+  knobs->ordered_stores = gates::kOrderedStores && !options.atomic_counts;
   knobs->bucket_mask = sizes_.buckets - 1;
   knobs->slots_of_bank = sizes_.slots;
   knobs->banks = sizes_.banks;
@@ -116,23 +116,23 @@ void LoadedEther::reset() {
   control().open = 1;
   control().deadline = ~0ULL;
   control().token = kToken;
-  auto table = enforce::EtherTable::read(memory_, sizes_, true, 0x1234567890abcdef,
-                                         [] { return Result<void>{}; });
+  auto table = gates::EtherTable::read(memory_, sizes_, true, 0x1234567890abcdef,
+                                       [] { return Result<void>{}; });
   require(table.has_value(), "read the table");
-  table_ = std::make_unique<enforce::EtherTable>(std::move(*table));
+  table_ = std::make_unique<gates::EtherTable>(std::move(*table));
 }
 
 int LoadedEther::control_fd() const { return bpf_map__fd(object_->maps.data_control); }
 
 gate_control& LoadedEther::control() const { return object_->data_control->control; }
 
-int LoadedEther::program_fd(enforce::Direction direction) const {
-  return bpf_program__fd(direction == enforce::Direction::ingress ? object_->progs.ether_ingress
-                                                                  : object_->progs.ether_egress);
+int LoadedEther::program_fd(gates::Direction direction) const {
+  return bpf_program__fd(direction == gates::Direction::ingress ? object_->progs.ether_ingress
+                                                                : object_->progs.ether_egress);
 }
 int LoadedEther::early_fd() const { return bpf_program__fd(object_->progs.ether_early); }
 
-Outcome LoadedEther::run(enforce::Direction direction, const Bytes& bytes,
+Outcome LoadedEther::run(gates::Direction direction, const Bytes& bytes,
                          const Sender& sender) const {
   __sk_buff context{};
   context.priority = sender.local ? kTestRunLocal : 0;
@@ -151,7 +151,7 @@ Outcome LoadedEther::run(enforce::Direction direction, const Bytes& bytes,
   return {run.retval == TC_ACT_SHOT, context.mark};
 }
 
-void LoadedEther::repeat(enforce::Direction direction, const Bytes& bytes, int times) const {
+void LoadedEther::repeat(gates::Direction direction, const Bytes& bytes, int times) const {
   LIBBPF_OPTS(bpf_test_run_opts, run);
   run.data_in = bytes.data();
   run.data_size_in = static_cast<std::uint32_t>(bytes.size());
@@ -168,17 +168,17 @@ bool LoadedEther::dropped_early(const Bytes& bytes) const {
   return run.retval == XDP_DROP;
 }
 
-enforce::SlotCounters LoadedEther::counted(const enforce::SlotSpec& spec) const {
-  return enforce::ether_counters(memory_, table_->find(spec).value());
+gates::SlotCounters LoadedEther::counted(const gates::SlotSpec& spec) const {
+  return gates::ether_counters(memory_, table_->find(spec).value());
 }
-enforce::SlotCounters LoadedEther::counted(enforce::Direction direction) const {
-  return enforce::ether_counters(memory_, static_cast<std::uint32_t>(direction));
+gates::SlotCounters LoadedEther::counted(gates::Direction direction) const {
+  return gates::ether_counters(memory_, static_cast<std::uint32_t>(direction));
 }
-enforce::ReasonCounters LoadedEther::reasons(enforce::Direction direction) const {
-  return enforce::reason_counters(cpus(), direction);
+gates::ReasonCounters LoadedEther::reasons(gates::Direction direction) const {
+  return gates::reason_counters(cpus(), direction);
 }
-enforce::ReasonCounters LoadedEther::would_drop(enforce::Direction direction) const {
-  return enforce::would_drop_counters(*memory_.table, direction);
+gates::ReasonCounters LoadedEther::would_drop(gates::Direction direction) const {
+  return gates::would_drop_counters(*memory_.table, direction);
 }
 
 std::size_t LoadedEther::map_bytes() const {
@@ -196,16 +196,15 @@ std::size_t LoadedEther::map_bytes() const {
   return sum;
 }
 
-void LoadedEther::admit(const std::vector<enforce::SlotSpec>& specs) {
-  enforce::SlotChanges changes;
+void LoadedEther::admit(const std::vector<gates::SlotSpec>& specs) {
+  gates::SlotChanges changes;
   changes.add = specs;
   const auto added = table_->apply(changes);
   if (!added) std::fprintf(stderr, "%s\n", added.error().text.c_str());
   require(added.has_value(), "add slots");
 }
 
-bool drops(const enforce::ClosedPrograms& closed, enforce::Direction direction,
-           const Bytes& bytes) {
+bool drops(const gates::ClosedPrograms& closed, gates::Direction direction, const Bytes& bytes) {
   LIBBPF_OPTS(bpf_test_run_opts, run);
   run.data_in = bytes.data();
   run.data_size_in = static_cast<std::uint32_t>(bytes.size());

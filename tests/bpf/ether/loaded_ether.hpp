@@ -55,48 +55,48 @@ class LoadedEther {
   LoadedEther(const LoadedEther&) = delete;
   LoadedEther& operator=(const LoadedEther&) = delete;
 
-  Outcome run(enforce::Direction direction, const Bytes& bytes, const Sender& sender = {}) const;
+  Outcome run(gates::Direction direction, const Bytes& bytes, const Sender& sender = {}) const;
   /// Whether the program in the driver drops it.
   [[nodiscard]] bool dropped_early(const Bytes& bytes) const;
-  [[nodiscard]] int program_fd(enforce::Direction direction) const;
+  [[nodiscard]] int program_fd(gates::Direction direction) const;
   [[nodiscard]] int early_fd() const;
 
   /// Runs it so often.
-  void repeat(enforce::Direction direction, const Bytes& bytes, int times) const;
+  void repeat(gates::Direction direction, const Bytes& bytes, int times) const;
   [[nodiscard]] gate_control& control() const;
   [[nodiscard]] int control_fd() const;
-  [[nodiscard]] enforce::EtherTable& table() { return *table_; }
-  [[nodiscard]] const enforce::EtherMemory& memory() const { return memory_; }
-  [[nodiscard]] const enforce::EtherSizes& sizes() const { return sizes_; }
+  [[nodiscard]] gates::EtherTable& table() { return *table_; }
+  [[nodiscard]] const gates::EtherMemory& memory() const { return memory_; }
+  [[nodiscard]] const gates::EtherSizes& sizes() const { return sizes_; }
   [[nodiscard]] std::span<ether_cpu> cpus() const { return cpus_.span(); }
-  [[nodiscard]] enforce::SlotCounters counted(const enforce::SlotSpec& spec) const;
+  [[nodiscard]] gates::SlotCounters counted(const gates::SlotSpec& spec) const;
   /// Of the direction's own slot.
-  [[nodiscard]] enforce::SlotCounters counted(enforce::Direction direction) const;
-  [[nodiscard]] enforce::ReasonCounters reasons(enforce::Direction direction) const;
-  [[nodiscard]] enforce::ReasonCounters would_drop(enforce::Direction direction) const;
+  [[nodiscard]] gates::SlotCounters counted(gates::Direction direction) const;
+  [[nodiscard]] gates::ReasonCounters reasons(gates::Direction direction) const;
+  [[nodiscard]] gates::ReasonCounters would_drop(gates::Direction direction) const;
   /// Kernel memory of all maps, as /proc has it.
   [[nodiscard]] std::size_t map_bytes() const;
 
   /// No slots, no counts, no fragments, open and enforcing.
   void reset();
-  void admit(const std::vector<enforce::SlotSpec>& specs);
+  void admit(const std::vector<gates::SlotSpec>& specs);
 
  private:
-  enforce::EtherSizes sizes_;
+  gates::EtherSizes sizes_;
   std::unique_ptr<ether_test_bpf, void (*)(ether_test_bpf*)> object_;
-  enforce::Mapped<std::uint64_t> buckets_;
-  enforce::Mapped<ether_prefilter_part> prefilters_;
-  enforce::Mapped<ether_slot> slots_;
-  enforce::Mapped<ether_contract> contracts_;
-  enforce::Mapped<gate_count> counts_;
-  enforce::Mapped<gate_audit> audits_;
-  enforce::Mapped<ether_cpu> cpus_;
-  enforce::Mapped<gate_watch> watches_;
-  enforce::EtherMemory memory_;
-  std::unique_ptr<enforce::EtherTable> table_;
+  gates::Mapped<std::uint64_t> buckets_;
+  gates::Mapped<ether_prefilter_part> prefilters_;
+  gates::Mapped<ether_slot> slots_;
+  gates::Mapped<ether_contract> contracts_;
+  gates::Mapped<gate_count> counts_;
+  gates::Mapped<gate_audit> audits_;
+  gates::Mapped<ether_cpu> cpus_;
+  gates::Mapped<gate_watch> watches_;
+  gates::EtherMemory memory_;
+  std::unique_ptr<gates::EtherTable> table_;
 };
 
 /// What an interface gets before there is a daemon.
-bool drops(const enforce::ClosedPrograms& closed, enforce::Direction direction, const Bytes& bytes);
+bool drops(const gates::ClosedPrograms& closed, gates::Direction direction, const Bytes& bytes);
 
 }  // namespace mlcca::test

@@ -11,15 +11,15 @@
 namespace mlcca::test {
 namespace {
 
-using enforce::Direction;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::SlotSpec;
 
 constexpr std::size_t kMillion = 1'000'000;
 
 TEST(EtherMemory, AMillionSubjectsTakeLessThan100BytesEach) {
   LoadedEther gate({.slots = kMillion});
   std::mt19937_64 random(1);
-  enforce::SlotChanges batch;
+  gates::SlotChanges batch;
   for (std::size_t i = 0; i < kMillion; ++i) {
     SlotSpec s;
     s.direction = Direction::ingress;

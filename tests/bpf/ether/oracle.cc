@@ -5,8 +5,8 @@
 namespace mlcca::test {
 namespace {
 
-using enforce::Direction;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::SlotSpec;
 
 /// Nothing beyond the end.
 std::optional<std::uint64_t> number(const Bytes& bytes, std::size_t at, std::size_t octets) {

@@ -26,9 +26,9 @@ class EtherWorld {
   bool open = true;
   bool lapsed = false;
   bool audit = false;
-  std::vector<enforce::SlotSpec> slots;  ///< in the order they were added; nothing where removed
+  std::vector<gates::SlotSpec> slots;  ///< in the order they were added; nothing where removed
 
-  Judgement judge(enforce::Direction direction, const Bytes& bytes, const Sender& sender);
+  Judgement judge(gates::Direction direction, const Bytes& bytes, const Sender& sender);
   /// What the program in the driver drops; nothing where it lets pass.
   [[nodiscard]] std::optional<Judgement> judge_early(const Bytes& bytes) const;
 
@@ -48,7 +48,7 @@ class EtherWorld {
     std::uint64_t addresses = 0;
     std::uint16_t id = 0;
   };
-  using Name = std::tuple<enforce::Direction, std::uint64_t, std::uint16_t, bool>;
+  using Name = std::tuple<gates::Direction, std::uint64_t, std::uint16_t, bool>;
   struct Remembered {
     bool event = false;
     std::size_t first = 0;
@@ -61,11 +61,11 @@ class EtherWorld {
   static Seen look_at_ip(const Bytes& bytes, std::size_t at, bool inside);
   static std::pair<Kind, std::size_t> look_at_batman(const Bytes& bytes, std::size_t at);
   static Seen look_at_awds(const Bytes& bytes, std::size_t packet, std::size_t at, bool inside);
-  Judgement judge_event(enforce::Direction direction, const Seen& seen, const Sender& sender);
-  Judgement judge_later(enforce::Direction direction, const Seen& seen, const Sender& sender);
+  Judgement judge_event(gates::Direction direction, const Seen& seen, const Sender& sender);
+  Judgement judge_later(gates::Direction direction, const Seen& seen, const Sender& sender);
   [[nodiscard]] std::pair<gate_reason, std::optional<std::size_t>> decide(
-      enforce::Direction direction, const Seen& seen, const Sender& sender) const;
-  [[nodiscard]] Judgement reported_once(enforce::Direction direction, const Sender& sender,
+      gates::Direction direction, const Seen& seen, const Sender& sender) const;
+  [[nodiscard]] Judgement reported_once(gates::Direction direction, const Sender& sender,
                                         Judgement judged) const;
   [[nodiscard]] Judgement refused(gate_reason reason, std::optional<std::size_t> slot,
                                   std::optional<std::uint32_t> mark) const;

@@ -16,8 +16,8 @@
 namespace mlcca::test {
 namespace {
 
-using enforce::Direction;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::SlotSpec;
 
 constexpr int kRounds = 250;  // 2.5 million packets
 constexpr int kPackets = 10'000;
@@ -167,7 +167,7 @@ class Round {
 
  private:
   void add() {
-    enforce::SlotChanges changes;
+    gates::SlotChanges changes;
     changes.add.push_back(random_slot(random_));
     if (!gate_.table().apply(changes)) return;  // there already, or the chain is full
     world_.slots.push_back(changes.add.front());
@@ -184,7 +184,7 @@ class Round {
   void remove() {
     SlotSpec* s = any();
     if (s == nullptr) return;
-    enforce::SlotChanges changes;
+    gates::SlotChanges changes;
     changes.remove = {*s};
     ASSERT_TRUE(gate_.table().apply(changes));
     s->formats = 0;
@@ -194,7 +194,7 @@ class Round {
     SlotSpec* s = any();
     if (s == nullptr) return;
     s->pass = !s->pass;
-    enforce::SlotChanges changes;
+    gates::SlotChanges changes;
     (s->pass ? changes.open : changes.close).push_back(*s);
     ASSERT_TRUE(gate_.table().apply(changes));
   }
@@ -220,14 +220,14 @@ class Round {
     }
     const auto want = world_.judge(direction, bytes, sender);
     const auto got = gate_.run(direction, bytes, sender);
-    ASSERT_EQ(got.dropped, want.dropped) << enforce::reason_text(want.reason);
-    ASSERT_EQ(got.mark, want.mark.value_or(sender.mark)) << enforce::reason_text(want.reason);
+    ASSERT_EQ(got.dropped, want.dropped) << gates::reason_text(want.reason);
+    ASSERT_EQ(got.mark, want.mark.value_or(sender.mark)) << gates::reason_text(want.reason);
     account(direction, want);
   }
 
   void account(Direction direction, const Judgement& want) {
     const auto d = static_cast<std::size_t>(direction);
-    const bool drop = enforce::is_drop(want.reason);
+    const bool drop = gates::is_drop(want.reason);
     ++(drop && world_.audit ? would_drop_ : reasons_).at(d).at(want.reason);
     if (!want.counts_in_slot) return;
     auto& counted = want.slot ? counted_[*want.slot] : own_[d];
@@ -240,7 +240,7 @@ class Round {
     }
   }
 
-  static void compare(const enforce::SlotCounters& got, const enforce::SlotCounters& want) {
+  static void compare(const gates::SlotCounters& got, const gates::SlotCounters& want) {
     EXPECT_EQ(got.passed, want.passed);
     EXPECT_EQ(got.dropped, want.dropped);
     EXPECT_EQ(got.would_drop, want.would_drop);
@@ -261,10 +261,10 @@ class Round {
   Random random_;
   EtherWorld world_;
   LoadedEther& gate_;
-  std::array<enforce::ReasonCounters, 2> reasons_{};
-  std::array<enforce::ReasonCounters, 2> would_drop_{};
-  std::array<enforce::SlotCounters, 2> own_{};
-  std::vector<enforce::SlotCounters> counted_;
+  std::array<gates::ReasonCounters, 2> reasons_{};
+  std::array<gates::ReasonCounters, 2> would_drop_{};
+  std::array<gates::SlotCounters, 2> own_{};
+  std::vector<gates::SlotCounters> counted_;
 };
 
 TEST(EtherAgainstPlainRules, AgreesOnRandomPackets) {
@@ -285,7 +285,7 @@ TEST(EtherBeforeThereIsADaemon, DropsWhatAClosedGateDrops) {
     gate.control().open = 0;
     gate.control().mode = seed % 5 == 0 ? GATE_AUDIT : GATE_ENFORCE;
     const auto closed =
-        enforce::ClosedPrograms::of_ethernet({.control = gate.control_fd(), .events = -1}, false);
+        gates::ClosedPrograms::of_ethernet({.control = gate.control_fd(), .events = -1}, false);
     ASSERT_TRUE(closed) << closed.error().text;
     std::size_t dropped = 0;
     for (int i = 0; i < kPackets && !HasFailure(); ++i) {

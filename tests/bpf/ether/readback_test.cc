@@ -9,7 +9,7 @@
 #include "tests/bpf/ether/sockets_fixture.hpp"
 #include "tests/daemon/gates/all_problems.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 class EtherReadback : public EtherSockets {
@@ -50,4 +50,4 @@ TEST_P(EtherReadback, NamesAGateThatSomebodyRemoved) {
 }
 
 }  // namespace
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -13,7 +13,7 @@
 namespace mlcca::test {
 namespace {
 
-using enforce::RefusedSender;
+using gates::RefusedSender;
 
 constexpr std::uint64_t kGranted = 0x0a000001;
 
@@ -27,7 +27,7 @@ class EtherSenders : public ::testing::Test {
     });
   }
   [[nodiscard]] std::vector<RefusedSender> senders() const {
-    return enforce::refused_senders(gate_.cpus());
+    return gates::refused_senders(gate_.cpus());
   }
 
   const SlotSpec granted_ = with(in(), [](SlotSpec& s) { s.station = kGranted; });
@@ -40,7 +40,7 @@ TEST_F(EtherSenders, AStationThatSendsForAnotherIsCountedWithItsAddresses) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].frame.subject, kSubject);
   EXPECT_EQ(found[0].frame.station, 0x0a000002U);
-  EXPECT_NE(found[0].frame.mac, enforce::Mac{});
+  EXPECT_NE(found[0].frame.mac, gates::Mac{});
   EXPECT_EQ(found[0].frame.count, 3U);
   EXPECT_EQ(found[0].frame.len, 7U);
   EXPECT_EQ(found[0].reason, GATE_R_SOURCE);
@@ -52,7 +52,7 @@ TEST_F(EtherSenders, TheDriverCountsThemAsWell) {
   const auto found = senders();
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].frame.station, 0x0a000002U);
-  EXPECT_NE(found[0].frame.mac, enforce::Mac{});
+  EXPECT_NE(found[0].frame.mac, gates::Mac{});
 }
 
 TEST_F(EtherSenders, AuditModeCountsThemToo) {

@@ -6,7 +6,7 @@
 #include "daemon/gates/events.hpp"
 #include "tests/bpf/ether/sockets_fixture.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 constexpr std::uint64_t kMillisecond = 1'000'000;
@@ -116,4 +116,4 @@ TEST_P(EtherSilence, ASlotThatDoesNotPassIsNotSupervised) {
 INSTANTIATE_TEST_SUITE_P(By, EtherSilence, ::testing::ValuesIn(hooks()), name_of);
 
 }  // namespace
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -27,7 +27,7 @@
 #include "tests/bpf/ether/packets.hpp"
 #include "tests/support/require.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 using test::Bytes;
 using test::Datagram;
@@ -199,4 +199,4 @@ inline std::vector<Hook> hooks() {
 inline std::string name_of(const ::testing::TestParamInfo<Hook>& hook) {
   return to_text(hook.param);
 }
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

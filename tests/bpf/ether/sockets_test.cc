@@ -14,7 +14,7 @@
 #include "daemon/gates/retire.hpp"
 #include "tests/bpf/ether/sockets_fixture.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 TEST_P(EtherSockets, AnAdmittedEventArrivesAndAnotherDoesNot) {
@@ -413,4 +413,4 @@ TEST_P(EtherSockets, ADeviceWithoutEthernetFramesHasNoGate) {
 INSTANTIATE_TEST_SUITE_P(By, EtherSockets, ::testing::ValuesIn(hooks()), name_of);
 
 }  // namespace
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -126,7 +126,7 @@ TEST_P(EtherWatch, WithoutAPeriodASlotIsNotSupervised) {
 TEST_P(EtherWatch, RestartsWithAnotherPeriod) {
   admit(watched(in()));
   passes_after(3 * kPeriod);
-  enforce::SlotChanges changes;
+  gates::SlotChanges changes;
   changes.police = {watched(in(), kPeriod / 2)};
   ASSERT_TRUE(gate_.table().apply(changes));
   EXPECT_EQ(gate_.table().present(), changes.police);

@@ -176,8 +176,8 @@ TEST_P(WpanFrames, Fate) {
     LoadedEther& gate = LoadedEther::with({.direct_access = direct, .wpan = true});
     gate.admit(row.slots);
     const Outcome got = gate.run(kIn, row.bytes, kWire);
-    EXPECT_EQ(got.dropped, enforce::is_drop(row.reason));
-    EXPECT_EQ(gate.reasons(kIn).at(row.reason), 1U) << "not " << enforce::reason_text(row.reason);
+    EXPECT_EQ(got.dropped, gates::is_drop(row.reason));
+    EXPECT_EQ(gate.reasons(kIn).at(row.reason), 1U) << "not " << gates::reason_text(row.reason);
     EXPECT_EQ(got.mark,
               row.reason == GATE_R_PASSED ? mark_from(kIfindex, row.slots.front().station) : 0);
   }
@@ -206,10 +206,10 @@ TEST(WpanGate, WhatNobodyKnowsIsReportedWithItsSender) {
   for (const auto& [bytes, sender] : rows) {
     LoadedEther& gate = LoadedEther::with({.wpan = true});
     EXPECT_TRUE(gate.run(kIn, bytes, kWire).dropped);
-    const auto unknown = enforce::unknown_frames(gate.cpus());
+    const auto unknown = gates::unknown_frames(gate.cpus());
     ASSERT_EQ(unknown.size(), 1U);
     EXPECT_EQ(unknown[0].subject, kSubject);
-    EXPECT_EQ(enforce::sender_text(unknown[0].station, unknown[0].mac), sender);
+    EXPECT_EQ(gates::sender_text(unknown[0].station, unknown[0].mac), sender);
   }
 }
 
@@ -341,14 +341,14 @@ TEST(WpanGate, JudgesAnyFrameByTheRules) {
   AnyFrame any;
   LoadedEther& gate = LoadedEther::with({.wpan = true});
   gate.admit({sized(in(), kLongest)});
-  enforce::ReasonCounters wanted{};
+  gates::ReasonCounters wanted{};
   for (int i = 0; i < kFrames; ++i) {
     const Bytes bytes = any.next();
     const gate_reason reason = expected(bytes, kLongest);
     ++wanted.at(reason);
-    EXPECT_EQ(gate.run(kIn, bytes, kWire).dropped, enforce::is_drop(reason))
-        << enforce::reason_text(reason);
-    EXPECT_EQ(gate.dropped_early(bytes), enforce::is_drop(reason));
+    EXPECT_EQ(gate.run(kIn, bytes, kWire).dropped, gates::is_drop(reason))
+        << gates::reason_text(reason);
+    EXPECT_EQ(gate.dropped_early(bytes), gates::is_drop(reason));
   }
   const auto got = gate.reasons(kIn);
   for (const gate_reason reason : {GATE_R_PASSED, GATE_R_FOREIGN})
@@ -365,7 +365,7 @@ TEST(WpanGate, BeforeThereIsADaemonNoDataFramePasses) {
   AnyFrame any;
   LoadedEther& gate = LoadedEther::with({.wpan = true});
   const auto closed =
-      enforce::ClosedPrograms::of_ethernet({.control = gate.control_fd(), .events = -1}, true);
+      gates::ClosedPrograms::of_ethernet({.control = gate.control_fd(), .events = -1}, true);
   ASSERT_TRUE(closed) << closed.error().text;
   for (int i = 0; i < kFrames / 10; ++i) {
     const Bytes bytes = any.next();

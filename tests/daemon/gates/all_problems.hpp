@@ -5,7 +5,7 @@
 
 #include "daemon/gates/readback.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 /// A line for each problem; empty: there is none.
 inline std::string all_problems(const GateReading& gate) {
@@ -14,4 +14,4 @@ inline std::string all_problems(const GateReading& gate) {
   return all;
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -16,7 +16,7 @@
 #include "daemon/gates/tcx.hpp"
 #include "tests/daemon/gates/sandbox.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 using test::Bus;
 using test::Bytes;
@@ -166,4 +166,4 @@ inline std::string name_of(const ::testing::TestParamInfo<Hook>& hook) {
   return to_text(hook.param);
 }
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -7,7 +7,7 @@
 #include "daemon/gates/interfaces.hpp"
 #include "tests/daemon/gates/attach_fixture.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 TEST_P(Attach, NewGateIsInPlaceAndEmpty) {
@@ -333,4 +333,4 @@ TEST(GracePeriod, BothWaysToItWork) {
 }
 
 }  // namespace
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

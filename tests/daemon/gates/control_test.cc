@@ -15,7 +15,7 @@
 #include "tests/daemon/gates/sandbox.hpp"
 #include "tests/support/becomes.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 using test::becomes;
@@ -272,4 +272,4 @@ TEST(DeadMan, IsTakenOverByARestartedDaemon) {
 }
 
 }  // namespace
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

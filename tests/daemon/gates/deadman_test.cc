@@ -10,7 +10,7 @@
 #include "tests/daemon/gates/attach_fixture.hpp"
 #include "tests/support/becomes.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 using test::becomes;
@@ -170,4 +170,4 @@ TEST_P(Attach, TheNextDaemonKeepsHowLongTheGatesMayBeOpen) {
 }
 
 }  // namespace
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -3,7 +3,7 @@
 #include "tests/daemon/gates/ether_table_fixture.hpp"
 #include "tests/support/stretches.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 constexpr std::size_t kMany = 10'000;
@@ -62,4 +62,4 @@ TEST_F(EtherProgressTest, IsReportedWhileATableIsTakenOver) {
 }
 
 }  // namespace
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -12,7 +12,7 @@
 
 #include "daemon/gates/ether_table.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 inline SlotSpec slot(std::uint64_t subject, bool pass = true) {
   SlotSpec s;
@@ -84,4 +84,4 @@ class EtherTableTest : public ::testing::Test {
   EtherTable table_;
 };
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

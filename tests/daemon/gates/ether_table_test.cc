@@ -10,7 +10,7 @@
 #include "daemon/gates/slots.hpp"
 #include "tests/daemon/gates/ether_table_fixture.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 TEST_F(EtherTableTest, HoldsWhatWasAdded) {
@@ -335,4 +335,4 @@ TEST(EtherSizes, FollowWhatIsNeeded) {
 }
 
 }  // namespace
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

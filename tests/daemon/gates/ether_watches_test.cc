@@ -7,7 +7,7 @@
 
 #include "tests/daemon/gates/ether_table_fixture.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 SlotSpec periodic(std::uint64_t subject) {
@@ -106,4 +106,4 @@ TEST_F(EtherWatches, AnotherDaemonGoesOnWithWhatWasFound) {
 }
 
 }  // namespace
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

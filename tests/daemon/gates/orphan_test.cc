@@ -27,7 +27,7 @@
 #include "tests/daemon/gates/attach_fixture.hpp"
 #include "tests/support/becomes.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 using test::becomes;
@@ -345,4 +345,4 @@ TEST_P(Attach, ProgramsOfGatesAreKnownByTheMapsTheyRead) {
 }
 
 }  // namespace
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -9,7 +9,7 @@
 #include "tests/daemon/gates/all_problems.hpp"
 #include "tests/daemon/gates/attach_fixture.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 TEST_P(Attach, ReadBackIsWhatWasPutThere) {
@@ -222,4 +222,4 @@ TEST(ReadBack, OfNothingIsAnErrorInWords) {
 }
 
 }  // namespace
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -8,7 +8,7 @@
 #include "daemon/gates/interrupted.hpp"
 #include "tests/daemon/gates/attach_fixture.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 TEST_P(Attach, RestartFindsSlotsVerdictsAndCounts) {
@@ -198,4 +198,4 @@ TEST_P(Attach, DamagedTableIsReplacedByAnEmptyOne) {
 }
 
 }  // namespace
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -2,7 +2,7 @@
 // What a slot table takes and what it refuses: each limit from both sides.
 #include "tests/daemon/gates/slots_fixture.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 TEST_F(Slots, LimitOfSlotsIsExact) {
@@ -165,4 +165,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& row) { return row.param.name; });
 
 }  // namespace
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -6,7 +6,7 @@
 
 #include "daemon/gates/slots.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 SlotSpec raw(std::uint32_t id) {
@@ -110,4 +110,4 @@ TEST_F(SlotTraffic, KnowsWhichSlotsToWatchFromNowOn) {
 }
 
 }  // namespace
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

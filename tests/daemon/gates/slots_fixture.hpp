@@ -12,7 +12,7 @@
 
 #include "daemon/gates/slots.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 
 inline constexpr std::uint32_t kStandard = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK;
 inline constexpr std::uint32_t kExtended = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_EFF_MASK;
@@ -92,4 +92,4 @@ class Slots : public ::testing::Test {
   Result<void> wait_result_;
 };
 
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -3,7 +3,7 @@
 #include "tests/daemon/gates/slots_fixture.hpp"
 #include "tests/support/stretches.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 constexpr std::uint32_t kMany = 2'000;
@@ -35,4 +35,4 @@ TEST_F(Slots, ProgressIsReportedInEachPhaseOfAChange) {
 }
 
 }  // namespace
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -6,7 +6,7 @@
 #include "daemon/gates/counters.hpp"
 #include "tests/daemon/gates/slots_fixture.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 TEST_F(Slots, FreshTableIsEmpty) {
@@ -302,4 +302,4 @@ TEST_F(Slots, RandomStatesAreReachedFromOneAnother) {
 }
 
 }  // namespace
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -6,7 +6,7 @@
 
 #include "tests/daemon/gates/sandbox.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 constexpr std::uint64_t kSecond = 1'000'000'000;
@@ -56,4 +56,4 @@ TEST_F(StartingTest, GatesThatAreClosedStayWithoutAHeartBeat) {
 }
 
 }  // namespace
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -11,7 +11,7 @@
 #include "daemon/gates/pins.hpp"
 #include "tests/daemon/gates/attach_fixture.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 constexpr int kPass = 0;  // TCX_PASS: no other program sees the frame, neither TCX nor clsact
@@ -171,4 +171,4 @@ TEST_P(Tcx, ClosedByClsactWhereNoLinkCanBePinned) {
 INSTANTIATE_TEST_SUITE_P(Kernel, Tcx, ::testing::ValuesIn(tcx_if_there()), name_of);
 
 }  // namespace
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -9,7 +9,7 @@
 #include "daemon/gates/programs.hpp"
 #include "tests/daemon/gates/attach_fixture.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 constexpr std::uint64_t kMillisecond = 1'000'000;
@@ -308,4 +308,4 @@ TEST_F(WatchAttached, AnEventReachesWhoeverIsWatchedOnAllOfManySlots) {
 }
 
 }  // namespace
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -11,7 +11,7 @@
 #include "daemon/gates/starting.hpp"
 #include "tests/daemon/gates/attach_fixture.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 struct Wrong {
@@ -150,4 +150,4 @@ TEST_F(WrongPins, InThePlaceOfDirectoriesAreReplaced) {
 }
 
 }  // namespace
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -60,8 +60,8 @@ class AuditOfSenders : public ::testing::Test {
     bench_.clock.wall += kSecond;
     bench_.round();
   }
-  static enforce::RefusedSender sender(std::size_t place, std::uint32_t can_id,
-                                       std::uint64_t frames) {
+  static gates::RefusedSender sender(std::size_t place, std::uint32_t can_id,
+                                     std::uint64_t frames) {
     return {.place = place,
             .slot = kSlot,
             .reason = GATE_R_IDENTIFIER,
@@ -70,7 +70,7 @@ class AuditOfSenders : public ::testing::Test {
             .uid = GATE_ANY_UID};
   }
   /// The slots of c0 have refused so many frames, among them those of `senders` at can0.
-  void refuse(std::uint64_t frames, std::vector<enforce::RefusedSender> senders) {
+  void refuse(std::uint64_t frames, std::vector<gates::RefusedSender> senders) {
     bench_.gates().senders["can0"] = std::move(senders);
     bench_.gates().misfitting["can0"] = {{kIdentifier, false, {frames, 0}}};
     bench_.gates().counted[1] = {.dropped = frames, .last_reason = kIdentifier};
@@ -263,11 +263,11 @@ TEST_F(AuditOfSenders, WhatAFormerDaemonHasCountedIsNobodys) {
 }
 
 TEST_F(AuditOfSenders, AProgramHasItsUserAndABusItsInterface) {
-  enforce::RefusedSender program = sender(0, of_node(5), 3);
+  gates::RefusedSender program = sender(0, of_node(5), 3);
   program.reason = GATE_R_SOURCE;
   program.source = 0;
   program.uid = 1007;
-  enforce::RefusedSender bus = program;
+  gates::RefusedSender bus = program;
   bus.place = 1;
   bus.source = static_cast<std::uint32_t>(bench_.kernel.interfaces.at("can1").ifindex);
   bus.uid = GATE_ANY_UID;
@@ -288,7 +288,7 @@ TEST_F(AuditOfSenders, AProgramHasItsUserAndABusItsInterface) {
 
 /// From the granted bus, but its gate has not admitted it there: the description has this sender.
 TEST_F(AuditOfSenders, FramesOfTheGrantedBusThatItsGateHasNotAdmittedAreOfTheDelivery) {
-  enforce::RefusedSender bus = sender(0, of_node(5), 3);
+  gates::RefusedSender bus = sender(0, of_node(5), 3);
   bus.reason = GATE_R_SOURCE;
   bus.source = static_cast<std::uint32_t>(bench_.kernel.interfaces.at("can0").ifindex);
   bench_.gates().senders["can1"] = {bus};

@@ -62,7 +62,7 @@ class AuditOnTheBench : public ::testing::Test {
                     .count = count,
                     .sequence = ++sequence_});
     UnknownFrames& unknown = bench_.gates().unknown[interface];
-    ++(bench_.kernel.mode == enforce::Mode::audit ? unknown.would_drop : unknown.dropped);
+    ++(bench_.kernel.mode == gates::Mode::audit ? unknown.would_drop : unknown.dropped);
   }
 
   Bench bench_{small_system()};
@@ -301,7 +301,7 @@ TEST_F(AuditOnTheBench, TheGatesEnforceWhenNothingWouldHaveBeenDroppedForSoLong)
   pass(kSecond);
   EXPECT_EQ(status().mode, "enforce");
   EXPECT_EQ(status().when_clean_ns, 0U);
-  EXPECT_EQ(bench_.kernel.mode, enforce::Mode::enforce);
+  EXPECT_EQ(bench_.kernel.mode, gates::Mode::enforce);
   EXPECT_EQ(std::ranges::count(bench_.events, "mode"), 2);
 }
 

@@ -89,7 +89,7 @@ TEST_F(ChangesQuota, WhatTakesAwayDoesNotWait) {
   EXPECT_EQ(bench_.state().granted(), 1U) << "the admitted one";
   EXPECT_EQ(refusal(control::ReleaseRequest{"", 1, ""}), "");
   EXPECT_EQ(refusal(control::ModeRequest{"enforce"}), "");
-  EXPECT_EQ(bench_.kernel.mode, enforce::Mode::enforce);
+  EXPECT_EQ(bench_.kernel.mode, gates::Mode::enforce);
   EXPECT_TRUE(refusal(control::ModeRequest{"enforce"}).contains("rows of the history"))
       << "it takes nothing away any more";
   EXPECT_TRUE(refusal(control::ModeRequest{"audit"}).contains("rows of the history"));

@@ -374,14 +374,14 @@ Result<void> FakeGates::apply(const core::GateChanges& changes) {
   return done;
 }
 
-std::vector<enforce::PlacedSlot> FakeGates::slots(std::span<const core::GateRule> rules) const {
-  std::vector<enforce::PlacedSlot> placed_slots;
+std::vector<gates::PlacedSlot> FakeGates::slots(std::span<const core::GateRule> rules) const {
+  std::vector<gates::PlacedSlot> placed_slots;
   for (const core::GateRule& rule : rules)
     if (const auto entry = placed(rule.entry); entry && gate_of(rule.entry.port) != nullptr)
       placed_slots.push_back(
           {static_cast<std::uint32_t>(entry->port),
-           enforce::slot_of(rule, ports_[rule.entry.port].kind,
-                            static_cast<std::uint32_t>(entry->source_port.value_or(0)))});
+           gates::slot_of(rule, ports_[rule.entry.port].kind,
+                          static_cast<std::uint32_t>(entry->source_port.value_or(0)))});
   return placed_slots;
 }
 
@@ -432,9 +432,9 @@ UnknownFrames FakeGates::unknown_frames(std::size_t port) const {
   return found == unknown.end() ? UnknownFrames{} : found->second;
 }
 
-std::vector<enforce::UnknownFrame> FakeGates::seen_unknown(std::size_t port) const {
+std::vector<gates::UnknownFrame> FakeGates::seen_unknown(std::size_t port) const {
   const auto found = seen.find(ports_[port].port.identity.name);
-  return found == seen.end() ? std::vector<enforce::UnknownFrame>() : found->second;
+  return found == seen.end() ? std::vector<gates::UnknownFrame>() : found->second;
 }
 
 std::vector<Refusals> FakeGates::refusals(std::size_t port) const {

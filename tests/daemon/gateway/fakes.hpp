@@ -62,7 +62,7 @@ struct FakeInterface {
 struct FakeGate {
   std::map<core::GateEntry, core::GateRule> rules;
   bool closed = false;  ///< it has a program without slots, which lets nothing pass
-  std::optional<enforce::Mode> first_mode = {};  ///< mode in which it was attached
+  std::optional<gates::Mode> first_mode = {};  ///< mode in which it was attached
   void deny_all() {
     for (auto& [entry, rule] : rules) rule.pass = false;
   }
@@ -82,7 +82,7 @@ struct FakeKernel {
   std::uint64_t beaten = 0;  ///< CLOCK_MONOTONIC of the latest heart-beat
   std::uint64_t until = 0;   ///< when the gates close in spite of heart-beats; 0: never
   std::uint64_t now = 0;     ///< time of advance_to()
-  enforce::Mode mode = enforce::Mode::enforce;
+  gates::Mode mode = gates::Mode::enforce;
   std::vector<std::string> order;  ///< log of the calls, for tests of their order
   int next_ifindex = 1;
 
@@ -109,8 +109,8 @@ class FakeControl final : public GateControl {
   void open() override;
   void close_all() override;
   [[nodiscard]] bool is_open() const override { return kernel_.open; }
-  void set_mode(enforce::Mode mode) override { kernel_.mode = mode; }
-  [[nodiscard]] enforce::Mode mode() const override { return kernel_.mode; }
+  void set_mode(gates::Mode mode) override { kernel_.mode = mode; }
+  [[nodiscard]] gates::Mode mode() const override { return kernel_.mode; }
   Result<void> set_grace(std::uint64_t grace) override;
   [[nodiscard]] std::uint64_t grace() const override { return kernel_.grace; }
   Result<void> set_until(std::uint64_t until) override;
@@ -183,7 +183,7 @@ class FakeGates final : public GateDriver {
   Result<void> sync(const core::GateState& wanted) override;
   Result<void> apply(const core::GateChanges& changes) override;
   void set_bands(std::size_t /*port*/, std::span<const std::uint32_t> /*limits*/) override {}
-  [[nodiscard]] std::vector<enforce::PlacedSlot> slots(
+  [[nodiscard]] std::vector<gates::PlacedSlot> slots(
       std::span<const core::GateRule> rules) const override;
   using GateDriver::frames;
   [[nodiscard]] Frames frames(const core::GateState& rules,
@@ -223,12 +223,11 @@ class FakeGates final : public GateDriver {
   [[nodiscard]] std::vector<core::Condition> conditions(std::size_t networks) const override;
   [[nodiscard]] std::optional<BusCounters> bus_counters(std::size_t port) override;
   [[nodiscard]] UnknownFrames unknown_frames(std::size_t port) const override;
-  [[nodiscard]] std::vector<enforce::UnknownFrame> seen_unknown(std::size_t port) const override;
-  [[nodiscard]] std::vector<enforce::RefusedSender> refused_senders(
-      std::size_t port) const override {
+  [[nodiscard]] std::vector<gates::UnknownFrame> seen_unknown(std::size_t port) const override;
+  [[nodiscard]] std::vector<gates::RefusedSender> refused_senders(std::size_t port) const override {
     ++sender_reads;
     const auto found = senders.find(interface_name(port));
-    return found == senders.end() ? std::vector<enforce::RefusedSender>() : found->second;
+    return found == senders.end() ? std::vector<gates::RefusedSender>() : found->second;
   }
   /// The number of a subject's slot is the subject, as tests write it.
   [[nodiscard]] std::optional<std::uint32_t> slot_number(
@@ -238,9 +237,9 @@ class FakeGates final : public GateDriver {
   [[nodiscard]] std::vector<Refusals> refusals(std::size_t port) const override;
   [[nodiscard]] std::vector<Refusals> misfits(std::size_t port) const override;
   [[nodiscard]] std::string latest_unknown(std::size_t /*port*/) const override { return "123"; }
-  [[nodiscard]] std::optional<enforce::Bindings> bindings(std::size_t port) const override {
+  [[nodiscard]] std::optional<gates::Bindings> bindings(std::size_t port) const override {
     if (tables.empty() || ports_[port].profile != core::Profile::famouso) return std::nullopt;
-    return enforce::Bindings(*tables.at(port));
+    return gates::Bindings(*tables.at(port));
   }
   [[nodiscard]] std::vector<control::Interface> report() const override;
 
@@ -254,14 +253,14 @@ class FakeGates final : public GateDriver {
   [[nodiscard]] bool has_refused(std::size_t port) const { return ports_[port].refused; }
 
   // Set by tests:
-  std::map<std::string, BusCounters> carried;                          ///< by interface
-  std::map<std::string, UnknownFrames> unknown;                        ///< by interface
-  std::map<std::string, std::vector<enforce::UnknownFrame>> seen;      ///< by interface
-  std::map<std::string, std::vector<enforce::RefusedSender>> senders;  ///< by interface
-  mutable unsigned sender_reads = 0;                        ///< calls of refused_senders()
-  std::map<std::string, std::vector<Refusals>> refused;     ///< by interface
-  std::map<std::string, std::vector<Refusals>> misfitting;  ///< by interface
-  std::function<void()> before_frames;                      ///< called by frames()
+  std::map<std::string, BusCounters> carried;                        ///< by interface
+  std::map<std::string, UnknownFrames> unknown;                      ///< by interface
+  std::map<std::string, std::vector<gates::UnknownFrame>> seen;      ///< by interface
+  std::map<std::string, std::vector<gates::RefusedSender>> senders;  ///< by interface
+  mutable unsigned sender_reads = 0;                                 ///< calls of refused_senders()
+  std::map<std::string, std::vector<Refusals>> refused;              ///< by interface
+  std::map<std::string, std::vector<Refusals>> misfitting;           ///< by interface
+  std::function<void()> before_frames;                               ///< called by frames()
   std::map<core::Subject, Frames> counted;  ///< the result of frames() for the rules of a subject
   /// The result of frames() for a single rule, if there is one.
   std::map<core::Direction, std::uint64_t> passed;

@@ -74,7 +74,7 @@ class Introduction : public ::testing::Test {
 TEST_F(Introduction, NoGateEnforcesFromTheFirstStartOn) {
   ASSERT_FALSE(bench_.kernel.gates.empty());
   for (const auto& [ifindex, gate] : bench_.kernel.gates)
-    EXPECT_EQ(gate.first_mode, enforce::Mode::audit) << ifindex;
+    EXPECT_EQ(gate.first_mode, gates::Mode::audit) << ifindex;
   EXPECT_EQ(status().mode, "audit");
   EXPECT_TRUE(status().audit_until_enforced);
   EXPECT_TRUE(reports("audit mode until 'mlccactl mode enforce'"));
@@ -98,7 +98,7 @@ TEST_F(Introduction, LastsOverRestartsAndRebootsUntilTheGatesEnforceForTheFirstT
   reboot();
   EXPECT_EQ(status().mode, "enforce");
   for (const auto& [ifindex, gate] : bench_.kernel.gates)
-    EXPECT_EQ(gate.first_mode, enforce::Mode::enforce) << ifindex;
+    EXPECT_EQ(gate.first_mode, gates::Mode::enforce) << ifindex;
 }
 
 /// From then on audit mode behaves as on a gateway that was never introduced.
@@ -145,7 +145,7 @@ TEST_F(Introduction, IsAskedFor) {
   bench_.initial_audit = false;
   reboot();
   for (const auto& [ifindex, gate] : bench_.kernel.gates)
-    EXPECT_EQ(gate.first_mode, enforce::Mode::enforce) << ifindex;
+    EXPECT_EQ(gate.first_mode, gates::Mode::enforce) << ifindex;
   ASSERT_TRUE(is_done({"audit"}));
   EXPECT_FALSE(status().audit_until_enforced) << "a reboot ends it";
 }

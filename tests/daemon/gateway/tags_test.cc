@@ -163,7 +163,7 @@ TEST_F(TagClaims, WhatIsAdmittedWithoutBeingDescribedIsHeldAgainstTheBrokerAndTh
       state.list({.subject = kUnlisted, .networks = {}, .bindings = {{kSecondCan, kNext}}}));
   describe(state.system());
   const auto stated = tags_.stated(kSecondCan);
-  const auto own = std::ranges::find(stated, kUnlisted, &enforce::StatedBinding::subject);
+  const auto own = std::ranges::find(stated, kUnlisted, &gates::StatedBinding::subject);
   ASSERT_NE(own, stated.end());
   EXPECT_EQ(own->etag, kNext);
   deal(kDistance, kNext);
@@ -206,8 +206,7 @@ TEST_F(TagClaims, WhatWasClosedStaysClosedForADaemonThatFindsNoGate) {
   EXPECT_EQ(of(kEmergency).problem(), "the broker has dealt its tag to another");
   EXPECT_EQ(refused(), 1U);
   const auto stated = tags_.stated(kSecondCan);
-  EXPECT_TRUE(
-      std::ranges::find(stated, kEmergency, &enforce::StatedBinding::subject)->contradicted);
+  EXPECT_TRUE(std::ranges::find(stated, kEmergency, &gates::StatedBinding::subject)->contradicted);
 }
 
 /// Whom the tag was dealt to is not known then: that it was dealt to some subject is.
@@ -240,7 +239,7 @@ TEST_F(TagClaims, WhatIsKnownIsGivenToAGateThatHasNotReceivedIt) {
   deal(kDistance, kNext);
   deal(kVelocity, kTag);
   of(kEmergency).contradiction = "the broker has dealt its tag to another";
-  for (const enforce::StatedBinding& b : tags_.stated(kSecondCan)) {
+  for (const gates::StatedBinding& b : tags_.stated(kSecondCan)) {
     EXPECT_EQ(b.contradicted, b.subject == kEmergency);
     EXPECT_EQ(b.dealt, b.subject == kDistance ? kNext : b.subject == kVelocity ? kTag : 0);
     EXPECT_EQ(b.etag, b.subject == kDistance ? kNext : b.subject == kEmergency ? kTag : 0);
@@ -265,7 +264,7 @@ TEST_F(TagClaims, WhatNoGateHasRoomForIsRefused) {
   ASSERT_EQ(refused.size(), 1U) << "SUBSCRIB has one, too";
   EXPECT_EQ(refused[0].how, "no gate holds more than 4096 tags of second-can against the broker");
   const core::Subject subject = system.channels[refused[0].channel].subject;
-  EXPECT_EQ(std::ranges::find(stated, subject, &enforce::StatedBinding::subject), stated.end());
+  EXPECT_EQ(std::ranges::find(stated, subject, &gates::StatedBinding::subject), stated.end());
 }
 
 }  // namespace

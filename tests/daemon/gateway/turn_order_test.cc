@@ -142,7 +142,7 @@ TEST_F(OnTheBench, ARequestThatChangesSomethingIsForMembers) {
   EXPECT_TRUE(is_forbidden(bench_.ask(control::ModeRequest{"audit"}, outsider())));
   EXPECT_TRUE(is_forbidden(bench_.ask(control::ReloadRequest{}, outsider())));
   EXPECT_FALSE(bench_.reading().busy());
-  EXPECT_EQ(bench_.kernel.mode, enforce::Mode::enforce);
+  EXPECT_EQ(bench_.kernel.mode, gates::Mode::enforce);
   control::Query query;
   static_cast<control::ChannelRequest&>(query) = newcomer();
   EXPECT_FALSE(is_forbidden(bench_.ask(query, outsider())));

@@ -87,14 +87,14 @@ class ChangeTest : public ::testing::Test {
   [[nodiscard]] std::string state() {
     std::string text;
     for (std::size_t port = 0; port < 2; ++port) {
-      const enforce::PortGate* gate = ports_->gate(port);
+      const gates::PortGate* gate = ports_->gate(port);
       if (gate == nullptr) return text + ports_->problem(port);
-      const std::string pins = enforce::gate_directory(control_.directory(), gate->ifindex());
-      const auto ids = enforce::in_place({gate->ifindex(), pins, gate->hook()}).value();
+      const std::string pins = gates::gate_directory(control_.directory(), gate->ifindex());
+      const auto ids = gates::in_place({gate->ifindex(), pins, gate->hook()}).value();
       text += fmt::format("{}: programs {} and {}, {} slots{}", gate->name(), ids.ingress,
                           ids.egress, gate->size(), gate->attached().value() ? "" : ", displaced");
       for (const auto& slot : gate->present()) text += slot.pass ? ", passes" : ", denies";
-      const auto names = enforce::names_in(pins).value();
+      const auto names = gates::names_in(pins).value();
       for (const std::string& name : names)
         if (name.ends_with("_next")) text += ", left " + name;
       const auto again = gate->keep_pinned().value();
@@ -122,7 +122,7 @@ class ChangeTest : public ::testing::Test {
   }
 
   std::string root_ = test::new_bpf_root();
-  enforce::Control control_ = enforce::Control::create(root_).value();
+  gates::Control control_ = gates::Control::create(root_).value();
   std::string reported_;
   std::optional<net::Links> links_;
   std::optional<Ports> ports_;

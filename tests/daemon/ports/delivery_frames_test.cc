@@ -15,8 +15,8 @@ core::GateRule rule(std::size_t port, core::Direction direction) {
 }
 
 /// Each slot counts its port, from 1.
-std::optional<enforce::SlotCounters> by_port(const core::GateRule& rule) {
-  enforce::SlotCounters counters;
+std::optional<gates::SlotCounters> by_port(const core::GateRule& rule) {
+  gates::SlotCounters counters;
   counters.passed = rule.entry.port + 1;
   return counters;
 }
@@ -46,7 +46,7 @@ TEST(DeliveryFramesTest, ASlotThatIsNotThereCountsNothing) {
 
 TEST(DeliveryFramesTest, WhatIsCountedOnlyIsNotDroppedForItsExcess) {
   const auto counters = [](const core::GateRule&) {
-    enforce::SlotCounters out;
+    gates::SlotCounters out;
     out.excess = 3;
     out.would_exceed = 4;
     out.last_reason = GATE_R_EXCESS;

@@ -24,7 +24,7 @@
 #include "daemon/gates/readback.hpp"
 #include "tests/daemon/gates/attach_fixture.hpp"
 
-namespace mlcca::enforce {
+namespace mlcca::gates {
 namespace {
 
 class DriftTest : public AttachTo, public ::testing::WithParamInterface<Hook> {
@@ -465,4 +465,4 @@ INSTANTIATE_TEST_SUITE_P(Hooks, DriftInTheDriver, ::testing::ValuesIn([] {
                          name_of);
 
 }  // namespace
-}  // namespace mlcca::enforce
+}  // namespace mlcca::gates

@@ -23,8 +23,8 @@ struct FakeHooks {
 
 /// "eth7 for 3 slots".
 inline std::string name_of(const GateSpec& spec) {
-  if (const auto* const can = std::get_if<enforce::GateConfig>(&spec)) return can->name;
-  const auto& ethernet = std::get<enforce::EtherConfig>(spec);
+  if (const auto* const can = std::get_if<gates::GateConfig>(&spec)) return can->name;
+  const auto& ethernet = std::get<gates::EtherConfig>(spec);
   return ethernet.name + " for " + std::to_string(ethernet.slots) + " slots";
 }
 
@@ -46,8 +46,8 @@ class FakeGate final : public HeldGate {
   void deny_all() override { hooks_.denied.insert(name_); }
   void unpin() override { hooks_.unpinned.insert(ifindex_); }
   /// These have no slots: nothing that is tested with them may ask for one.
-  [[nodiscard]] enforce::PortGate& port_gate() override { std::abort(); }
-  [[nodiscard]] enforce::Gate* can_gate() override { return nullptr; }
+  [[nodiscard]] gates::PortGate& port_gate() override { std::abort(); }
+  [[nodiscard]] gates::Gate* can_gate() override { return nullptr; }
 
  private:
   int ifindex_;

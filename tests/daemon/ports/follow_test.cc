@@ -66,7 +66,7 @@ class FollowTest : public ::testing::Test {
   static constexpr int kNear = 4711;
   static constexpr int kFar = 4712;
   std::string root_ = test::new_bpf_root();
-  enforce::Control control_ = enforce::Control::create(root_).value();
+  gates::Control control_ = gates::Control::create(root_).value();
   std::map<int, net::UdevFacts> facts_;
   std::optional<net::Links> links_;
   std::optional<Ports> ports_;

@@ -12,7 +12,7 @@ namespace {
 Result<std::vector<std::uint32_t>> pinned(std::vector<std::uint32_t> interfaces) {
   return interfaces;
 }
-using Found = Result<std::vector<enforce::GatedInterface>>;
+using Found = Result<std::vector<gates::GatedInterface>>;
 
 /// Interface 7 is a port, 8 is none.
 class FormerGatesTest : public ::testing::Test {

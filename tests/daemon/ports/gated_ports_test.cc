@@ -44,7 +44,7 @@ class GatedPortsTest : public ::testing::Test {
   net::FactsOf facts_of_ = [](int) { return net::UdevFacts{}; };
   test::FakeHooks hooks_;
   GatedPorts ports_{test::load_into(hooks_), [](const std::string&) {
-                      return Result<enforce::Closing>(enforce::Closing::closed);
+                      return Result<gates::Closing>(gates::Closing::closed);
                     }};
 };
 

@@ -26,7 +26,7 @@ class InterfaceHoldTest : public ::testing::Test {
   net::Link link_ = test::ethernet(7, "eth7");
   test::FakeHooks hooks_;
   GateSet gates_{test::load_into(hooks_)};
-  Result<enforce::Closing> closing_ = enforce::Closing::closed;
+  Result<gates::Closing> closing_ = gates::Closing::closed;
   std::vector<std::string> reported_;
   InterfaceHold hold_;
 };
@@ -49,7 +49,7 @@ TEST_F(InterfaceHoldTest, WithoutAnyGateItIsClosedByAProgramWithoutSlots) {
   hooks_.lacks_memory = true;
   EXPECT_FALSE(attach());
   EXPECT_FALSE(hold_.is_lost());
-  closing_ = enforce::Closing::was_gated;
+  closing_ = gates::Closing::was_gated;
   EXPECT_FALSE(attach());
   EXPECT_FALSE(hold_.is_lost()) << "that program is still the one there";
   EXPECT_EQ(reported_.size(), 2U) << "the same reason is reported once";
@@ -57,7 +57,7 @@ TEST_F(InterfaceHoldTest, WithoutAnyGateItIsClosedByAProgramWithoutSlots) {
 
 TEST_F(InterfaceHoldTest, BehindAnOlderGateOrWithoutAProgramItIsLost) {
   hooks_.lacks_memory = true;
-  closing_ = enforce::Closing::was_gated;
+  closing_ = gates::Closing::was_gated;
   EXPECT_FALSE(attach());
   EXPECT_TRUE(hold_.is_lost()) << "that one may pass what it holds";
   closing_ = fail("no permission");
@@ -75,7 +75,7 @@ TEST_F(InterfaceHoldTest, TheProgramIsKnownAgainAfterANewDescription) {
   InterfaceHold next;
   next.take_over(hold_);
   hold_ = next;
-  closing_ = enforce::Closing::was_gated;
+  closing_ = gates::Closing::was_gated;
   EXPECT_FALSE(attach());
   EXPECT_FALSE(hold_.is_lost());
 }

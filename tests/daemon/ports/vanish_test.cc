@@ -111,10 +111,10 @@ class VanishTest : public ::testing::Test {
     ports_->follow();
   }
   [[nodiscard]] std::string pins() const {
-    return enforce::gate_directory(control_.directory(), kNear);
+    return gates::gate_directory(control_.directory(), kNear);
   }
   [[nodiscard]] bool is_gated() const {
-    const auto there = enforce::in_place({kNear, pins(), enforce::best_hook()});
+    const auto there = gates::in_place({kNear, pins(), gates::best_hook()});
     return there && there->is_gate();
   }
 
@@ -130,10 +130,10 @@ class VanishTest : public ::testing::Test {
     reported_.clear();
   }
   /// As `tc qdisc del … clsact` and `bpftool net detach` do.
-  void take_off(enforce::Direction direction) {
-    const auto program = enforce::open_pin(
-        pins() + (direction == enforce::Direction::ingress ? "/ingress" : "/egress"));
-    const auto done = enforce::tcx_detach(kNear, direction, program.get());
+  void take_off(gates::Direction direction) {
+    const auto program =
+        gates::open_pin(pins() + (direction == gates::Direction::ingress ? "/ingress" : "/egress"));
+    const auto done = gates::tcx_detach(kNear, direction, program.get());
     EXPECT_TRUE(done) << done.error().text;
   }
 
@@ -142,7 +142,7 @@ class VanishTest : public ::testing::Test {
   static constexpr int kNear = 4711;
   static constexpr int kFar = 4712;
   std::string root_ = test::new_bpf_root();
-  enforce::Control control_ = enforce::Control::create(root_).value();
+  gates::Control control_ = gates::Control::create(root_).value();
   std::vector<std::string> reported_;
   std::optional<net::Links> links_;
   std::optional<Ports> ports_;
@@ -154,7 +154,7 @@ TEST_F(VanishTest, AnInterfaceThatAppearsWhileThereIsNoBpffsIsHeldClosed) {
   follow();
   shell("ip link add eth7 index 4711 type veth peer name far7");
   follow();
-  const auto closed = enforce::in_place({kNear, {}, enforce::Hook::clsact});
+  const auto closed = gates::in_place({kNear, {}, gates::Hook::clsact});
   EXPECT_TRUE(closed && closed->is_gate());
   EXPECT_FALSE(ports_->out_of_hand()) << "other gates need not close";
   EXPECT_FALSE(ports_->problem(0).empty());
@@ -211,7 +211,7 @@ TEST_F(VanishTest, AGateThatCannotBeInspectedIsCommandedAsBeforeAndReportedOnce)
 TEST_F(VanishTest, AGateWhosePinsAreGoneIsClosedAlsoWhereItIsNotDescribedAnyMore) {
   // A crash, then another program removes all pins.
   ports_.reset();
-  control_ = enforce::Control::create(root_ = test::new_bpf_root()).value();
+  control_ = gates::Control::create(root_ = test::new_bpf_root()).value();
   ports_.emplace(
       *links_, control_, net::udev_facts,
       [this](const std::string&, const std::string& line, bool) { reported_.push_back(line); },
@@ -237,7 +237,7 @@ TEST_F(VanishTest, AGateWhosePinsAreGoneIsClosedAlsoWhereItIsNotDescribedAnyMore
 
 TEST_F(VanishTest, AGateThatIsTakenOffAnInterfaceThatIsNotDescribedIsLetGo) {
   describe_no_port();
-  for (const auto direction : enforce::kBothDirections) take_off(direction);
+  for (const auto direction : gates::kBothDirections) take_off(direction);
   EXPECT_TRUE(ports_->repair(kNear));
   EXPECT_FALSE(is_gated());
   EXPECT_FALSE(std::filesystem::exists(pins()));
@@ -267,7 +267,7 @@ TEST_F(VanishTest, APortWithoutAProfileCannotBeUsedWhileAFormerGateIsThere) {
   EXPECT_TRUE(ports_->report().at(0).attached);
   const core::State state(std::move(bare));
   EXPECT_TRUE(ports_->gates(state, "").gates.at(0).attached);
-  for (const auto direction : enforce::kBothDirections) take_off(direction);
+  for (const auto direction : gates::kBothDirections) take_off(direction);
   EXPECT_FALSE(ports_->repair(kNear)) << "follow() is due";
   follow();
   EXPECT_EQ(ports_->problem(0), "");
@@ -277,7 +277,7 @@ TEST_F(VanishTest, APortWithoutAProfileCannotBeUsedWhileAFormerGateIsThere) {
 
 TEST_F(VanishTest, OneThatIsTakenOffInOneDirectionIsPutBack) {
   describe_no_port();
-  take_off(enforce::Direction::ingress);
+  take_off(gates::Direction::ingress);
   EXPECT_TRUE(ports_->repair(kNear));
   EXPECT_TRUE(is_gated());
   EXPECT_TRUE(ports_->next_gate(0));
@@ -285,7 +285,7 @@ TEST_F(VanishTest, OneThatIsTakenOffInOneDirectionIsPutBack) {
 
 TEST_F(VanishTest, WhileItIsUnknownWhetherAGateWasTakenOffItIsHeld) {
   describe_no_port();
-  for (const auto direction : enforce::kBothDirections) take_off(direction);
+  for (const auto direction : gates::kBothDirections) take_off(direction);
   fail_queries = ENOMEM;
   static_cast<void>(ports_->repair(kNear));
   EXPECT_TRUE(ports_->next_gate(0));
@@ -295,7 +295,7 @@ TEST_F(VanishTest, WhileItIsUnknownWhetherAGateWasTakenOffItIsHeld) {
 }
 
 TEST_F(VanishTest, TheGateOfAPortIsPutBack) {
-  for (const auto direction : enforce::kBothDirections) take_off(direction);
+  for (const auto direction : gates::kBothDirections) take_off(direction);
   EXPECT_TRUE(ports_->repair(kNear));
   EXPECT_TRUE(is_gated());
 }
@@ -341,15 +341,15 @@ TEST_F(VanishTest, WhetherItWentIsFoundOutLaterWithoutAnAnswer) {
 }
 
 TEST_F(VanishTest, AnotherInterfaceWithTheNumberGetsAGateOfItsOwn) {
-  enforce::SlotSpec slot;
+  gates::SlotSpec slot;
   slot.pass = true;
   slot.subject = 5;
   slot.max_len = 8;
   slot.formats = 1;
-  enforce::SlotChanges changes;
+  gates::SlotChanges changes;
   changes.add = {slot};
   const auto* before = ports_->gate(0);
-  const auto done = const_cast<enforce::PortGate*>(before)->apply(changes);  // NOLINT(*-const-cast)
+  const auto done = const_cast<gates::PortGate*>(before)->apply(changes);  // NOLINT(*-const-cast)
   ASSERT_TRUE(done) << done.error().text;
   ASSERT_EQ(before->size(), 1U);
   shell("ip link del eth7");

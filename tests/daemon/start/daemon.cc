@@ -175,9 +175,9 @@ bool Gateway::comes_to_log(const std::string& words) const {
   return true;
 }
 
-enforce::Mapped<gate_control> Gateway::word() const {
-  const Fd map = enforce::open_pin(fmt::format("{}/v{}/control", root_, GATE_LAYOUT_VERSION));
-  return map ? enforce::Mapped<gate_control>(map.get(), 1) : enforce::Mapped<gate_control>();
+gates::Mapped<gate_control> Gateway::word() const {
+  const Fd map = gates::open_pin(fmt::format("{}/v{}/control", root_, GATE_LAYOUT_VERSION));
+  return map ? gates::Mapped<gate_control>(map.get(), 1) : gates::Mapped<gate_control>();
 }
 
 // --- what is described ---------------------------------------------------------------------------

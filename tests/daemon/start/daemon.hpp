@@ -71,7 +71,7 @@ class Gateway {
   /// Waits, at most some minutes, until the log has these words.
   [[nodiscard]] bool comes_to_log(const std::string& words) const;
   /// The control word, once there is one.
-  [[nodiscard]] enforce::Mapped<gate_control> word() const;
+  [[nodiscard]] gates::Mapped<gate_control> word() const;
 
  private:
   std::string folder_;

@@ -72,7 +72,7 @@ class StartTest : public ::testing::Test {
   }
 
   Gateway gateway_{described(1)};
-  enforce::Mapped<gate_control> word_;
+  gates::Mapped<gate_control> word_;
 };
 
 TEST_F(StartTest, BeatsBeforeItHasReadEverything) {

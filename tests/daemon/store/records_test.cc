@@ -11,9 +11,9 @@
 namespace mlcca::store::test {
 namespace {
 
-using enforce::Direction;
-using enforce::PlacedSlot;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::PlacedSlot;
+using gates::SlotSpec;
 
 template <class Integer>
 Integer most() {

@@ -13,9 +13,9 @@
 namespace mlcca::readback {
 namespace {
 
-using enforce::Direction;
-using enforce::GateReading;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::GateReading;
+using gates::SlotSpec;
 using Lines = std::vector<std::string>;
 
 SlotSpec slot(std::uint32_t id = 0x123, std::uint64_t subject = 7) {
@@ -143,14 +143,14 @@ TEST(Differences, AnEthernetGateThatWatchesAllItCanLacksNone) {
   EXPECT_EQ(between(is, ought, true).size(), 2U) << "there was room for one of them";
 }
 
-store::Contents journal_of(const std::vector<enforce::PlacedSlot>& slots) {
+store::Contents journal_of(const std::vector<gates::PlacedSlot>& slots) {
   store::Contents journal;
   journal.gated = {{"name can0", {"name can0", "robot", "can0", 3}}};
   if (!slots.empty()) journal.enforced = {{7, store::record_of(slots)}};
   return journal;
 }
 Lines problems(const GateReading& g, const store::Contents& journal) {
-  enforce::Reading reading;
+  gates::Reading reading;
   reading.gates = {g};
   compare_slots(reading, journal);
   Lines all = reading.problems;

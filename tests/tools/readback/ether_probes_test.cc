@@ -11,9 +11,9 @@
 namespace mlcca::readback {
 namespace {
 
-using enforce::Direction;
-using enforce::GateReading;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::GateReading;
+using gates::SlotSpec;
 
 SlotSpec slot(std::uint64_t subject, Direction direction = Direction::ingress) {
   SlotSpec s;

@@ -10,9 +10,9 @@
 namespace mlcca::readback {
 namespace {
 
-using enforce::Direction;
-using enforce::GateReading;
-using enforce::SlotSpec;
+using gates::Direction;
+using gates::GateReading;
+using gates::SlotSpec;
 using Way = Probe::Way;
 
 constexpr std::uint32_t kAll = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK;

@@ -19,15 +19,15 @@
 namespace mlcca::readback {
 namespace {
 
-using enforce::SlotSpec;
+using gates::SlotSpec;
 
-class ReplicaTest : public enforce::AttachTo {
+class ReplicaTest : public gates::AttachTo {
  protected:
-  ReplicaTest() : AttachTo(enforce::Hook::clsact) {
+  ReplicaTest() : AttachTo(gates::Hook::clsact) {
     EXPECT_EQ(std::system("ip link add lan0 type veth peer name far0"), 0);
-    auto made = enforce::EtherGate::attach({if_nametoindex("lan0"), "lan0", 0, hook_}, control_);
+    auto made = gates::EtherGate::attach({if_nametoindex("lan0"), "lan0", 0, hook_}, control_);
     EXPECT_TRUE(made) << made.error().text;
-    gate_ = std::make_unique<enforce::EtherGate>(std::move(*made));
+    gate_ = std::make_unique<gates::EtherGate>(std::move(*made));
   }
   ~ReplicaTest() override { EXPECT_EQ(std::system("ip link del lan0"), 0); }
 
@@ -39,7 +39,7 @@ class ReplicaTest : public enforce::AttachTo {
     return slot;
   }
   /// In a process of its own, because no process comes back from the namespaces of the copies.
-  [[nodiscard]] int problems_of(const enforce::Reading& reading) const {
+  [[nodiscard]] int problems_of(const gates::Reading& reading) const {
     const pid_t child = ::fork();
     if (child == 0) {
       const auto trials = try_gates(reading, root_);
@@ -58,18 +58,18 @@ class ReplicaTest : public enforce::AttachTo {
     return WEXITSTATUS(status);
   }
 
-  std::unique_ptr<enforce::EtherGate> gate_;
+  std::unique_ptr<gates::EtherGate> gate_;
 };
 
 TEST_F(ReplicaTest, FramesAreJudgedByTheTableOfTheReadingAndNotByALaterOne) {
-  enforce::SlotChanges first;
+  gates::SlotChanges first;
   first.add = {subject(1, true), subject(2, false)};
   ASSERT_TRUE(gate_->apply(first));
-  const auto reading = enforce::read_back(root_);
+  const auto reading = gates::read_back(root_);
   ASSERT_TRUE(reading) << reading.error().text;
   EXPECT_EQ(problems_of(*reading), 0);
 
-  enforce::SlotChanges second;
+  gates::SlotChanges second;
   second.add = {subject(3, true)};
   second.remove = {subject(1, true)};
   ASSERT_TRUE(gate_->apply(second));
