@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "base/loop_timer.hpp"
 #include "base/outage.hpp"
 #include "base/result.hpp"
 #include "cluster/channel.hpp"
@@ -23,7 +24,6 @@
 #include "cluster/outbox.hpp"
 #include "cluster/settings.hpp"
 #include "daemon/cluster/wire.hpp"
-#include "daemon/net/sources/timer.hpp"
 
 namespace mlcca::cluster {
 
@@ -106,9 +106,9 @@ class Bridge {
   std::string problem_;              ///< why no member can be asked; empty: one can
   Outage outage_;
   std::uint64_t pause_;  ///< µs until the feed is requested again
-  net::Timer poll_;
-  net::Timer reconnect_;
-  net::Timer refollow_;
+  LoopTimer poll_;
+  LoopTimer reconnect_;
+  LoopTimer refollow_;
 };
 
 }  // namespace mlcca::cluster

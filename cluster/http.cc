@@ -12,8 +12,9 @@
 
 #include "base/clock.hpp"
 #include "base/handle.hpp"
+#include "base/loop_timer.hpp"
+#include "base/system_error.hpp"
 #include "cluster/grpc.hpp"
-#include "daemon/net/sources/timer.hpp"
 
 namespace mlcca::cluster {
 namespace {
@@ -198,10 +199,10 @@ class Engine : public std::enable_shared_from_this<Engine> {
   }
 
   /// Adds a timer that is off.
-  Result<void> add_timer(net::EventSource& to, sd_event_time_handler_t call) {
+  Result<void> add_timer(EventSource& to, sd_event_time_handler_t call) {
     sd_event_source* raw = nullptr;
     const int e = sd_event_add_time_relative(loop_, &raw, CLOCK_MONOTONIC, 0, 1, call, this);
-    if (e < 0) return fail(net::error_words("timer", -e));
+    if (e < 0) return system_error("timer", -e);
     to.reset(raw);
     sd_event_source_set_enabled(raw, SD_EVENT_OFF);
     return {};
@@ -335,9 +336,9 @@ class Engine : public std::enable_shared_from_this<Engine> {
   Settings settings_;
   std::string endpoint_;
   Headers headers_;
-  std::map<curl_socket_t, net::EventSource> sockets_;
-  net::EventSource timer_;
-  net::EventSource late_;  ///< rings when a call must have ended
+  std::map<curl_socket_t, EventSource> sockets_;
+  EventSource timer_;
+  EventSource late_;  ///< rings when a call must have ended
   std::vector<std::shared_ptr<Transfer>> transfers_;
   Multi multi_;
 };

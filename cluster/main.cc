@@ -15,6 +15,7 @@
 
 #include "base/command_line.hpp"
 #include "base/handle.hpp"
+#include "base/loop_timer.hpp"
 #include "base/standard_streams.hpp"
 #include "base/system_error.hpp"
 #include "cluster/bridge.hpp"
@@ -25,7 +26,6 @@
 #include "control/version.hpp"
 #include "daemon/listen.hpp"
 #include "daemon/manager.hpp"
-#include "daemon/net/sources/timer.hpp"
 
 namespace mlcca::cluster {
 namespace {
@@ -78,7 +78,7 @@ Result<void> serve(const Options& options, const Settings& settings) {
   if (auto started = bridge.start(); !started) return started;
   Server server(raw, std::move(*listening), bridge, say);
   if (auto started = server.start(); !started) return started;
-  net::Timer alive;
+  LoopTimer alive;
   const auto report = [&alive] {
     notify("WATCHDOG=1");
     alive.set(kAlive);

@@ -10,10 +10,10 @@
 #include <string>
 
 #include "base/handle.hpp"
+#include "base/loop_timer.hpp"
 #include "base/result.hpp"
 #include "cluster/bridge.hpp"
 #include "daemon/cluster/wire.hpp"
-#include "daemon/net/sources/timer.hpp"
 
 namespace mlcca::cluster {
 
@@ -45,11 +45,11 @@ class Server {
   Bridge& bridge_;
   Log log_;
   std::set<uid_t> trusted_;
-  net::EventSource connections_;
-  net::Timer accept_again_;
+  EventSource connections_;
+  LoopTimer accept_again_;
   bool rests_ = false;  ///< no connection can be accepted, and that was logged
   Fd socket_;
-  net::EventSource io_;
+  EventSource io_;
   wire::ReaderOfGateway reader_;
   std::array<char, wire::kMaxMessage> buffer_{};
   bool full_ = false;  ///< the socket is full, because mlccad does not read fast enough

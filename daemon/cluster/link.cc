@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <utility>
 
+#include "base/loop_timer.hpp"
+#include "base/system_error.hpp"
 #include "daemon/net/sources/child.hpp"
 
 namespace mlcca::cluster {
@@ -17,7 +19,6 @@ using core::cluster::Outcome;
 using core::cluster::StoreState;
 using core::cluster::Txn;
 using core::cluster::TxnResult;
-using net::error_words;
 
 constexpr std::size_t kTurnEntries = 256;  // that are handled in one turn
 constexpr int kTurnMessages = 64;
@@ -51,7 +52,7 @@ void SocketLink::wait(std::uint64_t ns) { sd_event_run(loop_, ns / kNanosInAMicr
 
 void SocketLink::send(const Txn& txn) {
   auto& under_way = under_way_[txn.id];
-  under_way.until = net::time_of(loop_) + txn.patience_ns + kGrace;
+  under_way.until = loop_time(loop_) + txn.patience_ns + kGrace;
   const std::string misfit = wire::misfit_of(txn);
   if (!misfit.empty()) {
     answer(txn.id, Outcome::invalid, misfit);
@@ -77,7 +78,7 @@ void SocketLink::poll() {
   answer_late();
   if (!io_) {
     begin();
-  } else if (net::time_of(loop_) > received_ + options_.timeout) {
+  } else if (loop_time(loop_) > received_ + options_.timeout) {
     end("mlcca-cluster says nothing");
   } else {
     timer_.set(kRound);
@@ -101,7 +102,7 @@ void SocketLink::begin() {
   socket_ = std::move(peer->socket);
   reader_ = {};
   owed_ = 0;
-  begun_ = received_ = net::time_of(loop_);
+  begun_ = received_ = loop_time(loop_);
   push({.message = wire::message_of(options_.hello)});
   if (!prefixes_.empty()) push({.message = wire::message_of(wire::Follow{prefixes_})});
   push({.message = wire::message_of(wire::Credit{kCredit})});
@@ -162,7 +163,7 @@ void SocketLink::take(std::size_t size) {
     end("mlcca-cluster is not to be believed: " + read.error().text);
     return;
   }
-  received_ = net::time_of(loop_);
+  received_ = loop_time(loop_);
   handled_ += read->entries;
   if (read->whole) handle(std::move(*read->whole));
   give_credit(read->entries);
@@ -191,7 +192,7 @@ void SocketLink::answer(std::uint64_t id, Outcome outcome, const std::string& wh
 }
 
 void SocketLink::answer_late() {
-  const std::uint64_t now = net::time_of(loop_);
+  const std::uint64_t now = loop_time(loop_);
   std::vector<std::uint64_t> late;
   for (const auto& [id, txn] : under_way_)
     if (now > txn.until) late.push_back(id);
@@ -200,7 +201,7 @@ void SocketLink::answer_late() {
 }
 
 void SocketLink::end(const std::string& why) {
-  if (io_ && net::time_of(loop_) > begun_ + kStable) pause_ = options_.pause;
+  if (io_ && loop_time(loop_) > begun_ + kStable) pause_ = options_.pause;
   io_.reset();
   socket_.reset();
   queue_.clear();

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "base/handle.hpp"
+#include "base/loop_timer.hpp"
 #include "base/result.hpp"
 #include "daemon/cluster/wire.hpp"
-#include "daemon/net/sources/timer.hpp"
 #include "daemon/outside/cluster_link.hpp"
 
 namespace mlcca::cluster {
@@ -71,9 +71,9 @@ class SocketLink final : public ClusterLink {
   std::function<void(ClusterMessage)> call_;
   std::vector<std::string> prefixes_;
   Fd socket_;
-  net::EventSource io_;
-  net::Timer timer_;
-  net::Timer deliveries_;
+  EventSource io_;
+  LoopTimer timer_;
+  LoopTimer deliveries_;
   std::deque<Queued> queue_;
   std::size_t queued_bytes_ = 0;
   std::map<std::uint64_t, UnderWay> under_way_;

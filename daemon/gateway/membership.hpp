@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
+#include "base/loop_timer.hpp"
 #include "base/result.hpp"
 #include "core/admission/holders.hpp"
 #include "core/cluster/footprint.hpp"
@@ -33,7 +34,6 @@
 #include "daemon/gateway/turn.hpp"
 #include "daemon/gateway/waiting_for_others.hpp"
 #include "daemon/gateway/wishes.hpp"
-#include "daemon/net/sources/timer.hpp"
 #include "daemon/outside/cluster_link.hpp"
 #include "daemon/outside/gate_control.hpp"
 
@@ -247,7 +247,7 @@ class Membership final : private core::Holdings {
   std::vector<std::function<void(const Result<void>&)>> waits_;
   std::function<void(std::uint64_t)> ready_;
   Value propose_at_ = 0;  ///< when the first description of a cluster may be proposed
-  net::Timer timer_;
+  LoopTimer timer_;
 };
 
 }  // namespace mlcca

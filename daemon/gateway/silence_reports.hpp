@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "base/clock.hpp"
+#include "base/loop_timer.hpp"
 #include "bpf/gate.h"
 #include "core/admission/state.hpp"
 #include "core/model/verdict.hpp"
@@ -19,7 +20,6 @@
 #include "daemon/gateway/delivery_health.hpp"
 #include "daemon/gateway/reported_silences.hpp"
 #include "daemon/gateway/scene.hpp"
-#include "daemon/net/sources/timer.hpp"
 #include "daemon/outside/gate_reader.hpp"
 
 namespace mlcca {
@@ -59,7 +59,7 @@ class SilenceReports {
   ReportedSilences& reported_;
   std::map<Key, std::uint64_t> waiting_;            ///< until when, CLOCK_MONOTONIC ns
   std::set<std::pair<std::uint64_t, Key>> by_due_;  ///< the same, sorted by time
-  net::Timer timer_;
+  LoopTimer timer_;
 };
 
 }  // namespace mlcca

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cerrno>
 
+#include "base/loop_timer.hpp"
 #include "base/unix_address.hpp"
 #include "tests/support/require.hpp"
 
@@ -23,10 +24,10 @@ sockaddr_in loopback(int port) {
   return address;
 }
 
-net::EventSource watched(sd_event* loop, int fd, sd_event_io_handler_t call, void* self) {
+EventSource watched(sd_event* loop, int fd, sd_event_io_handler_t call, void* self) {
   sd_event_source* raw = nullptr;
   require(sd_event_add_io(loop, &raw, fd, EPOLLIN, call, self) >= 0, "sd_event_add_io");
-  return net::EventSource(raw);
+  return EventSource(raw);
 }
 
 }  // namespace

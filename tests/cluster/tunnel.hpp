@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "base/handle.hpp"
+#include "base/loop_timer.hpp"
 #include "daemon/cluster/wire.hpp"
-#include "daemon/net/sources/timer.hpp"
 
 namespace mlcca::test {
 
@@ -44,7 +44,7 @@ class Tunnel {
  private:
   struct Pair {
     Fd client, server;
-    net::EventSource from_client, from_server;
+    EventSource from_client, from_server;
     std::size_t left = std::numeric_limits<std::size_t>::max();  ///< octets of the server
   };
   static int on_connection(sd_event_source*, int, std::uint32_t, void* self) noexcept;
@@ -63,7 +63,7 @@ class Tunnel {
   bool half_closes_ = false;
   std::size_t octets_of_server_ = 0;
   Fd listening_;
-  net::EventSource connections_;
+  EventSource connections_;
   std::list<Pair> pairs_;
 };
 

@@ -17,10 +17,12 @@
 #include <string>
 #include <utility>
 
+#include "base/loop_timer.hpp"
 #include "base/standard_streams.hpp"
+#include "base/system_error.hpp"
 #include "daemon/listen.hpp"
 #include "daemon/manager.hpp"
-#include "daemon/net/sources/timer.hpp"
+#include "daemon/net/sources/pace.hpp"
 #include "tools/awds/capture.hpp"
 #include "tools/awds/readers.hpp"
 #include "tools/sources/awds_packet.hpp"
@@ -38,7 +40,7 @@ Result<void> drop_capabilities() {
   __user_cap_header_struct header{.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
   const std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> none{};
   if (::syscall(SYS_capset, &header, none.data()) < 0)
-    return fail(net::error_words("giving up capabilities", errno));
+    return system_error("giving up capabilities");
   return {};
 }
 
@@ -58,7 +60,7 @@ class Relay {
   Result<void> start() {
     sd_event_source* raw = nullptr;
     if (const int e = sd_event_add_io(loop_, &raw, capture_.fd(), EPOLLIN, on_packets, this); e < 0)
-      return fail(net::error_words("watching the interface", -e));
+      return system_error("watching the interface", -e);
     io_.reset(raw);
     if (auto started = readers_.start(); !started) return started;
     return timer_.start(loop_, [this] { poll(); });  // at once, and then periodically
@@ -92,8 +94,8 @@ class Relay {
   sd_event* loop_;
   Capture capture_;
   Readers readers_;
-  net::EventSource io_;
-  net::Timer timer_;
+  EventSource io_;
+  LoopTimer timer_;
   std::string problem_;
   bool reported_ = false;  ///< systemd has received problem_
 };
@@ -114,10 +116,10 @@ Result<void> serve(const std::string& interface, const char* path) {
   const std::unique_ptr<sd_event, FreeWith<sd_event_unref>> loop(raw);
   for (const int signal : {SIGTERM, SIGINT})
     if (e >= 0) e = sd_event_add_signal(raw, nullptr, signal, nullptr, nullptr);
-  if (e < 0) return fail(net::error_words("event loop", -e));
+  if (e < 0) return system_error("event loop", -e);
   Relay relay(std::move(*capture), std::move(*listening), raw);
   if (auto started = relay.start(); !started) return started;
-  if (e = sd_event_loop(raw); e < 0) return fail(net::error_words("event loop", -e));
+  if (e = sd_event_loop(raw); e < 0) return system_error("event loop", -e);
   return {};
 }
 

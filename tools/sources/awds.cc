@@ -9,8 +9,10 @@
 #include <string>
 #include <utility>
 
+#include "base/loop_timer.hpp"
+#include "base/system_error.hpp"
 #include "base/unix_address.hpp"
-#include "daemon/net/sources/timer.hpp"
+#include "daemon/net/sources/pace.hpp"
 #include "tools/sources/awds_packet.hpp"
 #include "tools/sources/peer.hpp"
 
@@ -81,7 +83,7 @@ class Awds final : public LinkSource {
         break;
       }
       auto topology = awds::parse({packet.data(), static_cast<std::size_t>(size)});
-      if (topology && graph_.take(std::move(*topology), time_of(loop_))) changed = true;
+      if (topology && graph_.take(std::move(*topology), loop_time(loop_))) changed = true;
     }
     if (changed) pace_.ask();
   }
@@ -94,7 +96,7 @@ class Awds final : public LinkSource {
   }
 
   void report() {
-    auto snapshot = graph_.snapshot(time_of(loop_));
+    auto snapshot = graph_.snapshot(loop_time(loop_));
     if (snapshot.links.empty() && !problem_.empty()) snapshot.problem = problem_;
     report_(std::move(snapshot));
   }
@@ -106,7 +108,7 @@ class Awds final : public LinkSource {
   awds::Graph graph_;
   Fd socket_;
   EventSource io_;
-  Timer timer_;
+  LoopTimer timer_;
   Pace pace_;
   std::string problem_;
 };

@@ -7,7 +7,9 @@
 #include <array>
 #include <utility>
 
+#include "base/loop_timer.hpp"
 #include "base/number.hpp"
+#include "daemon/net/sources/pace.hpp"
 #include "tools/sources/line_client.hpp"
 
 namespace mlcca::net {
@@ -286,7 +288,7 @@ class Babel final : public LinkSource {
   void report() {
     if (!dumped_ || asked_) return;  // the end of the answer will report
     auto snapshot = state_.snapshot();
-    stamp(snapshot, time_of(loop_));
+    stamp(snapshot, loop_time(loop_));
     report_(std::move(snapshot));
   }
 
@@ -306,7 +308,7 @@ class Babel final : public LinkSource {
   bool greeted_ = false;
   bool asked_ = false;   ///< a dump was requested and is not complete
   bool dumped_ = false;  ///< a complete dump was received
-  Timer timer_;
+  LoopTimer timer_;
   Pace pace_;
   LineClient client_;
 };

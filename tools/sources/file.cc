@@ -18,11 +18,13 @@
 
 #include "base/decimal.hpp"
 #include "base/handle.hpp"
+#include "base/loop_timer.hpp"
 #include "base/number.hpp"
+#include "base/system_error.hpp"
 #include "base/units.hpp"
 #include "core/model/words.hpp"
 #include "daemon/net/sources/bounds.hpp"
-#include "daemon/net/sources/timer.hpp"
+#include "daemon/net/sources/pace.hpp"
 #include "tools/sources/peer.hpp"
 
 namespace mlcca::net {
@@ -148,9 +150,9 @@ std::optional<std::string> take_line(const std::vector<std::string>& words, cons
 /// Reads a regular file; reading another kind could block or never end.
 Result<std::string> read_file(const std::string& path) {
   const Fd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (!file) return fail(error_words(path, errno));
+  if (!file) return system_error(path);
   struct stat about{};
-  if (::fstat(file.get(), &about) < 0) return fail(error_words(path, errno));
+  if (::fstat(file.get(), &about) < 0) return system_error(path);
   if (!S_ISREG(about.st_mode)) return fail(path + ": is not a regular file");
   if (auto checked = check_owner(path, about.st_uid); !checked)
     return std::unexpected(checked.error());
@@ -160,7 +162,7 @@ Result<std::string> read_file(const std::string& path) {
   for (;;) {
     const ssize_t n = ::read(file.get(), block.data(), block.size());
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return fail(error_words(path, errno));
+    if (n < 0) return system_error(path);
     if (n == 0) return text;
     text.append(block.data(), static_cast<std::size_t>(n));
     if (text.size() > kMaxFileBytes)
@@ -254,7 +256,7 @@ class File final : public LinkSource {
   void report() {
     if (std::exchange(changed_, false)) read();
     core::mesh::Snapshot snapshot{.links = links_, .next_hops = {}, .problem = problem_};
-    stamp(snapshot, time_of(loop_));
+    stamp(snapshot, loop_time(loop_));
     report_(std::move(snapshot));
   }
 
@@ -268,7 +270,7 @@ class File final : public LinkSource {
   Version version_;       ///< version that was read
   bool changed_ = false;  ///< since it was read
   EventSource watch_;
-  Timer timer_;
+  LoopTimer timer_;
   Pace pace_;
 };
 

@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <utility>
 
+#include "base/system_error.hpp"
+
 namespace mlcca::net {
 
 LineClient::LineClient(Endpoint endpoint, std::uint64_t pause, std::uint64_t patience,
@@ -40,14 +42,14 @@ Result<void> LineClient::begin_connecting() {
   listeners_ = std::move(*listeners);
   socket_.reset(
       ::socket(endpoint_.address.ss_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  if (!socket_) return fail(error_words("socket", errno));
+  if (!socket_) return system_error("socket");
   // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
   const auto* address = reinterpret_cast<const sockaddr*>(&endpoint_.address);
   if (::connect(socket_.get(), address, endpoint_.size) < 0 && errno != EINPROGRESS)
-    return fail(error_words("connecting", errno));
+    return system_error("connecting");
   sd_event_source* raw = nullptr;
   if (const int e = sd_event_add_io(loop_, &raw, socket_.get(), EPOLLOUT, on_io, this); e < 0)
-    return fail(error_words("watching the connection", -e));
+    return system_error("watching the connection", -e);
   io_.reset(raw);
   return {};
 }

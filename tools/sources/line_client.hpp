@@ -10,8 +10,8 @@
 #include <string_view>
 
 #include "base/handle.hpp"
+#include "base/loop_timer.hpp"
 #include "base/result.hpp"
-#include "daemon/net/sources/timer.hpp"
 #include "tools/sources/endpoint.hpp"
 #include "tools/sources/peer.hpp"
 
@@ -68,7 +68,7 @@ class LineClient {
   sd_event* loop_ = nullptr;
   Fd socket_;
   EventSource io_;
-  Timer timer_;
+  LoopTimer timer_;
   bool connected_ = false;
   std::size_t received_ = 0;  ///< bytes since the latest complete answer
   std::string buffer_;

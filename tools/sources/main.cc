@@ -16,10 +16,12 @@
 #include <string>
 #include <utility>
 
+#include "base/loop_timer.hpp"
 #include "base/standard_streams.hpp"
+#include "base/system_error.hpp"
 #include "daemon/manager.hpp"
 #include "daemon/net/sources/facts.hpp"
-#include "daemon/net/sources/timer.hpp"
+#include "daemon/net/sources/pace.hpp"
 #include "tools/sources/open.hpp"
 #include "tools/sources/peer.hpp"
 #include "tools/sources/sandbox.hpp"
@@ -43,7 +45,7 @@ Result<net::facts::Question> read_question() {
     if (ready < 0 && errno == EINTR) continue;
     if (ready <= 0) return fail("no request says what to watch");
     const auto size = ::recv(kConversation, buffer.data(), buffer.size(), 0);
-    if (size < 0) return fail(net::error_words("standard input is to be a socket", errno));
+    if (size < 0) return system_error("standard input is to be a socket");
     if (size == 0) return fail("no request says what to watch");
     auto question = reader.take({buffer.data(), static_cast<std::size_t>(size)});
     if (!question) return std::unexpected(question.error());
@@ -58,7 +60,7 @@ class Answers {
   Result<void> start(sd_event* loop) {
     sd_event_source* raw = nullptr;
     if (const int e = sd_event_add_io(loop, &raw, kConversation, EPOLLRDHUP, on_io, this); e < 0)
-      return fail(net::error_words("watching the conversation", -e));
+      return system_error("watching the conversation", -e);
     io_.reset(raw);
     loop_ = loop;
     return {};
@@ -97,7 +99,7 @@ class Answers {
   }
 
   sd_event* loop_ = nullptr;
-  net::EventSource io_;
+  EventSource io_;
   std::deque<Message> messages_;
   std::optional<core::mesh::Snapshot> latest_;
 };
@@ -108,7 +110,7 @@ Result<void> serve() {
   const auto question = read_question();
   if (!question) return std::unexpected(question.error());
   sd_event* raw = nullptr;
-  if (const int e = sd_event_new(&raw); e < 0) return fail(net::error_words("event loop", -e));
+  if (const int e = sd_event_new(&raw); e < 0) return system_error("event loop", -e);
   const std::unique_ptr<sd_event, FreeWith<sd_event_unref>> loop(raw);
   Answers answers;
   if (auto started = answers.start(raw); !started) return started;
@@ -118,7 +120,7 @@ Result<void> serve() {
   const auto source = net::open_here(question->source, question->mesh, raw, report);
   // The process goes on without a source, so that the problem stays reported and mlccad does not
   // start another process in vain.
-  net::Timer refused;
+  LoopTimer refused;
   if (!source) {
     const auto report_why = [&] {
       report({.links = {}, .next_hops = {}, .problem = source.error().text});
@@ -126,7 +128,7 @@ Result<void> serve() {
     };
     if (auto started = refused.start(raw, report_why); !started) return started;
   }
-  if (const int e = sd_event_loop(raw); e < 0) return fail(net::error_words("event loop", -e));
+  if (const int e = sd_event_loop(raw); e < 0) return system_error("event loop", -e);
   return {};
 }
 

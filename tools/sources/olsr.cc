@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/loop_timer.hpp"
+#include "daemon/net/sources/pace.hpp"
 #include "tools/sources/line_client.hpp"
 
 namespace mlcca::net {
@@ -228,7 +230,7 @@ class Olsr final : public LinkSource {
       snapshot = std::move(*read);
     else
       snapshot.problem = "olsrd2 at " + text_ + ": " + read.error().text;
-    stamp(snapshot, time_of(loop_));
+    stamp(snapshot, loop_time(loop_));
     report_(std::move(snapshot));
   }
 

@@ -21,8 +21,8 @@
 
 #include "base/handle.hpp"
 #include "base/number.hpp"
+#include "base/system_error.hpp"
 #include "base/tcp_table.hpp"
-#include "daemon/net/sources/timer.hpp"
 
 namespace mlcca::net {
 namespace {
@@ -38,7 +38,7 @@ Result<uid_t> owner_of(int socket) {
   ucred owner{};
   socklen_t size = sizeof owner;
   if (::getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &owner, &size) < 0)
-    return fail(error_words("SO_PEERCRED", errno));
+    return system_error("SO_PEERCRED");
   return owner.uid;
 }
 
@@ -113,13 +113,13 @@ std::optional<At> read_place(std::string_view text) {
 Result<void> read_listeners(const char* path, Reachable& to) {
   const Fd file(::open(path, O_RDONLY | O_CLOEXEC));
   if (!file && errno == ENOENT) return {};  // no IPv6
-  if (!file) return fail(error_words(path, errno));
+  if (!file) return system_error(path);
   bool is_head = true;
   const int failed = read_tcp_table(file.get(), [&](std::string_view line) {
     return to.take(line) || std::exchange(is_head, false);
   });
   if (failed == EFBIG) return fail(std::string(path) + ": too many sockets listen");
-  if (failed != 0) return fail(error_words(path, failed));
+  if (failed != 0) return system_error(path, failed);
   return {};
 }
 

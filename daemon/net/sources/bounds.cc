@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/loop_timer.hpp"
 #include "base/text.hpp"
-#include "daemon/net/sources/timer.hpp"
 
 namespace mlcca::net {
 namespace {
@@ -102,7 +102,7 @@ LinkSource::Report bounded_report(LinkSource::Report report, const core::mesh::M
                                   sd_event* loop) {
   return [report = std::move(report), described = described_nodes(mesh),
           loop](core::mesh::Snapshot snapshot) {
-    report(bounded(std::move(snapshot), described, time_of(loop)));
+    report(bounded(std::move(snapshot), described, loop_time(loop)));
   };
 }
 

@@ -13,8 +13,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/system_error.hpp"
 #include "base/unix_address.hpp"
-#include "daemon/net/sources/timer.hpp"
 
 namespace mlcca::net {
 namespace {
@@ -79,11 +79,11 @@ Result<Peer> connect_to_helper(const std::string& path, const std::string& unit)
   if (!address) return std::unexpected(address.error());
   Fd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!socket || ::connect(socket.get(), generic(*address), sizeof *address) < 0)
-    return fail(error_words(path, errno));
+    return system_error(path);
   ucred owner{};
   socklen_t size = sizeof owner;
   if (::getsockopt(socket.get(), SOL_SOCKET, SO_PEERCRED, &owner, &size) < 0)
-    return fail(error_words(path, errno));
+    return system_error(path);
   if (owner.uid != 0 && owner.uid != ::geteuid())
     return fail(path + ": uid " + std::to_string(owner.uid) + " listens there; it must be root (" +
                 unit + ")");
@@ -93,13 +93,13 @@ Result<Peer> connect_to_helper(const std::string& path, const std::string& unit)
 Result<Peer> start_helper(const std::string& program) {
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) < 0)
-    return fail(error_words("socketpair", errno));
+    return system_error("socketpair");
   Fd ours(ends[0]);
   const Fd theirs(ends[1]);
   ::fcntl(ours.get(), F_SETFL, O_NONBLOCK);
   pid_t pid = 0;
   if (const int e = StartAs(theirs.get()).start(program, pid); e != 0)
-    return fail(error_words(program, e));
+    return system_error(program, e);
   return Peer{.socket = std::move(ours), .child = Child(pid)};
 }
 

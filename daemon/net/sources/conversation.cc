@@ -11,6 +11,8 @@
 #include <optional>
 #include <utility>
 
+#include "base/system_error.hpp"
+
 namespace mlcca::net {
 namespace {
 
@@ -121,7 +123,7 @@ Result<std::unique_ptr<Conversation>> Conversation::open(sd_event* loop, int pro
   if (e >= 0) e = sd_event_add_defer(loop, &raw, on_send_failed, self);
   made->send_failed_.reset(raw);
   if (e >= 0) e = sd_event_source_set_enabled(raw, SD_EVENT_OFF);
-  if (e < 0) return fail(error_words("netlink socket", -e));
+  if (e < 0) return system_error("netlink socket", -e);
   return made;
 }
 

@@ -9,9 +9,9 @@
 #include <memory>
 #include <string>
 
+#include "base/loop_timer.hpp"
 #include "base/result.hpp"
 #include "daemon/net/sources/genl.hpp"
-#include "daemon/net/sources/timer.hpp"
 
 struct nl_msg;
 struct nl_sock;

@@ -15,6 +15,9 @@
 #include <cerrno>
 #include <utility>
 
+#include "base/system_error.hpp"
+#include "daemon/net/sources/pace.hpp"
+
 namespace mlcca::net {
 namespace {
 
@@ -49,7 +52,7 @@ Result<void> KernelSource::join_notices() {
   };
   e = sd_event_add_io(loop_, &raw, nl_socket_get_fd(notices_.get()), EPOLLIN, on_notice, this);
   noticed_.reset(raw);
-  if (e < 0) return fail(error_words("rtnetlink link notifications", -e));
+  if (e < 0) return system_error("rtnetlink link notifications", -e);
   return {};
 }
 

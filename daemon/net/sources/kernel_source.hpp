@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
+#include "base/loop_timer.hpp"
 #include "daemon/net/sources/conversation.hpp"
 #include "daemon/net/sources/source.hpp"
-#include "daemon/net/sources/timer.hpp"
 
 namespace mlcca::net {
 
@@ -52,7 +52,7 @@ class KernelSource : public LinkSource {
   void poll_again_soon();
 
   /// The time of this turn of the loop: CLOCK_MONOTONIC, ns.
-  [[nodiscard]] std::uint64_t now() const { return time_of(loop_); }
+  [[nodiscard]] std::uint64_t now() const { return loop_time(loop_); }
 
  private:
   struct FreeSocket {
@@ -67,7 +67,7 @@ class KernelSource : public LinkSource {
 
   sd_event* loop_;
   Report report_;
-  Timer timer_;
+  LoopTimer timer_;
   std::unique_ptr<nl_sock, FreeSocket> notices_;
   EventSource noticed_;
   std::unique_ptr<Conversation> generic_;

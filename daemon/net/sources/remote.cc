@@ -11,10 +11,12 @@
 #include <utility>
 
 #include "base/clock.hpp"
+#include "base/loop_timer.hpp"
+#include "base/system_error.hpp"
 #include "daemon/net/sources/bounds.hpp"
 #include "daemon/net/sources/child.hpp"
 #include "daemon/net/sources/facts.hpp"
-#include "daemon/net/sources/timer.hpp"
+#include "daemon/net/sources/pace.hpp"
 
 namespace mlcca::net {
 namespace {
@@ -50,7 +52,7 @@ class Remote final : public LinkSource {
     Child::collect();
     if (!peer_.socket)
       begin();
-    else if (time_of(loop_) > received_ + helper_.timeout)
+    else if (loop_time(loop_) > received_ + helper_.timeout)
       end("the process that reads it says nothing");
     else
       timer_.set(kPollInterval);
@@ -73,7 +75,7 @@ class Remote final : public LinkSource {
     peer_ = std::move(*peer);
     reader_ = {};
     to_send_.assign(question_.begin(), question_.end());
-    begun_ = received_ = time_of(loop_);
+    begun_ = received_ = loop_time(loop_);
     timer_.set(kPollInterval);
   }
 
@@ -143,7 +145,7 @@ class Remote final : public LinkSource {
       return false;
     }
     if (!*read) return false;
-    received_ = time_of(loop_);
+    received_ = loop_time(loop_);
     report_(bounded(std::move(**read), described_, received_));
     return true;
   }
@@ -154,7 +156,7 @@ class Remote final : public LinkSource {
   }
 
   void end(const std::string& why) {
-    const std::uint64_t now = time_of(loop_);
+    const std::uint64_t now = loop_time(loop_);
     if (peer_.socket && now > begun_ + kStable) pause_ = helper_.pause;
     io_.reset();
     peer_ = {};
@@ -179,8 +181,8 @@ class Remote final : public LinkSource {
   std::uint64_t worked_ = 0;    ///< ns of work since the latest rest
   std::uint64_t received_ = 0;  ///< ns: time of the latest snapshot
   EventSource io_;
-  Timer timer_;
-  Timer rest_;
+  LoopTimer timer_;
+  LoopTimer rest_;
 };
 
 }  // namespace
