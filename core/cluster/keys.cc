@@ -123,7 +123,7 @@ std::optional<Key> Keys::parse(std::string_view key) const {
   if (count == 1) return first == "e" ? std::optional(Key{}) : std::nullopt;
   if (first == "d") return parse_description(words, count);
   if (count == 2) return parse_pair(first, words[1]);
-  return parse_admission(words, count);
+  return count < 3 ? std::nullopt : parse_admission(words, count);
 }
 
 std::optional<Key> Keys::parse_description(const Words& words, std::size_t count) const {

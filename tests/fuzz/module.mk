@@ -83,6 +83,7 @@ $(eval $(call fuzz_target,sources_texts_fuzz,untrusted sources,sources_texts,163
 $(eval $(call fuzz_target,sources_packets_fuzz,untrusted sources,sources_packets,16384,$(NL_LIBS) -lsystemd))
 $(eval $(call fuzz_target,netlink_fuzz,daemon sources core,netlink,2048,$(NL_LIBS) -lsystemd -lfmt))
 $(eval $(call fuzz_target,cluster_wire_fuzz,daemon/cluster/wire,cluster_wire,4096,))
+$(eval $(call fuzz_target,cluster_entries_fuzz,clustercodec control core,cluster_entries,4096,-lfmt))
 $(eval $(call fuzz_target,cluster_grpc_fuzz,$(addprefix cluster/,etcd grpc outcome),cluster_grpc,2048,))
 # The complete gateway, with gates in the kernel. Needs root.
 $(eval $(call fuzz_target,control_fuzz,$(addprefix tests/,fuzz/gateway_under_test fuzz/surroundings daemon/gates/sandbox) tools/readback/differences daemon clustercodec clusterlink sources enforce control description core,control,2048,$(DAEMON_LIBS)))
