@@ -160,6 +160,9 @@ TEST(Wire, BothPhasesTakeTheirTime) {
             24'000U);
   EXPECT_EQ(wire_time({.bitrate = 500'000}, {.slow = 10, .fast = 8}), 36'000U);
   EXPECT_EQ(wire_time({}, {.slow = 10}), kNever);
+  // Rounded to the nearest nanosecond: 3 / 7 s and 2 / 7 s.
+  EXPECT_EQ(wire_time({.bitrate = 7}, {.slow = 3}), 428'571'429U);
+  EXPECT_EQ(wire_time({.bitrate = 7}, {.slow = 2}), 285'714'286U);
 }
 
 }  // namespace
