@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,13 +24,17 @@ class FakeLink final : public ClusterLink {
   FakeLink(FakeStore& store, FakeClock& clock) : store_(store), clock_(clock) {}
 
   void introduce(std::string, std::string gateway) override { name = std::move(gateway); }
-  void send(const core::cluster::Txn& txn) override { sent.push_back(txn); }
+  void send(const core::cluster::Txn& txn) override {
+    sent.push_back(txn);
+    sent_at_[txn.id] = clock_.monotonic;
+  }
   void follow(std::vector<std::string>) override { synced_ = false; }
   /// Of another daemon, perhaps, with a connection of its own.
   void on_message(std::function<void(ClusterMessage)> call) override {
     call_ = std::move(call);
     said_up_ = synced_ = false;
     sent.clear();
+    sent_at_.clear();
   }
   void wait(std::uint64_t ns) override {
     if (!deliver()) clock_.monotonic += ns;
@@ -72,7 +77,7 @@ class FakeLink final : public ClusterLink {
       any = true;
       const auto txn = sent.front();
       sent.pop_front();
-      call_(store_.apply(txn));
+      call_(apply(txn));
     }
     return any;
   }
@@ -81,15 +86,34 @@ class FakeLink final : public ClusterLink {
   std::string problem = "it is gone";  ///< while it is not up
   bool full = false;                   ///< as it says
   bool answers = true;                 ///< to transactions
+  /// What becomes of transactions whose answer is lost.
+  enum class Lost : std::uint8_t { none, not_done, done } lost = Lost::none;
+  /// When the latest transaction that was done was sent: its sender may use what is leased for one
+  /// lease from then on.
+  std::uint64_t leased_from = 0;
+  /// The store gives all it has again, as after a compaction.
+  void read_again() { synced_ = false; }
   std::string name;
   std::deque<core::cluster::Txn> sent;
 
  private:
+  core::cluster::TxnResult apply(const core::cluster::Txn& txn) {
+    core::cluster::TxnResult result{
+        .id = txn.id, .outcome = core::cluster::Outcome::unsure, .why = "no answer"};
+    const std::uint64_t at = sent_at_[txn.id];
+    sent_at_.erase(txn.id);
+    if (lost == Lost::not_done) return result;
+    auto done = store_.apply(txn);
+    if (done.outcome == core::cluster::Outcome::committed) leased_from = at;
+    return lost == Lost::none ? done : result;
+  }
+
   FakeStore& store_;
   FakeClock& clock_;
   std::function<void(ClusterMessage)> call_;
   bool said_up_ = false, said_full_ = false, synced_ = false;
   std::string said_problem_;
+  std::map<std::uint64_t, std::uint64_t> sent_at_;  ///< by transaction: CLOCK_MONOTONIC ns
   std::size_t seen_ = 0;
 };
 

@@ -22,6 +22,7 @@ $(eval $(call unit_test,meshes_test,tests/daemon/gateway/meshes_test.cc,$(DAEMON
 # Tests of a complete Controller with fakes.
 GATEWAY_BENCH := $(addprefix tests/daemon/,gateway/bench.cc gateway/fakes.cc store/fake_disk.cc)
 $(eval $(call unit_test,state_machine_test,tests/daemon/gateway/state_machine_test.cc $(GATEWAY_BENCH),$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
+$(eval $(call unit_test,cluster_machine_test,tests/daemon/gateway/cluster_machine_test.cc $(GATEWAY_BENCH),$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
 $(eval $(call unit_test,membership_test,$(wildcard tests/daemon/gateway/member*_test.cc) $(GATEWAY_BENCH),$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
 $(eval $(call unit_test,turn_order_test,tests/daemon/gateway/turn_order_test.cc tests/daemon/gateway/changes_quota_test.cc tests/daemon/gateway/left_out_test.cc tests/daemon/gateway/announce_test.cc tests/daemon/gateway/audit_test.cc tests/daemon/gateway/audit_senders_test.cc tests/daemon/gateway/audit_reload_test.cc tests/daemon/gateway/introduction_test.cc tests/daemon/gateway/endpoints_test.cc tests/daemon/gateway/subscriptions_test.cc tests/daemon/gateway/presence_test.cc tests/daemon/gateway/presence_bounds_test.cc tests/daemon/gateway/asking_test.cc tests/daemon/gateway/described_links_test.cc tests/daemon/gateway/silence_test.cc $(GATEWAY_BENCH),$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
 $(eval $(call unit_test,daemon_long_run_test,tests/daemon/gateway/long_run_test.cc tests/daemon/store/worlds.cc $(GATEWAY_BENCH),$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))

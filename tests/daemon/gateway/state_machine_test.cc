@@ -4,14 +4,10 @@
 // random histories (100,000, or as the environment says) from the seed SEED on, shared among a
 // process for each CPU.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <set>
 #include <string>
@@ -20,19 +16,14 @@
 #include <vector>
 
 #include "core/model/text.hpp"
+#include "tests/daemon/gateway/histories.hpp"
 #include "tests/daemon/gateway/model.hpp"
 
 namespace mlcca::test {
 namespace {
 
 constexpr std::uint64_t kSets = 100'000;
-constexpr std::uint64_t kMostBad = 3;
 constexpr std::size_t kMostSteps = 24;
-
-std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
-  const char* const text = std::getenv(name);
-  return text == nullptr ? otherwise : std::strtoull(text, nullptr, 10);
-}
 
 class Machine : Model {
  public:
@@ -367,51 +358,9 @@ class Machine : Model {
   }
 };
 
-/// Plays every `step`th history from `first` on, below `end`. How many went wrong, at most
-/// kMostBad.
-std::uint64_t play(std::uint64_t first, std::uint64_t end, std::uint64_t step) {
-  std::uint64_t bad = 0;
-  for (std::uint64_t seed = first; seed < end && bad < kMostBad; seed += step) {
-    const std::string wrong = Machine(seed).run();
-    if (wrong.empty()) continue;
-    ++bad;
-    std::fprintf(stderr, "%s\n  again: SETS=1 SEED=%llu\n", wrong.c_str(),
-                 static_cast<unsigned long long>(seed));
-  }
-  return bad;
-}
-
-/// A process that plays its share and writes what it counted to `to`.
-pid_t begin_share(std::uint64_t first, std::uint64_t end, std::uint64_t step, int to) {
-  const pid_t child = ::fork();
-  if (child != 0) return child;
-  const std::uint64_t bad = play(first, end, step);
-  const bool written = ::write(to, &tally, sizeof tally) == sizeof tally;
-  ::_exit(bad != 0 || !written ? 1 : 0);
-}
-
 TEST(StateMachine, WhateverHappensTheGatesHoldWhatIsGrantedAndTheDiskWhatWasAnswered) {
-  const std::uint64_t sets = from_environment("SETS", kSets);
-  const std::uint64_t first = from_environment("SEED", 1);
-  const auto cpus = static_cast<std::uint64_t>(::sysconf(_SC_NPROCESSORS_ONLN));
-  const std::uint64_t shares = std::clamp<std::uint64_t>(cpus, 1, sets);
-  std::array<int, 2> counted{};
-  ASSERT_EQ(::pipe(counted.data()), 0);
-  std::vector<pid_t> children;
-  for (std::uint64_t share = 0; share < shares; ++share)
-    children.push_back(begin_share(first + share, first + sets, shares, counted[1]));
-  for (const pid_t child : children) {
-    int status = -1;
-    ASSERT_EQ(::waitpid(child, &status, 0), child);
-    EXPECT_EQ(status, 0) << "a history went wrong, or its process";
-    Tally of_share;
-    if (status == 0) {
-      ASSERT_EQ(::read(counted[0], &of_share, sizeof of_share), sizeof of_share);
-      tally += of_share;
-    }
-  }
-  ::close(counted[0]);
-  ::close(counted[1]);
+  const std::uint64_t sets =
+      play_histories(kSets, tally, [](std::uint64_t seed) { return Machine(seed).run(); });
   EXPECT_GE(tally.steps, sets);
   std::printf(
       "%llu steps: %llu admitted, %llu refused, %llu failed, %llu lost, %llu released, %llu "
