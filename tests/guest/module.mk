@@ -47,6 +47,6 @@ GUEST_TESTS += $(addprefix tests/guest/cases/,emergency-stop frame-forms daemon-
 GUEST_TESTS += $(addprefix tests/guest/cases/,mesh-nl80211 mesh-batman mesh-case-study mesh-relay-gate rover)
 GUEST_TESTS += $(addprefix tests/guest/cases/,bus-queue gateways-in-namespaces reservations unlisted-channels)
 GUEST_TESTS += $(addprefix tests/guest/cases/,babbling-node missing-events can-profiles forwarding j1939-messages)
-GUEST_TESTS += $(addprefix tests/guest/cases/,altered-slots famouso-tags famouso-claims famouso-broker relay relay-parallel relay-ring gateway-fails gateways-on-a-bus gateways-on-a-shared-bus relay-wpan subscriptions-travel subscriptions-radio)
+GUEST_TESTS += $(addprefix tests/guest/cases/,altered-slots famouso-tags famouso-claims famouso-broker relay relay-parallel relay-ring gateway-fails gateways-on-a-bus gateways-on-a-shared-bus relay-wpan relay-awds subscriptions-travel subscriptions-radio)
 GUEST_SYSTEMD_TESTS += $(addprefix tests/guest/cases/,newcomer package-life service-life documents package-test plugged-in awds-unit cluster-unit switched-off famouso-unit)
 check-guest: stage $(PACKAGES_READY)
