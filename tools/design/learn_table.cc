@@ -8,6 +8,7 @@
 
 #include "tools/elements.hpp"
 #include "tools/times.hpp"
+#include "tools/values.hpp"
 
 namespace mlcca::tools::design {
 namespace {

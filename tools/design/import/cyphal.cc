@@ -306,9 +306,11 @@ class CyphalMeaning {
            fmt::format("{}: {}", called, from.type.empty() ? "no type is stated" : from.type));
     if (!from.period)
       lack("no-cycle",
-           fmt::format("registers state no period: Period {} is assumed (--default-period)",
+           fmt::format("registers state no period: sporadic, and Period {} is assumed "
+                       "(--default-period)",
                        print_duration(options_.default_period)),
            from.line, called);
+    if (!from.period) to.arrival = core::Arrival::sporadic;
     if (!size && !from.period)
       to.remark = fmt::format("Assumed: size and Period of {}.", to.name);
     else if (!size || !from.period)

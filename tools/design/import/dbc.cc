@@ -168,11 +168,13 @@ class DbcMeaning {
       least = options_.default_period;
       to.remark = fmt::format("Assumed: the file states no cycle time of {}.", from.name);
       lack("no-cycle",
-           fmt::format("no cycle time is stated: Period {} is assumed (--default-period)",
+           fmt::format("no cycle time is stated: sporadic, and Period {} is assumed "
+                       "(--default-period)",
                        print_duration(*least)),
            from.line, from.name);
     }
     to.attributes.set(Attribute::period, *least);
+    if (!cyclic || says(from.send_type, "ifactive")) to.arrival = core::Arrival::sporadic;
   }
 
   void add_frame(const DbcMessage& from) {

@@ -97,9 +97,11 @@ class DdsMeaning {
            "come more often",
            end.line, fmt::format("{}: {}", called, print_duration(*end.deadline)));
     } else {
+      to.arrival = core::Arrival::sporadic;
       to.remark = "Assumed: no deadline of a writer is stated, which would be its Period.";
       lack("no-deadline",
-           fmt::format("no deadline is stated: Period {} is assumed (--default-period)",
+           fmt::format("no deadline is stated: sporadic, and Period {} is assumed "
+                       "(--default-period)",
                        print_duration(options_.default_period)),
            end.line, called);
     }

@@ -110,7 +110,8 @@ class Writer {
   void channels(const ImportedNetwork& network) {
     for (const auto& message : network.messages) {
       remark("  ", message.remark);
-      put("  <EventChannel name=\"{}\">\n    <SubjectUID>0x{:016x}</SubjectUID>\n", message.name,
+      put("  <EventChannel name=\"{}\"{}>\n    <SubjectUID>0x{:016x}</SubjectUID>\n", message.name,
+          message.arrival == core::Arrival::sporadic ? " arrival=\"sporadic\"" : "",
           subjects_.at(next_subject_++));
       description("    ", message.description.empty() ? message.type : message.description);
       out_ += attribute_list("Attributes", message.attributes, "    ");

@@ -164,11 +164,12 @@ class EdsMeaning {
       to.remark = fmt::format(
           "Assumed: neither an event timer nor an inhibit time is stated of {}.", to.name);
       lack("no-cycle",
-           fmt::format("no time is stated: Period {} is assumed (--default-period)",
+           fmt::format("no time is stated: sporadic, and Period {} is assumed (--default-period)",
                        print_duration(least)),
            line, to.name);
     }
     to.attributes.set(Attribute::period, least);
+    if (type > last_synchronous && timer == 0) to.arrival = core::Arrival::sporadic;
   }
 
   void heartbeat() {

@@ -198,6 +198,7 @@ void Joiner::join(ImportedMessage& into, ImportedMessage from) {
              fmt::format("{}: {} and {}", into.name, into.type, from.type));
   if (into.format != from.format && !from.senders.empty()) into.format = core::FrameFormat::any;
   if (into.priority != from.priority && !from.senders.empty()) into.priority.reset();
+  if (!from.senders.empty() && from.arrival == core::Arrival::sporadic) into.arrival = from.arrival;
   for (auto& sender : from.senders) {
     const auto same = [&](const ImportedEnd& other) {
       return other.node == sender.node && other.number == sender.number;

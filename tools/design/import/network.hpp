@@ -43,6 +43,8 @@ struct ImportedMessage {
   bool extended = false;
   std::string topic;  ///< its name in networks without Binding
   core::FrameFormat format{};
+  /// Sporadic if a sender states no cycle: then silence means nothing.
+  core::Arrival arrival{};
   std::optional<std::uint8_t> priority;     ///< j1939, cyphal
   std::optional<std::uint8_t> destination;  ///< j1939
   AttributeSet attributes;

@@ -89,6 +89,7 @@ TEST_F(CyphalImportTest, WhatIsAssumedIsListed) {
   const auto channel = part("<EventChannel", "</EventChannel>");
   EXPECT_NE(channel.find("period=\"100ms\""), std::string::npos) << channel;
   EXPECT_NE(channel.find("maxPayload=\"7\""), std::string::npos) << channel;
+  EXPECT_NE(channel.find("arrival=\"sporadic\""), std::string::npos) << channel;
   EXPECT_TRUE(has("<!-- Assumed: size and Period of x-70. -->")) << draft_;
   json("a.json", node_of("\"uavcan.pub.x.id\":70"), {"--default-period", "20ms"});
   EXPECT_TRUE(has("period=\"20ms\"")) << draft_;

@@ -113,6 +113,29 @@ TEST_F(DbcImportTest, WhatHasNoCounterpartIsListedWithItsLine) {
   EXPECT_TRUE(has("<!-- Assumed: the file states no cycle time of Odd. -->")) << draft_;
 }
 
+TEST_F(DbcImportTest, SilenceOfWhatIsNotCyclicIsNoFault) {
+  struct Case {
+    const char* type;
+    int cycle, delay;
+    bool sporadic;
+  };
+  for (const Case& c : {Case{"Cyclic", 10, 0, false}, Case{"CyclicAndSpontaneous", 10, 5, false},
+                        Case{"spontaneous", 0, 20, true}, Case{"NoMsgSendType", 0, 0, true},
+                        Case{"CyclicIfActive", 10, 0, true}, Case{"IfActive", 0, 0, true}}) {
+    json("a.dbc", bus_with(fmt::format(R"(BA_DEF_ BO_ "GenMsgCycleTime" INT 0 65535;
+BA_DEF_ BO_ "GenMsgDelayTime" INT 0 65535;
+BA_DEF_ BO_ "GenMsgSendType" STRING ;
+BA_ "GenMsgCycleTime" BO_ 256 {};
+BA_ "GenMsgDelayTime" BO_ 256 {};
+BA_ "GenMsgSendType" BO_ 256 "{}";
+)",
+                                       c.cycle, c.delay, c.type)));
+    EXPECT_EQ(has(R"(<EventChannel name="A" arrival="sporadic">)"), c.sporadic) << c.type << "\n"
+                                                                                << draft_;
+    EXPECT_EQ(has(R"(<EventChannel name="A">)"), !c.sporadic) << c.type << "\n" << draft_;
+  }
+}
+
 TEST_F(DbcImportTest, WhatIsOfNoMessageIsListed) {
   const auto out = json("bus.dbc", kBus);
   EXPECT_EQ(lacking(out, "no-message"), 2U) << "the message that is none, and its signal";
@@ -144,7 +167,7 @@ TEST_F(DbcImportTest, AQuoteInATextHasABackslashAndOtherBackslashesStay) {
   json("a.dbc", text);
   EXPECT_TRUE(has("a &quot;quoted&quot; word; from C:\\dir\\x.can<")) << draft_;
   EXPECT_TRUE(has(">&quot;all of it&quot;<")) << draft_;
-  EXPECT_TRUE(has("<EventChannel name=\"Longer\">")) << draft_;
+  EXPECT_TRUE(has("<EventChannel name=\"Longer\"")) << draft_;
 }
 
 TEST_F(DbcImportTest, OtherDescriptionsOfABusAreNamedWithWhatToDo) {
@@ -237,7 +260,7 @@ struct DbcPeriodTest : DbcImportTest, ::testing::WithParamInterface<PeriodRow> {
 
 TEST_P(DbcPeriodTest, FollowsFromEveryAttributeInUse) {
   const auto out = json("a.dbc", bus_with(GetParam().lines));
-  const auto channel = part("<EventChannel name=\"A\">", "</EventChannel>");
+  const auto channel = part("<EventChannel name=\"A\"", "</EventChannel>");
   EXPECT_NE(channel.find(fmt::format("period=\"{}ms\"", GetParam().milliseconds)),
             std::string::npos)
       << channel;
@@ -280,7 +303,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_F(DbcImportTest, TheDefaultPeriodCanBeStated) {
   import("a.dbc", bus_with(""), {"--default-period", "20ms"});
-  EXPECT_NE(part("<EventChannel name=\"A\">", "</EventChannel>").find("period=\"20ms\""),
+  EXPECT_NE(part("<EventChannel name=\"A\"", "</EventChannel>").find("period=\"20ms\""),
             std::string::npos);
 }
 
@@ -342,7 +365,7 @@ TEST_F(DbcImportTest, ParameterGroupsOfJ1939AreRecognised) {
   EXPECT_TRUE(has(R"(<Binding channel="EEC1"><PGN priority="3">0xf004</PGN></Binding>)")) << draft_;
   EXPECT_TRUE(has(R"(<Component name="Engine" network="truck" node="3">)")) << draft_;
   EXPECT_TRUE(has(R"(<Component name="Other" network="truck" node="33">)")) << draft_;
-  EXPECT_NE(part("<EventChannel name=\"Long\">", "</EventChannel>").find("maxPayload=\"20"),
+  EXPECT_NE(part("<EventChannel name=\"Long\"", "</EventChannel>").find("maxPayload=\"20"),
             std::string::npos)
       << "the transport protocol carries it";
   json("truck.dbc", kTruck, {"--profile", "raw"});
@@ -380,7 +403,7 @@ TEST_F(DbcImportTest, ASenderWithoutAnAddressPublishesNothing) {
   truck.replace(truck.find("BU_ Other 33"), 12, "BU_ Other 254");
   const auto out = json("truck.dbc", truck);
   EXPECT_EQ(lacking(out, "no-address"), 1U);
-  EXPECT_TRUE(has("<EventChannel name=\"Long\">"));
+  EXPECT_TRUE(has("<EventChannel name=\"Long\""));
   EXPECT_FALSE(has("<Publisher channel=\"Long\"")) << draft_;
 }
 
@@ -406,7 +429,7 @@ TEST_F(DbcImportTest, SeveralFilesAreNetworksOfOneSystem) {
   const auto both = json("first.dbc", bus_with(""), {second});
   EXPECT_EQ(both["networks"].size(), 2U);
   EXPECT_TRUE(has(R"(<Network name="first">)") && has(R"(<Network name="second">)"));
-  EXPECT_TRUE(has(R"(<EventChannel name="A.second">)")) << "the name is taken";
+  EXPECT_TRUE(has(R"(<EventChannel name="A.second")")) << "the name is taken";
 }
 
 TEST_F(DbcImportTest, AnErrorNamesTheFileThatWasAskedFor) {

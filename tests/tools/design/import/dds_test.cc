@@ -54,6 +54,7 @@ TEST_F(DdsImportTest, ParametersOfRos2AreChannelsWithTheirTimes) {
   EXPECT_NE(planner.find("<Attributes period=\"100ms\" omission=\"4\"/>"), std::string::npos)
       << planner;
   EXPECT_NE(planner.find("<Publisher channel=\"plan\"/>"), std::string::npos) << planner;
+  EXPECT_TRUE(has("<EventChannel name=\"plan\" arrival=\"sporadic\">")) << "it has no deadline";
   expect_no_errors();
 }
 

@@ -119,6 +119,13 @@ TEST_F(EdsImportTest, ATimeThatIsNoNumberIsListed) {
   EXPECT_EQ(lacking(waited, "no-number"), 1U) << waited.dump();
 }
 
+TEST_F(EdsImportTest, SilenceOfAPdoWithoutAnEventTimerIsNoFault) {
+  json("drive.dcf", kDrive, {});
+  EXPECT_TRUE(has("<EventChannel name=\"left-5-TPDO1\">")) << draft_;
+  json("drive.dcf", drive_with("DefaultValue=20", "DefaultValue=0"), {});
+  EXPECT_TRUE(has("<EventChannel name=\"left-5-TPDO1\" arrival=\"sporadic\">")) << draft_;
+}
+
 TEST_F(EdsImportTest, ACommentMayStandBehindAValue) {
   const auto out = json(
       "drive.dcf", drive_with("ParameterValue=100", "ParameterValue=100 ; ms, as CiA says"), {});
