@@ -65,6 +65,9 @@ std::unexpected<Error> unusable(const std::string& path, const std::string& why)
               "run-time admissions");
 }
 
+/// Whether the latest call failed for want of room.
+bool is_full() { return errno == ENOSPC || errno == EDQUOT; }
+
 std::unexpected<Error> damaged(const std::string& path, std::uint64_t offset,
                                const std::string& how) {
   return unusable(path, "damaged at byte " + std::to_string(offset) + " (" + how + ")");
@@ -105,16 +108,19 @@ Result<void> Journal::read() {
   salt_ = *salt;
   end_ = format::kFileHead;
   std::uint64_t expected = 0;
+  std::uint64_t last = end_;
   for (;; ++expected) {
     const auto used = read_batch(bytes.substr(end_), expected);
     if (!used) return std::unexpected(used.error());
     if (*used == 0) break;
+    last = end_;
     end_ += *used;
   }
   // The first batch was synced before the file got its name, so no crash can have left it
   // incomplete.
   if (expected == 0) return damaged(path_, end_, "its first batch");
   sequence_ = expected - 1;
+  if (sequence_ > 0) inherited_ = bytes.substr(last, end_ - last);
   return cut_tail(bytes);
 }
 
@@ -152,12 +158,12 @@ Result<void> Journal::cut_tail(std::string_view bytes) {
                  " cut off: " + (tail.size() == 1 ? "it was" : "they were") +
                  " being written when the daemon or the "
                  "machine stopped, and no answer had been given";
-    if (disk_->truncate(file_.get(), end_) < 0) return system_error(path_);
+    tail_unknown_ = true;
   }
   // A killed daemon may have written this without syncing. It is used from now on, so it must be
   // durable.
-  if (disk_->fdatasync(file_.get()) < 0) return system_error(path_);
-  if (disk_->fsync(directory_.get()) < 0) return system_error(directory_path_);
+  directory_unsynced_ = true;
+  if (auto ready = mend(); !ready && !is_full()) return ready;
   return {};
 }
 
@@ -261,6 +267,13 @@ Result<void> Journal::mend() {
       return system_error(path_);
     tail_unknown_ = false;
   }
+  if (!inherited_.empty()) {
+    // After a sync that failed, the cache has what the disk lacks, and another sync does nothing.
+    if (auto done = write_all(*disk_, file_.get(), inherited_, end_ - inherited_.size(), path_);
+        !done)
+      return done;
+    inherited_ = {};
+  }
   if (directory_unsynced_) {
     // Until then a crash brings the former file back, which does not have what this one will
     // contain.
@@ -312,6 +325,7 @@ Result<bool> Journal::keep() {
 }
 
 void Journal::adopt_fresh() {
+  inherited_ = {};
   file_ = std::move(fresh_.file);
   salt_ = fresh_.salt;
   end_ = fresh_.bytes;

@@ -77,7 +77,6 @@ struct ClientsOf {
   std::set<std::string> refused;                  ///< as answered
   std::set<std::string> unsure;                   ///< the answer was lost, or trouble met it
   bool troubled = false;                          ///< disk or kernel refuse now
-  bool lost_writes = false;  ///< the disk may lack what the next daemon would read in its cache
 };
 
 class ClusterMachine : public MembershipBench {
@@ -431,7 +430,6 @@ class ClusterMachine : public MembershipBench {
       case 0:
       case 1:
         steps_ += " [disk]";
-        clients_[g].lost_writes = true;
         at(g).disk().trouble(std::array{Trouble::fail, Trouble::fail_after, Trouble::lose,
                                         Trouble::write_part}[below(random_, 4)],
                              first, ENOSPC, many);
@@ -484,16 +482,8 @@ class ClusterMachine : public MembershipBench {
     forget_answers(g);
   }
 
-  void lose_power(std::size_t g) {
-    at(g).lose_power(power_);
-    clients_[g].lost_writes = false;
-  }
-  /// After a failed write the machine ends with its daemon. (The next daemon on the same machine
-  /// would take what its cache has for what is on the disk.)
-  void end(std::size_t g) {
-    if (clients_[g].lost_writes) return lose_power(g);
-    at(g).end();
-  }
+  void lose_power(std::size_t g) { at(g).lose_power(power_); }
+  void end(std::size_t g) { at(g).end(); }
 
   void die(std::size_t g) {
     steps_ += " " + name(g) + " dies";

@@ -132,6 +132,62 @@ TEST(AJournal, GoesOnWhenTheDiskIsWellAgain) {
   EXPECT_EQ(again->contents(), story.states.back());
 }
 
+/// A sync that failed leaves pages that count as written and are not. If the batch cannot be undone
+/// either, the next daemon reads it in the cache, and goes on behind it.
+TEST(ADaemonThatFollowsAFailedOne, TakesNothingForStoredThatOnlyTheCacheHas) {
+  const Story story = random_story(35, 4, 900);
+  for (std::uint32_t seed = 0; seed < 50; ++seed) {
+    MemoryDisk memory;
+    {
+      TroubledDisk disk(memory, &memory);
+      auto journal = Journal::open("/d", disk);
+      ASSERT_TRUE(journal);
+      ASSERT_TRUE(write(*journal, story.batches[0]));
+      disk.trouble(Trouble::lose, 2, EIO, kForEver);  // the sync, and undoing it
+      ASSERT_FALSE(write(*journal, story.batches[1]));
+    }
+    auto next = Journal::open("/d", memory);
+    ASSERT_TRUE(next) << next.error().text;
+    ASSERT_EQ(next->contents(), story.states[2]) << "it is in the cache";
+    ASSERT_TRUE(write(*next, story.batches[2]));
+    std::mt19937 random(seed);
+    const auto rest = memory.after_power_loss(random);
+    const auto again = Journal::open("/d", *rest);
+    ASSERT_TRUE(again) << again.error().text;
+    EXPECT_EQ(again->contents(), story.states[3]);
+  }
+}
+
+/// What the cache has needs room for a second time on some file systems.
+TEST(ADaemonThatFollowsAFailedOne, StartsOnAFullDiskAndStoresNothingUntilThereIsRoom) {
+  const Story story = random_story(36, 3);
+  MemoryDisk memory;
+  {
+    auto journal = Journal::open("/d", memory);
+    ASSERT_TRUE(journal);
+    ASSERT_TRUE(write(*journal, story.batches[0]));
+  }
+  TroubledDisk whole(memory);
+  ASSERT_TRUE(Journal::open("/d", whole));
+  int started = 0;
+  for (std::size_t at = 1; at <= whole.calls(); ++at) {
+    TroubledDisk full(memory);
+    full.trouble(Trouble::fail, at, ENOSPC, 3);
+    auto journal = Journal::open("/d", full);
+    if (!journal) continue;
+    ++started;
+    EXPECT_EQ(journal->contents(), story.states[1]);
+    const auto refused = write(*journal, story.batches[1]);
+    ASSERT_FALSE(refused) << "at " << at;
+    EXPECT_NE(refused.error().text.find("No space left"), std::string::npos);
+    EXPECT_EQ(journal->contents(), story.states[1]);
+  }
+  EXPECT_GE(started, 1);
+  auto journal = Journal::open("/d", memory);
+  ASSERT_TRUE(journal && write(*journal, story.batches[1])) << "there is room again";
+  EXPECT_EQ(journal->contents(), story.states[2]);
+}
+
 TEST(ARefusedBatchThatWasUndone, DoesNotComeBackAfterALossOfPower) {
   const Story story = random_story(34, 2, 900);
   for (std::uint32_t seed = 0; seed < 50; ++seed) {
