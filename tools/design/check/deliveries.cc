@@ -77,8 +77,9 @@ void add_margin(const core::System& system, const core::Members& members, const 
 bool is_on_its_way(const core::System& system, const core::BusMessage& m,
                    const ReportedDelivery& d) {
   if (!m.held || m.publisher != d.publisher_number) return false;
-  for (std::size_t hop = 0; hop < d.route.size(); ++hop)
-    if (d.route[hop] == core::Place{core::Place::Kind::network, m.network} &&
+  const auto hops = core::hops_of(d.route);
+  for (std::size_t hop = 0; hop < hops.size(); ++hop)
+    if (hops[hop] == core::Place{core::Place::Kind::network, m.network} &&
         core::flow_on(system, d.publisher_number, d.route, hop).from == m.from)
       return true;
   return false;
