@@ -135,7 +135,7 @@ class Journal {
   bool directory_unsynced_ = false;  ///< a crash could bring the former file back
   /// The last batch that a former process wrote, until it has been written again; empty: it has.
   std::string inherited_;
-  std::uint64_t retry_above_ = 0;    ///< file size above which a failed rewriting is retried
+  std::uint64_t retry_above_ = 0;  ///< file size above which a failed rewriting is retried
   std::optional<std::string> recovered_;
   std::optional<std::string> trouble_;
 };
