@@ -39,7 +39,7 @@ static __always_inline bool admit(struct __sk_buff *skb, struct ether_cpu *cpu, 
 	if (cost && !take_turn(&slot->due, cost, contract->tolerance, now)) {
 		if (!(contract->forms & GATE_EXCESS_PASSES))
 			return false;
-		count = count_of(at);
+		count = count_of(cpu, at);
 		if (count)
 			count_up(&count->excess, 1);
 	}

@@ -84,45 +84,16 @@ static __always_inline void take_sender(struct __sk_buff *skb, struct event *e)
 	e->source = is_local(skb) ? 0 : from ? from : GATE_NO_SOURCE;
 }
 
-/*
- * Counts a drop and returns the action. In audit mode nothing is dropped, and what would be is
- * counted.
- */
-static __always_inline int drop(struct ether_cpu *cpu, __u32 direction, __u32 slot, __u32 reason,
-				const struct event *e)
-{
-	if (READ_ONCE(control.mode) == GATE_AUDIT) {
-		note_refusal(cpu, direction, slot, reason, e);
-		count_would_drop(direction, slot, reason);
-		return TC_ACT_UNSPEC;
-	}
-	count_drop(cpu, direction, slot, reason, e);
-	return refusal(direction);
-}
-
-/*
- * Drops an event, or what may be one. In audit mode, what ingress refuses is marked so that it is
- * counted once; egress passes it without counting it again.
- */
-static __always_inline int refuse(struct __sk_buff *skb, struct ether_cpu *cpu, __u32 direction,
-				  __u32 slot, __u32 reason, struct event *e)
+static __always_inline void note_refusal(struct __sk_buff *skb, struct ether_cpu *cpu,
+					 __u32 direction, __u32 slot, __u32 reason, struct event *e)
 {
 	struct packet p;
-	int action;
 
-	if (direction == GATE_EGRESS && e->mark == gate_refused_token(control.token) &&
-	    READ_ONCE(control.mode) == GATE_AUDIT) {
-		count_reason(cpu, GATE_EGRESS, GATE_R_ECHO);
-		return TC_ACT_UNSPEC;
-	}
 	if (names_sender(reason)) {
 		p = packet_of(skb);
 		take_mac(&p, e);
 	}
-	action = drop(cpu, direction, slot, reason, e);
-	if (direction == GATE_INGRESS && action == TC_ACT_UNSPEC)
-		skb->mark = gate_refused_token(control.token);
-	return action;
+	note_event(cpu, direction, slot, reason, e);
 }
 
 /* Checks a first fragment: it is refused if its identification is in use for another datagram. */
@@ -158,7 +129,7 @@ static __always_inline int filter_event(struct __sk_buff *skb, struct ether_cpu 
 	}
 	if (e->more && d.reason != GATE_R_FRAGMENT)
 		bpf_map_delete_elem(&fragments, &e->key);
-	return granted ? drop(cpu, direction, d.slot, GATE_R_EXCESS, e)
+	return granted ? drop(cpu, direction, d.slot, GATE_R_EXCESS)
 		       : refuse(skb, cpu, direction, d.slot, d.reason, e);
 }
 
@@ -179,7 +150,7 @@ static __always_inline int filter_later(struct __sk_buff *skb, struct ether_cpu 
 	struct decision d = judge_later(f, e);
 
 	if (d.reason != GATE_R_PASSED && d.reason != GATE_R_FOREIGN)
-		return drop(cpu, direction, d.slot, d.reason, e);
+		return drop(cpu, direction, d.slot, d.reason);
 	count_reason(cpu, direction, d.reason);
 	if (d.reason == GATE_R_FOREIGN)
 		return TC_ACT_UNSPEC;
@@ -204,7 +175,7 @@ static __always_inline int filter(struct __sk_buff *skb, __u32 direction)
 	if (nature == NOT_EVENT_FIRST) {
 		reason = judge_first(&e, &fragments);
 		if (reason != GATE_R_PASSED)
-			return drop(cpu, direction, direction, reason, &e);
+			return drop(cpu, direction, direction, reason);
 		remember(&foreign_fragments, &e, 0);
 		goto foreign;
 	}
@@ -299,8 +270,11 @@ int ether_early(struct xdp_md *ctx)
 		p = early_packet_of(ctx);
 		take_mac(&p, &e);
 	}
-	if (cpu)
-		count_drop(cpu, GATE_INGRESS, d.slot, d.reason, &e);
+	if (cpu) {
+		note_event(cpu, GATE_INGRESS, d.slot, d.reason, &e);
+		set_last_reason(d.slot, d.reason);
+		count_drop(cpu, GATE_INGRESS, d.slot, d.reason);
+	}
 	return XDP_DROP;
 }
 

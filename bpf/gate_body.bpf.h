@@ -105,7 +105,7 @@ int gate_ingress(struct __sk_buff *skb)
 
 	skb->mark = 0;
 	if (!read_frame(skb, GATE_INGRESS, &frame))
-		return refuse_in(skb, cpu, GATE_INGRESS, GATE_R_MALFORMED, &frame);
+		return refuse(skb, cpu, GATE_INGRESS, GATE_INGRESS, GATE_R_MALFORMED, &frame);
 	if (frame.can_id & CAN_ERR_FLAG) {
 		count_reason(cpu, GATE_INGRESS, GATE_R_ERROR_IN);
 		return TC_ACT_UNSPEC;
@@ -113,7 +113,7 @@ int gate_ingress(struct __sk_buff *skb)
 	if (closed(READ_ONCE(table.epoch))) {
 		if (is_reply(&frame))
 			heed_reply(skb, &frame, GATE_INGRESS, false);
-		return refuse_in(skb, cpu, GATE_INGRESS, GATE_R_CLOSED, &frame);
+		return refuse(skb, cpu, GATE_INGRESS, GATE_INGRESS, GATE_R_CLOSED, &frame);
 	}
 
 	frame.source = GATE_NO_SOURCE;
@@ -121,7 +121,7 @@ int gate_ingress(struct __sk_buff *skb)
 	if (is_reply(&frame))
 		heed_reply(skb, &frame, GATE_INGRESS, d.reason == GATE_R_PASSED);
 	if (d.reason != GATE_R_PASSED)
-		return refuse_in(skb, cpu, d.slot, d.reason, &frame);
+		return refuse(skb, cpu, GATE_INGRESS, d.slot, d.reason, &frame);
 	/* In audit mode, excess goes on with its mark. */
 	skb->mark = gate_ingress_token(control.token, ifindex,
 				       table.slots[d.slot & (GATE_SLOTS - 1)].origin);
@@ -176,17 +176,17 @@ int gate_egress(struct __sk_buff *skb)
 	skb->mark = echo_by_mark ? gate_echo_token(control.token) : 0;
 
 	if (!read_frame(skb, GATE_EGRESS, &frame))
-		return refuse_out(skb, cpu, GATE_EGRESS, GATE_R_MALFORMED, &frame);
+		return refuse(skb, cpu, GATE_EGRESS, GATE_EGRESS, GATE_R_MALFORMED, &frame);
 	if (frame.can_id & CAN_ERR_FLAG)
-		return refuse_out(skb, cpu, GATE_EGRESS, GATE_R_ERROR_FRAME, &frame);
+		return refuse(skb, cpu, GATE_EGRESS, GATE_EGRESS, GATE_R_ERROR_FRAME, &frame);
 	if (closed(READ_ONCE(table.epoch)))
 		return heed_unless_dropped(
-		    skb, &frame, refuse_out(skb, cpu, GATE_EGRESS, GATE_R_CLOSED, &frame));
+		    skb, &frame, refuse(skb, cpu, GATE_EGRESS, GATE_EGRESS, GATE_R_CLOSED, &frame));
 
 	d = judge(skb, GATE_EGRESS, &frame);
 	if (d.reason != GATE_R_PASSED)
 		return heed_unless_dropped(skb, &frame,
-					   refuse_out(skb, cpu, d.slot, d.reason, &frame));
+					   refuse(skb, cpu, GATE_EGRESS, d.slot, d.reason, &frame));
 	if (!admit(cpu, GATE_EGRESS, d.slot, &frame))
 		return heed_unless_dropped(skb, &frame,
 					   drop(cpu, GATE_EGRESS, d.slot, GATE_R_EXCESS));

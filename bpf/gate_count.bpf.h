@@ -8,96 +8,59 @@
 #ifndef MLCCA_GATE_COUNT_BPF_H
 #define MLCCA_GATE_COUNT_BPF_H
 
-static __always_inline struct gate_cpu *this_cpu(void)
-{
-	__u32 key = bpf_get_smp_processor_id();
+#define CPU	gate_cpu
+#define SEEN	gate_seen
+#define ARRIVED frame
+#include "bpf/count.bpf.h"
 
-	return bpf_map_lookup_elem(&cpus, &key);
+static __always_inline struct gate_count *count_of(struct gate_cpu *cpu, __u32 slot)
+{
+	return &cpu->slots[slot & (GATE_SLOTS - 1)];
 }
 
-static __always_inline void count_reason(struct gate_cpu *cpu, __u32 direction, __u32 reason)
+static __always_inline void count_up(__u64 *counter, __u64 n) { add(counter, n); }
+
+static __always_inline struct gate_audit *audit_of(__u32 slot)
 {
-	add(&cpu->reasons[direction][reason & (GATE_REASONS - 1)], 1);
+	return &table.audit[slot & (GATE_SLOTS - 1)];
 }
 
-static __always_inline void count_pass(struct gate_cpu *cpu, __u32 direction, __u32 slot,
-				       const struct frame *frame)
+static __always_inline void set_last_reason(__u32 slot, __u32 reason)
 {
-	struct gate_count *count = &cpu->slots[slot & (GATE_SLOTS - 1)];
-
-	add(&count->passed, 1);
-	add(&count->bytes, frame->can_id & CAN_RTR_FLAG ? 0 : frame->len);
-	count_reason(cpu, direction, GATE_R_PASSED);
+	table.last_reason[slot & (GATE_SLOTS - 1)] = reason;
 }
 
-/*
- * Whether nothing is dropped: in audit mode, and when the interface was removed from the gateway.
- */
-static __always_inline bool lets_all_through(void)
+static __always_inline __u32 octets_of(const struct frame *frame)
 {
-	return READ_ONCE(control.mode) == GATE_AUDIT || READ_ONCE(table.retired);
+	return frame->can_id & CAN_RTR_FLAG ? 0 : frame->len;
 }
 
-static __always_inline int count_would_drop(__u32 direction, __u32 slot, __u32 reason)
+static __always_inline __u32 seen_hash(const struct frame *frame, __u32 direction)
 {
-	struct gate_audit *audit = &table.audit[slot & (GATE_SLOTS - 1)];
-
-	add_atomic(&audit->would_drop, 1);
-	if (reason == GATE_R_EXCESS)
-		add_atomic(&audit->would_exceed, 1);
-	add_atomic(&table.would_drop[direction][reason & (GATE_REASONS - 1)], 1);
-	return TC_ACT_UNSPEC;
+	return ((frame->can_id + direction) * 0x9e3779b1U) >> 16;
 }
 
-/* Counts a drop, or what would be one, and returns the action. */
-static __always_inline int drop(struct gate_cpu *cpu, __u32 direction, __u32 slot, __u32 reason)
+static __always_inline bool is_same(const struct gate_seen *seen, const struct frame *frame)
 {
-	slot &= GATE_SLOTS - 1;
-	table.last_reason[slot] = reason;
-	if (lets_all_through())
-		return count_would_drop(direction, slot, reason);
-	add(&cpu->slots[slot].dropped, 1);
-	if (reason == GATE_R_EXCESS)
-		add(&cpu->slots[slot].excess, 1);
-	count_reason(cpu, direction, reason);
-	return refusal(direction);
+	return seen->can_id == frame->can_id && seen->format == frame->format;
 }
 
-static __always_inline void report_unknown(__u64 frames, __u32 direction, const struct frame *frame)
+static __always_inline void keep_same(struct gate_seen *seen, const struct frame *frame)
 {
-	struct gate_sample sample = {
-	    .ifindex = ifindex,
-	    .frames = frames,
-	    .can_id = frame->can_id,
-	    .len = frame->len,
-	    .format = frame->format,
-	    .direction = direction,
-	    .audit = lets_all_through(),
-	};
-
-	report_sample(&sample, &table.sample_due);
+	seen->can_id = frame->can_id;
+	seen->format = frame->format;
 }
 
-/* The sequence is 0 while the entry is reused for another frame. */
-static __always_inline void note_unknown(struct gate_cpu *cpu, __u32 direction,
-					 const struct frame *frame)
+static __always_inline void keep_latest(struct gate_seen *seen, const struct frame *frame)
 {
-	__u32 at = ((frame->can_id + direction) * 0x9e3779b1U) >> 16;
-	struct gate_seen *seen = &cpu->seen[at & (GATE_SEEN - 1)];
-	__u64 sequence = __sync_fetch_and_add(&table.unknown_frames, 1) + 1;
-
-	if (!seen->sequence || seen->can_id != frame->can_id || seen->format != frame->format ||
-	    seen->direction != direction) {
-		store_in_order(&seen->sequence, 0);
-		seen->can_id = frame->can_id;
-		seen->format = frame->format;
-		seen->direction = direction;
-		seen->count = 0;
-		report_unknown(sequence, direction, frame);
-	}
 	seen->len = frame->len;
-	seen->count++;
-	store_in_order(&seen->sequence, sequence);
+}
+
+static __always_inline void describe(struct gate_sample *sample, const struct frame *frame)
+{
+	sample->can_id = frame->can_id;
+	sample->len = frame->len;
+	sample->format = frame->format;
 }
 
 static __always_inline bool is_sender(const struct gate_sender *there,
@@ -118,10 +81,9 @@ static __always_inline __u32 sender_set(const struct gate_sender *who)
 #define SENDER gate_sender
 #include "bpf/senders.bpf.h"
 
-/* Notes what kind of frame is refused, or who has sent it, if that is the reason. */
 static __always_inline void note_refusal(struct __sk_buff *skb, struct gate_cpu *cpu,
 					 __u32 direction, __u32 slot, __u32 reason,
-					 const struct frame *frame)
+					 struct frame *frame)
 {
 	if (reason == GATE_R_UNKNOWN)
 		note_unknown(cpu, direction, frame);

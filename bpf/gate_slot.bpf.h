@@ -131,36 +131,4 @@ static __always_inline struct decision decide(struct __sk_buff *skb, __u32 direc
 	return settled(skb, frame, direction, found);
 }
 
-/*
- * Drops a frame; in audit mode it goes on with a mark. A `frame` without a slot is reported, and so
- * is who sends in place of a granted sender.
- */
-static __always_inline int refuse_in(struct __sk_buff *skb, struct gate_cpu *cpu, __u32 slot,
-				     __u32 reason, const struct frame *frame)
-{
-	int action;
-
-	note_refusal(skb, cpu, GATE_INGRESS, slot, reason, frame);
-	action = drop(cpu, GATE_INGRESS, slot, reason);
-	if (action == TC_ACT_UNSPEC)
-		skb->mark = gate_refused_token(control.token);
-	return action;
-}
-
-/*
- * Drops a frame at egress. In audit mode, a frame that an ingress gate has refused was counted
- * there.
- */
-static __always_inline int refuse_out(struct __sk_buff *skb, struct gate_cpu *cpu, __u32 slot,
-				      __u32 reason, const struct frame *frame)
-{
-	if (frame->mark == gate_refused_token(control.token) &&
-	    READ_ONCE(control.mode) == GATE_AUDIT) {
-		count_reason(cpu, GATE_EGRESS, GATE_R_ECHO);
-		return TC_ACT_UNSPEC;
-	}
-	note_refusal(skb, cpu, GATE_EGRESS, slot, reason, frame);
-	return drop(cpu, GATE_EGRESS, slot, reason);
-}
-
 #endif
