@@ -84,6 +84,7 @@ void Member::on_time(Value now) {
 
 void Member::on_result(const TxnResult& result, Value now) {
   if (!result.why.empty()) problem_ = result.why;
+  full_ = result.outcome == Outcome::full;
   settle(chain_.on_result(result, now), now);
   step(now);
 }

@@ -41,6 +41,9 @@ class Member {
   };
   /// Begins the text of why_not() if the store does not answer.
   static constexpr std::string_view kNoAnswer = "the store does not answer";
+  /// Begins it if the store answers that it is full: a beat needs room, too.
+  static constexpr std::string_view kFull =
+      "the store is full, so it takes no sign of life of this gateway either";
   enum class Standing : std::uint8_t {
     off,  ///< it has left, or has no state of the store yet
     joining,
@@ -154,7 +157,7 @@ class Member {
   [[nodiscard]] bool other_is_open() const;
   [[nodiscard]] std::string why_no_description() const;
   [[nodiscard]] std::string no_answer() const {
-    return std::string(kNoAnswer) + (problem_.empty() ? "" : ": " + problem_);
+    return std::string(full_ ? kFull : kNoAnswer) + (problem_.empty() ? "" : ": " + problem_);
   }
   [[nodiscard]] bool caught_up() const { return view_.revision() >= chain_.base(); }
   [[nodiscard]] Beat beat(Value now) const;
@@ -181,6 +184,7 @@ class Member {
   Phase phase_ = Phase::off;
   bool reachable_ = false, draining_ = false, goes_on_ = false, found_ = false;
   std::string problem_;
+  bool full_ = false;  ///< that was the latest answer of the store
   std::int64_t wait_for_ =
       0;  ///< the view must have this revision before anything except a beat is sent
   /// The store refused to delete entries of this kind; not tried again before this time.

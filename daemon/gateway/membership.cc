@@ -600,7 +600,8 @@ void Membership::report() {
       },
       now());
   const std::string why = standing();
-  lines_.standing(session_.system, why, why.starts_with(cc::Member::kNoAnswer), now());
+  const bool is_lost = why.starts_with(cc::Member::kNoAnswer) || why.starts_with(cc::Member::kFull);
+  lines_.standing(session_.system, why, is_lost, now());
 }
 
 // --- leaving

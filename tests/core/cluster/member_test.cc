@@ -85,6 +85,24 @@ TEST_F(ClusterMember, WhatIsFullOrForbiddenIsAskedAgainAndThenRefused) {
   EXPECT_EQ(at(0).problem(), "no space");
 }
 
+TEST_F(ClusterMember, AFullStoreEndsTheLeaseAndIsTheReason) {
+  in_force(1);
+  start(0);
+  nodes[0].cut_off = true;
+  for (int n = 0; n < 80; ++n) {
+    turn(nodes[0]);
+    for (const Txn& txn : std::exchange(nodes[0].lost, {}))
+      at(0).on_result({.id = txn.id, .outcome = Outcome::full, .why = "no space"}, now);
+    now += kSecond / 4;
+    at(0).on_time(now);
+  }
+  EXPECT_EQ(at(0).standing(now), Member::Standing::silent);
+  EXPECT_EQ(at(0).why_not(now), std::string(Member::kFull) + ": no space");
+  nodes[0].cut_off = false;
+  pass(kSecond);
+  EXPECT_EQ(at(0).standing(now), Member::Standing::joined) << "there is room again";
+}
+
 TEST_F(ClusterMember, ALostAnswerIsFoundOutByTheNextBeat) {
   in_force(1);
   start(0);

@@ -84,7 +84,7 @@ class FakeLink final : public ClusterLink {
 
   bool up = true;
   std::string problem = "it is gone";  ///< while it is not up
-  bool full = false;                   ///< as it says
+  bool full = false;                   ///< it says so, and takes nothing but deletions
   bool answers = true;                 ///< to transactions
   /// What becomes of transactions whose answer is lost.
   enum class Lost : std::uint8_t { none, not_done, done } lost = Lost::none;
@@ -103,6 +103,11 @@ class FakeLink final : public ClusterLink {
     const std::uint64_t at = sent_at_[txn.id];
     sent_at_.erase(txn.id);
     if (lost == Lost::not_done) return result;
+    if (full && !txn.puts.empty()) {
+      result.outcome = core::cluster::Outcome::full;
+      result.why = "database space exceeded";
+      return result;
+    }
     auto done = store_.apply(txn);
     if (done.outcome == core::cluster::Outcome::committed) leased_from = at;
     return lost == Lost::none ? done : result;

@@ -222,9 +222,14 @@ TEST_F(SharedClosedPage, AnEntryCannotBeRead) {
 
 TEST_F(SharedClosedPage, TheStoreIsFull) {
   start_both();
-  link(0).full = true;
+  link(0).full = link(1).full = true;
   run();
+  EXPECT_EQ(cluster(0).phase, "in") << "until the lease ends";
+  pass(12 * kSecondNs);
   expect("The store is full");
+  link(0).full = link(1).full = false;
+  pass(5 * kSecondNs);
+  EXPECT_EQ(cluster(0).phase, "in") << "there is room again";
 }
 
 TEST_F(SharedClosedPage, TheDescriptionIsNotChecked) {
