@@ -73,13 +73,7 @@ TEST_F(ClusterMember, WhatIsFullOrForbiddenIsAskedAgainAndThenRefused) {
   start(0);
   nodes[0].cut_off = true;
   at(0).reserve(unit(1), now);
-  for (int n = 0; n < 20; ++n) {
-    turn(nodes[0]);
-    for (const Txn& txn : std::exchange(nodes[0].lost, {}))
-      at(0).on_result({.id = txn.id, .outcome = Outcome::full, .why = "no space"}, now);
-    now += kSecond / 4;
-    at(0).on_time(now);
-  }
+  pass_while_full(5 * kSecond);
   turn(nodes[0]);
   EXPECT_EQ(nodes[0].take<Refused>().size(), 1U);
   EXPECT_EQ(at(0).problem(), "no space");
@@ -89,13 +83,7 @@ TEST_F(ClusterMember, AFullStoreEndsTheLeaseAndIsTheReason) {
   in_force(1);
   start(0);
   nodes[0].cut_off = true;
-  for (int n = 0; n < 80; ++n) {
-    turn(nodes[0]);
-    for (const Txn& txn : std::exchange(nodes[0].lost, {}))
-      at(0).on_result({.id = txn.id, .outcome = Outcome::full, .why = "no space"}, now);
-    now += kSecond / 4;
-    at(0).on_time(now);
-  }
+  pass_while_full(20 * kSecond);
   EXPECT_EQ(at(0).standing(now), Member::Standing::silent);
   EXPECT_EQ(at(0).why_not(now), std::string(Member::kFull) + ": no space");
   nodes[0].cut_off = false;

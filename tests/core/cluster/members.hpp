@@ -108,6 +108,16 @@ class ClusterMember : public testing::Test {
       run();
     }
   }
+  /// Time passes for the first gateway, which is cut off: the store answers it that it is full.
+  void pass_while_full(Value time) {
+    for (const Value end = now + time; now < end;) {
+      turn(nodes[0]);
+      for (const Txn& txn : std::exchange(nodes[0].lost, {}))
+        at(0).on_result({.id = txn.id, .outcome = Outcome::full, .why = "no space"}, now);
+      now += kSecond / 4;
+      at(0).on_time(now);
+    }
+  }
   Member& at(std::size_t g) { return *nodes[g].member; }
   Wanted unit(std::uint64_t id, std::vector<std::size_t> through = {}) {
     return {.id = id,

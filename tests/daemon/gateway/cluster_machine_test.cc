@@ -129,50 +129,33 @@ class ClusterMachine : public MembershipBench {
   }
 
   void take_step(std::size_t g) {
-    if (!acts(g)) return chance(random_, 60) ? bring_back(g) : change_store();
-    switch (below(random_, 28)) {
-      case 0:
-      case 1:
-      case 2:
-      case 3:
-      case 4:
-      case 5:
-      case 6:
-        return admit(g);
-      case 7:
-        return query(g);
-      case 8:
-      case 9:
-      case 10:
-        return release(g);
-      case 11:
-        return withdraw(g);
-      case 12:
-        return reload(g);
-      case 13:
-        return roll_out_some(g);
-      case 14:
-      case 15:
-        return change_link(g);
-      case 16:
-      case 17:
-      case 18:
-        return change_store();
-      case 19:
-        return wait_long(g);
-      case 20:
-        return drain_or_join(g);
-      case 21:
-        return die(g);
-      case 22:
-        return stop(g);
-      case 23:
-        steps_ += " " + name(g) + " hangs";
-        nodes[g]->hangs = true;
-        return;
-      default:
-        return admit(g);
+    if (!acts(g)) return chance(random_, 60) ? bring_back(g) : change_store(g);
+    using Step = void (ClusterMachine::*)(std::size_t);
+    using M = ClusterMachine;
+    // How many of 28 steps are of the kind.
+    static constexpr std::array<std::pair<std::size_t, Step>, 13> kinds{{{11, &M::admit},
+                                                                         {1, &M::query},
+                                                                         {3, &M::release},
+                                                                         {1, &M::withdraw},
+                                                                         {1, &M::reload},
+                                                                         {1, &M::roll_out_some},
+                                                                         {2, &M::change_link},
+                                                                         {3, &M::change_store},
+                                                                         {1, &M::wait_long},
+                                                                         {1, &M::drain_or_join},
+                                                                         {1, &M::die},
+                                                                         {1, &M::stop},
+                                                                         {1, &M::hang}}};
+    std::size_t at = below(random_, 28);
+    for (const auto& [many, step] : kinds) {
+      if (at < many) return (this->*step)(g);
+      at -= many;
     }
+  }
+
+  void hang(std::size_t g) {
+    steps_ += " " + name(g) + " hangs";
+    nodes[g]->hangs = true;
   }
 
   [[nodiscard]] control::Admit some_request(std::size_t g) {
@@ -352,7 +335,8 @@ class ClusterMachine : public MembershipBench {
     at(g).daemon().links_changed();
   }
 
-  void change_store() {
+  /// For either gateway, whichever one has its turn.
+  void change_store(std::size_t) {
     const std::size_t g = below(random_, kGateways);
     auto& its = link(g);
     switch (below(random_, 8)) {
@@ -477,18 +461,15 @@ class ClusterMachine : public MembershipBench {
     ++cluster_tally.crashes;
     steps_ += " " + name(g) + " crashes";
     end_trouble(g);
-    lose_power(g);
+    at(g).lose_power(power_);
     at(g).readable = true;
     forget_answers(g);
   }
 
-  void lose_power(std::size_t g) { at(g).lose_power(power_); }
-  void end(std::size_t g) { at(g).end(); }
-
   void die(std::size_t g) {
     steps_ += " " + name(g) + " dies";
     if (chance(random_, 50)) return crash(g);
-    end(g);
+    at(g).end();
     forget_answers(g);
   }
 
@@ -505,7 +486,7 @@ class ClusterMachine : public MembershipBench {
     at(g).daemon().stop();
     take_commits(g);
     demand(!at(g).kernel.open, "a daemon that was stopped has left the gates open");
-    end(g);
+    at(g).end();
     forget_answers(g);
   }
 
@@ -544,7 +525,7 @@ class ClusterMachine : public MembershipBench {
     at(g).commits.clear();  // of the start itself
     if (started) return;
     demand(troubled, "it does not start: " + why);
-    end(g);
+    at(g).end();
     demand(!at(g).kernel.passes() || !at(g).kernel.open || troubled, "a failed start leaves open");
   }
 
