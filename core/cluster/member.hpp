@@ -44,6 +44,10 @@ class Member {
   /// Begins it if the store answers that it is full: a beat needs room, too.
   static constexpr std::string_view kFull =
       "the store is full, so it takes no sign of life of this gateway either";
+  /// Whether a text of why_not() begins with one of these.
+  [[nodiscard]] static bool is_for_want_of_store(std::string_view why) {
+    return why.starts_with(kNoAnswer) || why.starts_with(kFull);
+  }
   enum class Standing : std::uint8_t {
     off,  ///< it has left, or has no state of the store yet
     joining,

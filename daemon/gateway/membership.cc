@@ -600,8 +600,7 @@ void Membership::report() {
       },
       now());
   const std::string why = standing();
-  const bool is_lost = why.starts_with(cc::Member::kNoAnswer) || why.starts_with(cc::Member::kFull);
-  lines_.standing(session_.system, why, is_lost, now());
+  lines_.standing(session_.system, why, cc::Member::is_for_want_of_store(why), now());
 }
 
 // --- leaving

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Any entries in the store that gateways share, as anybody who may write there could leave them. A
+// Any entries in the store that gateways share, as whoever may write there could leave them. A
 // member of the cluster reads them with the codec of the daemon, and goes on.
 //
 // An input is a list of steps. The first octet of a step says what it is; a name and a value have
