@@ -91,7 +91,8 @@ void Records::put_reservation(const Codec& codec, const Key& key, const Entry& e
     return;
   }
   auto taken = value_of(entry, [&](const auto& v) { return codec.taken(v, key.network); });
-  note(entry, taken.has_value(), key.network);
+  note(entry, taken.has_value(), key.network,
+       taken || !codec.of_other_description(entry.value) ? Strangeness::value : Strangeness::other);
   reservations[at] = {.taken = std::move(taken), .mod = entry.mod};
 }
 

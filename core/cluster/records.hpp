@@ -39,7 +39,8 @@ struct ReservationRecord {
 enum class Strangeness : std::uint8_t {
   key,       ///< the description has no gateway or network of that name, or it is no key at all
   too_long,  ///< it is longer than kMostEntryBytes
-  value,     ///< it is damaged, or of another version or description
+  value,     ///< it is damaged, or of another version
+  other,     ///< a reservation under another description
   lease,     ///< a beat with a lease below kLeastLease or above kMostLease
 };
 /// An entry that is not understood.

@@ -46,7 +46,9 @@ std::string why_strange(const Records& records, const Keys& keys, const std::opt
       return "it has " + std::to_string(entry.octets) + " octets, and may have " +
              std::to_string(kMostEntryBytes);
     case Strangeness::value:
-      return "it is damaged, or of another version or description";
+      return "it is damaged, or of another version";
+    case Strangeness::other:
+      return "it belongs to another description";
     case Strangeness::lease: {
       if (!key) break;
       const Value lease = records.members[key->gateway].lease;
@@ -66,6 +68,10 @@ std::string remedy(const Keys& keys, std::string_view name, const std::optional<
   const bool written_by_one = key && key->kind != Key::Kind::epoch &&
                               key->kind != Key::Kind::current && key->kind != Key::Kind::next &&
                               key->kind != Key::Kind::blob && key->kind != Key::Kind::version;
+  if (entry.why == Strangeness::other && key)
+    return keys.gateway_name(key->gateway) +
+           " gives it back when it has the description in force; 'mlccactl cluster members' shows "
+           "which one each gateway has";
   if (entry.why == Strangeness::lease && key)
     return "restart mlccad on " + keys.gateway_name(key->gateway) + " with a --lease of " +
            format_span(kLeastLease) + " to " + format_span(kMostLease);

@@ -149,6 +149,9 @@ class Codec {
   /// `network`: index of the network in the record's key.
   [[nodiscard]] virtual std::optional<Taken> taken(std::string_view value,
                                                    std::size_t network) const = 0;
+  /// Whether a record that taken() does not understand says of itself that it belongs to another
+  /// description. Such a record is as unknown as a damaged one, and only explained otherwise.
+  [[nodiscard]] virtual bool of_other_description(std::string_view taken) const = 0;
   [[nodiscard]] virtual std::optional<RouteRequest> asked(std::string_view value) const = 0;
   [[nodiscard]] virtual std::optional<VoteOf> vote(std::string_view value) const = 0;
   [[nodiscard]] virtual std::optional<Current> current(std::string_view value) const = 0;

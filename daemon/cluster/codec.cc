@@ -249,6 +249,12 @@ std::string Codec::write(const cc::RouteRequest& asked) const {
                                       .gateways = names_of(asked.gateways)});
 }
 
+bool Codec::of_other_description(Text taken) const {
+  const auto entry = control::message_in<TakenEntry>(taken);
+  const auto digest = entry ? digest_in(entry->digest) : std::nullopt;
+  return digest && *digest != digest_;
+}
+
 std::optional<cc::RouteRequest> Codec::asked(Text value) const {
   auto entry = control::message_in<AskedEntry>(value);
   if (!entry || entry->stage > static_cast<std::uint32_t>(cc::Stage::ending)) return std::nullopt;

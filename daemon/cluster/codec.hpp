@@ -33,6 +33,7 @@ class Codec final : public core::cluster::Codec {
   [[nodiscard]] std::optional<core::cluster::Beat> beat(Text value) const override;
   [[nodiscard]] std::optional<core::cluster::Taken> taken(Text value,
                                                           std::size_t network) const override;
+  [[nodiscard]] bool of_other_description(Text taken) const override;
   [[nodiscard]] std::optional<core::cluster::RouteRequest> asked(Text value) const override;
   [[nodiscard]] std::optional<core::cluster::VoteOf> vote(Text value) const override;
   [[nodiscard]] std::optional<core::cluster::Current> current(Text value) const override;

@@ -117,6 +117,9 @@ TEST_F(CodecTest, PathsAreOfNodesOfTheMesh) {
 TEST_F(CodecTest, NumbersOfAnotherDescriptionMeanNothingHere) {
   const cluster::Codec other(system, some_digest(8));
   EXPECT_FALSE(other.taken(codec.write(some_taken()), 0));
+  EXPECT_TRUE(other.of_other_description(codec.write(some_taken())));
+  EXPECT_FALSE(codec.of_other_description(codec.write(some_taken())));
+  EXPECT_FALSE(codec.of_other_description("?"));
   cc::Taken taken = some_taken();
   taken.part.rates[0].source.publisher = 4;
   EXPECT_FALSE(codec.taken(codec.write(taken), 0));

@@ -61,6 +61,9 @@ class TextCodec : public Codec {
                  .part = part_of(network, val((*n)[0])),
                  .through = take_list(v)};
   }
+  [[nodiscard]] bool of_other_description(std::string_view taken) const override {
+    return taken == "of another";
+  }
   [[nodiscard]] std::optional<RouteRequest> asked(std::string_view v) const override {
     const auto n = numbers<1>(v);
     if (!n) return std::nullopt;

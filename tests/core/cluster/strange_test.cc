@@ -50,13 +50,26 @@ TEST_F(StrangeEntries, AReservationIsNamedWithItsGateway) {
                               ", which replaces or deletes it; if that gateway is off, the others "
                               "do so when its lease has ended";
   EXPECT_EQ(words(), key + " of gateway " + keys->gateway_name(1) +
-                         " (it is damaged, or of another version or description)" + restart);
+                         " (it is damaged, or of another version)" + restart);
   EXPECT_EQ(words(1), "") << "the other network is not concerned";
   put(keys->reservation(0, 1, 8), std::string(kMostEntryBytes + 1, '7'));
   EXPECT_TRUE(words().contains(") and 1 more entry: restart")) << words();
   put(key, readable());
   EXPECT_EQ(words(), keys->reservation(0, 1, 8) + " of gateway " + keys->gateway_name(1) +
                          " (it has 65537 octets, and may have 65536)" + restart);
+}
+
+TEST_F(StrangeEntries, AReservationUnderAnotherDescriptionIsNotCalledDamaged) {
+  const std::string key = keys->reservation(0, 1, 7);
+  put(key, "of another");
+  const std::string gateway = keys->gateway_name(1);
+  EXPECT_EQ(words(), key + " of gateway " + gateway +
+                         " (it belongs to another description): " + gateway +
+                         " gives it back when it has the description in force; 'mlccactl cluster "
+                         "members' shows which one each gateway has");
+  EXPECT_TRUE(records.unreadable(0)) << "it is unknown what it holds";
+  put(key, readable());
+  EXPECT_EQ(words(), "");
 }
 
 TEST_F(StrangeEntries, WhatNobodyReplacesIsDeletedByACommand) {
