@@ -16,7 +16,8 @@ import subprocess
 import threading
 import time
 
-from world import LOCK, MEMBERS, PERIOD_MS, WORK, CHANNELS, inside, subject_of
+from world import (ACROSS, C0, C0_BYTES, CHANNELS, F0, F0_BYTES, LOCK, MEMBERS, PARALLEL, PERIOD_MS, WORK, inside, next_of,
+                   observed, ports_of, subject_of)
 
 SO_TIMESTAMPNS = 35
 ETH_P_IP = 0x800
@@ -147,18 +148,18 @@ class Ticks:
 
 
 class Wire:
-    """Frames that have passed the gates: by channel, when. The time is that of the kernel."""
+    """Frames that have passed the gates: by gateway, network and subject, when. The time is that of the kernel."""
 
     def __init__(self, gateways):
         self.frames = {}
         self.ends = False
         self.sockets = {}
-        for name in gateways:
+        for name, network in ((name, network) for name in gateways for network in ports_of(name)):
             one = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(ETH_P_IP))
             one.setsockopt(socket.SOL_SOCKET, SO_TIMESTAMPNS, 1)
             one.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
-            one.bind((f"l-{name}", ETH_P_IP))
-            self.sockets[one] = int(name[2:])
+            one.bind((observed(network, name), ETH_P_IP))
+            self.sockets[one] = (int(name[2:]), network)
         self.thread = threading.Thread(target=self.run, daemon=True)
         self.thread.start()
 
@@ -169,16 +170,23 @@ class Wire:
                 if address[2] != socket.PACKET_OUTGOING and frame[23] == 17:
                     self.take(self.sockets[one], frame, control)
 
-    def take(self, gateway, frame, control):
+    def take(self, place, frame, control):
         udp = 14 + (frame[14] & 15) * 4
         if struct.unpack_from("!H", frame, udp + 2)[0] != EVENT_PORT:
             return
         seconds, nanoseconds = struct.unpack("=qq", control[0][2][:16])
         subject = struct.unpack_from("!Q", frame, udp + 8)[0]
-        self.frames.setdefault((gateway, subject), []).append(seconds + nanoseconds / 1e9)
+        self.frames.setdefault((*place, subject), []).append(seconds + nanoseconds / 1e9)
 
-    def count(self, gateway, subject):
-        return len(self.frames.get((gateway, subject), ()))
+    def at(self, gateway, network, subject):
+        return self.frames.get((gateway, network, subject), [])
+
+    def count(self, gateway, network, subject):
+        return len(self.at(gateway, network, subject))
+
+    def on_media(self, gateway, subject):
+        """On all that gateways share, in order."""
+        return sorted(self.at(gateway, "lan", subject) + self.at(gateway, "side", subject))
 
     def end(self):
         self.ends = True
@@ -187,21 +195,33 @@ class Wire:
 
 
 class Traffic:
-    """Programs on all gateways send whatever is granted to them, and whatever is not."""
+    """Programs on all gateways send whatever is granted to them, and whatever is not: of their own channels, and of those
+    that they carry further."""
 
     def __init__(self, gateways):
         self.ends = False
         self.flows = []
+        payloads = dict(CHANNELS)
         for name in gateways:
             gateway = int(name[2:])
-            to = inside(name, lambda: socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
-            to.setsockopt(socket.SOL_SOCKET, socket.SO_BINDTODEVICE, b"lan0")
-            to.setblocking(False)
-            described = [(1, 8)] if gateway == 1 else []
-            for subject, octets in described + [(subject_of(gateway, number), octets) for number, octets in CHANNELS]:
-                self.flows.append((to, struct.pack("!QB", subject, 0) + bytes(octets), f"239.0.{subject & 0xff}.1"))
+            before = next(n for n in range(1, len(gateways) + 1) if next_of(n, len(gateways)) == gateway)
+            flows = {"lan": [(subject_of(gateway, number), octets) for number, octets in CHANNELS], "side": [],
+                     "cell": [(subject_of(before, ACROSS), payloads[ACROSS])]}
+            if gateway == 1:
+                flows["lan"].append((C0, C0_BYTES * PERIOD_MS // 1000))
+            if name in PARALLEL:  # a route of its own may lead over either
+                flows["side"] += [(F0, F0_BYTES * PERIOD_MS // 1000), flows["lan"][ACROSS - 1]]
+            for network in ports_of(name):
+                self.flow(name, network, flows[network])
         self.thread = threading.Thread(target=self.run, daemon=True)
         self.thread.start()
+
+    def flow(self, name, network, subjects):
+        to = inside(name, lambda: socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+        to.setsockopt(socket.SOL_SOCKET, socket.SO_BINDTODEVICE, f"{network}0".encode())
+        to.setblocking(False)
+        for subject, octets in subjects:
+            self.flows.append((to, struct.pack("!QB", subject, 0) + bytes(octets), f"239.0.{subject & 0xff}.1"))
 
     def run(self):
         due = time.monotonic()

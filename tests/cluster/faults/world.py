@@ -13,11 +13,18 @@ BUILD = os.path.abspath(os.environ.get("BUILD", "build"))
 WORK = "/run/work"
 MEMBERS = ("m0", "m1", "m2")
 LEASE = 2  # s
-LAN_BYTES = 1000  # per s, of the medium that all share
-DESCRIBED_BYTES = 200  # of them the description promises to c0
 PERIOD_MS = 40
+# Media, and the bytes per s that each carries. All gateways are on lan. gw1 and gw2 join lan and side next to each other.
+# Each gateway has a cell of its own.
+CAPACITY = {"lan": 1100, "side": 800}
+# What the description promises, by its subject: c0 of gw1 on lan, f0 from lan to side.
+C0, F0 = 1, 2
+C0_BYTES, F0_BYTES = 200, 100
+DESCRIBED = {"lan": C0_BYTES + F0_BYTES, "side": F0_BYTES}
+PARALLEL = ROLLS_OUT = ("gw1", "gw2")
 FAKETIME = next(glob.iglob("/usr/lib/*/faketime/libfaketime.so.1"), "libfaketime.so.1")
-CHANNELS = ((1, 8), (2, 16), (3, 24))  # number, payload: 200, 400 and 600 bytes per s
+CHANNELS = ((1, 8), (2, 16), (3, 24), (4, 8))  # number, payload: 200, 400, 600 and 200 bytes per s
+ACROSS = 4  # the number of the one that leads over lan and the next gateway into the cell of that one
 LOCK = threading.Lock()  # processes are started one at a time, so that none inherits what is another's
 
 
@@ -40,6 +47,20 @@ def subject_of(gateway, number):
     return (gateway << 8) | number
 
 
+def next_of(gateway, gateways):
+    """The number of the gateway that carries the channel ACROSS of this one further."""
+    return gateway % gateways + 1
+
+
+def ports_of(name):
+    """Networks of a gateway. Its interface is NETWORK0, and the observer has the other end of the pair."""
+    return ("lan", "side", "cell") if name in PARALLEL else ("lan", "cell")
+
+
+def observed(network, name):
+    return f"{network}-{name}"
+
+
 def address_of(place):
     """In the network of the store: 10.9.0.10 to .12 of members, .21 and up of gateways."""
     return f"10.9.0.{10 + int(place[1:]) if place[0] == 'm' else 20 + int(place[2:])}"
@@ -60,7 +81,7 @@ def inside(namespace, make):
 
 def remove_links():
     """Those of a World, and its namespaces. The kernel removes what is in a namespace some time after the namespace."""
-    sh("for l in $(ls /sys/class/net); do case $l in [sdl]-*|store) ip link del $l ;; esac; done")
+    sh("for l in $(ls /sys/class/net); do case $l in [sd]-*|lan-*|side-*|cell-*|store) ip link del $l ;; esac; done")
     sh("for n in $(ip netns list | cut -d' ' -f1); do ip netns del $n; done")
 
 
@@ -103,29 +124,35 @@ certificate tick clientAuth /O=tick
 for user in {" ".join(users)}; do certificate $user clientAuth /CN=$user; done""")
 
 
-def description(gateways):
-    """All have a port on lan, which carries LAN_BYTES. The channels are for who comes later, but c0."""
-    def attribute(name, value, unit):
-        return (f"<Attribute><Name>{name}</Name><Dimension><SIUnit>{unit}</SIUnit></Dimension>"
-                f"<Value>{value}</Value></Attribute>")
+def description(gateways, comment=""):
+    """Of all media. The channels of CHANNELS are for who comes later: c0 and f0 are described. What passes a gateway is
+    sent on by a program of root. With another comment it is another description, with another digest."""
+    def attributes(period, octets):
+        return f"<Attributes period='{period}ms' maxPayload='{octets}'/>"
 
-    second, octets = "<Seconds>1</Seconds>", "<Bytes>1</Bytes>"
-    lines = ["<System name='t'>",
-             "<EventChannel name='c0'><SubjectUID>0x1</SubjectUID><Attributes>",
-             attribute("Period", PERIOD_MS, second).replace("</SIUnit>", "</SIUnit><Magnitude>-3</Magnitude>"),
-             attribute("MaxPayload", DESCRIBED_BYTES * PERIOD_MS // 1000, octets), "</Attributes></EventChannel>"]
-    for gateway in range(1, gateways + 1):
-        for number, _ in CHANNELS:
-            lines.append(f"<EventChannel name='{channel_name(gateway, number)}'>"
-                         f"<SubjectUID>{subject_of(gateway, number):#x}</SubjectUID></EventChannel>")
-    lines += ["<Network name='lan'><Kind>udp-multicast</Kind><Profile>famouso</Profile><Provision>",
-              attribute("Latency", 1, second).replace("</SIUnit>", "</SIUnit><Magnitude>-3</Magnitude>"),
-              attribute("Period", 1, second).replace("</SIUnit>", "</SIUnit><Magnitude>-3</Magnitude>"),
-              attribute("MaxPayload", 64, octets),
-              attribute("Bandwidth", LAN_BYTES, octets + "<Seconds>-1</Seconds>"), "</Provision></Network>"]
-    for gateway in range(1, gateways + 1):
-        lines.append(f"<Gateway name='gw{gateway}'><Port network='lan'><Interface name='lan0'/></Port></Gateway>")
-    lines += ["<Publisher channel='c0' gateway='gw1' user='root'/><Subscriber channel='c0' network='lan'/>", "</System>"]
+    def network(name, bandwidth):
+        return (f"<Network name='{name}'><Kind>udp-multicast</Kind><Profile>famouso</Profile>"
+                f"<Provision latency='1ms' period='1ms' maxPayload='64' omission='0' bandwidth='{bandwidth}B/s'/></Network>")
+
+    def port(gateway, name):
+        here = f"cell{gateway}" if name == "cell" else name
+        return f"<Port network='{here}' sender='root'><Interface name='{name}0'/></Port>"
+
+    def channel(name, subject, inside=""):
+        return f"<EventChannel name='{name}'><SubjectUID>{subject:#x}</SubjectUID>{inside}</EventChannel>"
+
+    numbers = range(1, gateways + 1)
+    lines = ["<System name='t'>", f"<!-- {comment} -->",
+             channel("c0", C0, attributes(PERIOD_MS, C0_BYTES * PERIOD_MS // 1000)),
+             channel("f0", F0, attributes(PERIOD_MS, F0_BYTES * PERIOD_MS // 1000))]
+    lines += [channel(channel_name(n, number), subject_of(n, number)) for n in numbers for number, _ in CHANNELS]
+    lines += [network(name, capacity) for name, capacity in CAPACITY.items()]
+    lines += [network(f"cell{n}", 1000) for n in numbers]
+    for n in numbers:
+        lines.append(f"<Gateway name='gw{n}'><Provision latency='1ms' omission='0'/>"
+                     + "".join(port(n, name) for name in ports_of(f"gw{n}")) + "</Gateway>")
+    lines += ["<Publisher channel='c0' gateway='gw1' user='root'/><Subscriber channel='c0' network='lan'/>",
+              "<Publisher channel='f0' network='lan'/><Subscriber channel='f0' network='side'/>", "</System>"]
     return "\n".join(lines)
 
 
@@ -135,8 +162,7 @@ class World:
         self.cuts = set()
         self.links()
         certificates(["root", *self.gateways])
-        with open(f"{WORK}/system.xml", "w", encoding="utf-8") as file:
-            file.write(description(gateways))
+        self.write_description("system.xml", "")
         cluster = ",".join(f"{member}=http://{address_of(member)}:2380" for member in MEMBERS)
         self.members = {member: self.member(member, cluster) for member in MEMBERS}
         for member in self.members.values():
@@ -145,9 +171,13 @@ class World:
         self.bridges = {name: self.bridge(name) for name in self.gateways}
         self.daemons = {name: self.daemon(name) for name in self.gateways}
 
+    def write_description(self, name, comment):
+        with open(f"{WORK}/{name}", "w", encoding="utf-8") as file:
+            file.write(description(len(self.gateways), comment))
+
     def links(self):
-        """The store has a network of its own, with a second way for frames that are to be late. Of the shared medium each
-        gateway has the end lan0, and the observer the other one."""
+        """The store has a network of its own, with a second way for frames that are to be late. Of lan, of side and of its
+        cell each gateway has one end, and the observer the other one."""
         sh("ip link add store type bridge && ip link set store up")
         for place in (*MEMBERS, *self.gateways):
             sh(f"""set -e
@@ -168,13 +198,15 @@ table inet faults {{
 END""")
         for name in self.gateways:
             sh(f"""set -e
-ip link add lan0 netns {name} type veth peer name l-{name}
-ip link set l-{name} up
-ip -n {name} addr add 10.8.0.{name[2:]}/24 dev lan0
-ip -n {name} link set lan0 up
-ip -n {name} route add 239.0.0.0/8 dev lan0
 mkdir -p {name}.bpf {name}.state
 mount -t bpf bpf {name}.bpf""")
+            for part, network in enumerate(ports_of(name)):
+                sh(f"""set -e
+ip link add {network}0 netns {name} type veth peer name {observed(network, name)}
+ip link set {observed(network, name)} up
+ip -n {name} addr add 10.{6 + part}.0.{name[2:]}/24 dev {network}0
+ip -n {name} link set {network}0 up
+ip -n {name} route add 239.0.0.0/8 dev {network}0 metric {part + 1}""")
 
     def member(self, name, cluster):
         peer, client = f"http://{address_of(name)}:2380", f"https://{address_of(name)}:2379"
@@ -191,16 +223,17 @@ mount -t bpf bpf {name}.bpf""")
                   f"--dial-timeout=20s --command-timeout=20s --endpoints=https://127.0.0.1:2379 {command}", check)
 
     def roles(self):
-        """As docs/how-to/cluster-etcd.md has them: gw1 and gw2 may roll out."""
+        """As docs/how-to/cluster-etcd.md has them."""
         steps = ["user add root --no-password", "user grant-role root root", "role add tick",
                  "role grant-permission tick --prefix=true readwrite /tick/", "user add tick:tick", "user grant-role tick tick"]
         for name in self.gateways:
             grant = f"role grant-permission {name}"
             steps += [f"role add {name}", f"{grant} --prefix=true read /mlcca/t/", f"{grant} readwrite /mlcca/t/m/{name}",
                       f"{grant} readwrite /mlcca/t/d/vote/{name}"]
-            prefixes = [f"x/{name}/", f"a/{name}/", f"r/lan/{name}/", "f/", "v/"]
+            prefixes = [f"x/{name}/", f"a/{name}/", "f/", "v/"]
+            prefixes += [f"r/{network}/{name}/" for network in ports_of(name) if network in CAPACITY]
             steps += [f"{grant} --prefix=true readwrite /mlcca/t/{prefix}"
-                      for prefix in prefixes + (["d/"] if name in ("gw1", "gw2") else [])]
+                      for prefix in prefixes + (["d/"] if name in ROLLS_OUT else [])]
             steps += [f"user add {name} --no-password", f"user grant-role {name} {name}"]
         steps.append("auth enable")
         ready = "until etcdctl endpoint health; do sleep 0.1; done"
@@ -245,10 +278,10 @@ mount -t bpf bpf {name}.bpf""")
             self.bridges[name].start()
             self.daemons[name].start()
 
-    def ask(self, name, *words):
-        """mlccactl: its exit status, and what it says."""
+    def ask(self, name, *words, patience=8):
+        """mlccactl: its exit status, and what it says. `patience` in s."""
         with LOCK:
-            process = subprocess.Popen([f"{BUILD}/mlccactl", "--socket", f"{WORK}/{name}.sock", "--timeout", "8", *words],
+            process = subprocess.Popen([f"{BUILD}/mlccactl", "--socket", f"{WORK}/{name}.sock", "--timeout", str(patience), *words],
                                        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         said, _ = process.communicate()
         return process.returncode, said
