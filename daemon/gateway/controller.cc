@@ -76,8 +76,8 @@ void Controller::beat() {
 // --- requests ------------------------------------------------------------------------------------
 
 serve::Answer Controller::answer(const control::Request& request, const serve::Peer& peer) {
-  const bool changes = requests::privilege_of(request) == requests::Privilege::member;
-  if (changes && !peer.may_change)
+  const requests::Privilege privilege = requests::privilege_of(request);
+  if (privilege == requests::Privilege::member && !peer.may_change)
     return {{request.id,
              error_of(control::ErrorKind::forbidden,
                       fmt::format("only root and members of the group {} may change anything",
@@ -88,8 +88,9 @@ serve::Answer Controller::answer(const control::Request& request, const serve::P
                                                      requests::least_rows_of(request)))
       return {{request.id, failed("nothing was changed: " + *why)}};
   const core::Progress alive(parts_.pulse);
+  const bool acts = privilege != requests::Privilege::anyone;
   const EventLog::Acting acting(parts_.outside.log,
-                                changes ? std::optional(actor_of(peer)) : std::nullopt);
+                                acts ? std::optional(actor_of(peer)) : std::nullopt);
   Response response = requests::handle(*parts_.context, {peer, request.slices}, request);
   if (counts) parts_.quotas.charge(peer.uid, acting.rows(), parts_.outside.clock.monotonic_ns());
   if (!response.held) parts_.forwarding.act();

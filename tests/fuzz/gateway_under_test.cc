@@ -25,6 +25,7 @@
 #include "daemon/serve/session.hpp"
 #include "daemon/store/journal.hpp"
 #include "description/read.hpp"
+#include "tests/daemon/gateway/who_may.hpp"
 #include "tests/fuzz/demand.hpp"
 #include "tests/fuzz/surroundings.hpp"
 #include "tools/readback/differences.hpp"
@@ -32,17 +33,9 @@
 namespace mlcca::fuzz {
 namespace {
 
+/// A request of somebody else than root and the control group that is not refused changes nothing.
 bool changes(const control::Request& request) {
-  const auto& body = request.body;
-  return std::holds_alternative<control::Admit>(body) ||
-         std::holds_alternative<control::ReleaseRequest>(body) ||
-         std::holds_alternative<control::WithdrawRequest>(body) ||
-         std::holds_alternative<control::ReinstateRequest>(body) ||
-         std::holds_alternative<control::ModeRequest>(body) ||
-         std::holds_alternative<control::ReloadRequest>(body) ||
-         std::holds_alternative<control::DrainRequest>(body) ||
-         std::holds_alternative<control::JoinRequest>(body) ||
-         std::holds_alternative<control::RenewRequest>(body);
+  return test::who_may(request) == test::Who::member;
 }
 
 }  // namespace

@@ -9,8 +9,9 @@ namespace mlcca::requests {
 
 /// Who may make a request.
 enum class Privilege : std::uint8_t {
-  anyone,  ///< any local user: the request only reads
-  member,  ///< root and the control group: the request changes something
+  anyone,   ///< any local user: nothing that passes and nothing that is reported changes by it
+  program,  ///< programs of the users that the description names; the handler refuses all others
+  member,   ///< root and the control group
 };
 
 /// What a request leaves behind.

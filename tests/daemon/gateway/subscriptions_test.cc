@@ -93,6 +93,17 @@ TEST_F(SubscriptionRequests, APeerIsAdmittedLikeASubscriber) {
             30 * kMs);
 }
 
+TEST_F(SubscriptionRequests, TheEventNamesTheProgramThatBroughtIt) {
+  bench_->published.clear();
+  EXPECT_EQ(subscribe(wanted()), "granted");
+  ASSERT_FALSE(bench_->published.empty());
+  for (const control::Event& event : bench_->published) {
+    ASSERT_TRUE(event.by) << event.message;
+    EXPECT_EQ(event.by->uid, kProgram);
+    EXPECT_EQ(event.by->pid, 9U);
+  }
+}
+
 TEST_F(SubscriptionRequests, ItEndsWithItsLeaseOrWhenThePeerEndsIt) {
   EXPECT_EQ(subscribe(wanted()), "granted");
   bench_->clock.monotonic += 61'000 * kMs;
