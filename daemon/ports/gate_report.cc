@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <ranges>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "bpf/ether.h"
@@ -20,8 +22,20 @@
 namespace mlcca {
 namespace {
 
-/// The slots of one gate that are listed. It may have a thousand times as many.
-constexpr std::ptrdiff_t kListed = GATE_SLOTS;
+/// The slots of channels of one gate that are listed. It may have a thousand times as many.
+constexpr std::size_t kListed = GATE_SLOTS;
+
+auto place_of(const gates::SlotSpec& s) {
+  return std::tuple(s.direction, s.id, s.mask, s.source, s.uid, s.origin, s.subject, s.station);
+}
+
+/// Moves the first `most` of them, in order, to the front; returns their end.
+auto order_first(std::ranges::subrange<std::vector<gates::SlotSpec>::iterator> slots,
+                 std::size_t most) {
+  const auto end = slots.begin() + static_cast<std::ptrdiff_t>(most);
+  std::ranges::partial_sort(slots, end, {}, place_of);
+  return end;
+}
 
 std::string formats_of(std::uint8_t formats, bool can) {
   std::string words;
@@ -71,18 +85,15 @@ class GateReport {
     out.room = static_cast<std::uint32_t>(gate->room());
     auto slots = gate->present();
     out.slots = static_cast<std::uint32_t>(slots.size());
-    const auto listed = slots.begin() + std::min(std::ssize(slots), kListed);
-    std::ranges::partial_sort(slots, listed, {}, [](const gates::SlotSpec& s) {
-      return std::tuple(s.direction, s.id, s.mask, s.source, s.uid, s.origin, s.subject, s.station);
-    });
-    slots.erase(listed, slots.end());
     std::array<std::uint32_t, 2> masked{};
-    for (const gates::SlotSpec& slot : slots) {
+    for (const gates::SlotSpec& slot : slots)
       if (gate->is_masked(slot)) ++masked.at(static_cast<std::size_t>(slot.direction));
-      auto& list = is_control(slot, p) ? out.control : out.channels;
+    out.masked = std::ranges::max(masked);
+    const auto of_control = [this, p](const gates::SlotSpec& slot) { return is_control(slot, p); };
+    for (const gates::SlotSpec& slot : listed_slots(std::move(slots), kListed, of_control)) {
+      auto& list = of_control(slot) ? out.control : out.channels;
       list.push_back(slot_of(*gate, slot, p));
     }
-    out.masked = std::ranges::max(masked);
     if (!can)
       for (const auto direction : {gates::Direction::ingress, gates::Direction::egress})
         out.control.push_back(left_alone(*gate, direction, GATE_R_FOREIGN));
@@ -179,6 +190,25 @@ bool has_report(const GatedPorts& ports, std::size_t port) {
 }
 
 }  // namespace
+
+std::vector<gates::SlotSpec> listed_slots(
+    std::vector<gates::SlotSpec> slots, std::size_t most,
+    const std::function<bool(const gates::SlotSpec&)>& is_control) {
+  const auto others = std::ranges::partition(slots, is_control);
+  std::ranges::sort(slots.begin(), others.begin(), {}, place_of);
+  const auto leaving = std::ranges::partition(others, [](const gates::SlotSpec& slot) {
+    return slot.direction == gates::Direction::ingress;
+  });
+  const std::size_t entering = others.size() - leaving.size();
+  const std::size_t half = most / 2;
+  const std::size_t in = std::min(entering, most - std::min(leaving.size(), half));
+  const std::size_t out = std::min(leaving.size(), most - in);
+  slots.erase(order_first(leaving, out), slots.end());
+  const auto rest = leaving.begin() - slots.begin();
+  const auto kept = order_first({others.begin(), slots.begin() + rest}, in);
+  slots.erase(kept, slots.begin() + rest);
+  return slots;
+}
 
 control::Gates gate_reports(const GatedPorts& ports, const net::LinkTable& links,
                             const core::State& state, const std::string& place) {

@@ -2,15 +2,24 @@
 // Reports the contents of gates slot by slot: control traffic and channels, limits and counters.
 #pragma once
 #include <cstddef>
+#include <functional>
 #include <string>
+#include <vector>
 
 #include "control/messages.hpp"
 #include "core/admission/state.hpp"
+#include "daemon/gates/slot_spec.hpp"
 #include "daemon/net/links.hpp"
 #include "daemon/ports/gated_ports.hpp"
 
 namespace mlcca {
 
+/// The slots of a gate that a report lists, in order: all of control traffic, and at most `most` of
+/// the others. If there are more, each direction gets half of the places, and what the other one
+/// does not need.
+[[nodiscard]] std::vector<gates::SlotSpec> listed_slots(
+    std::vector<gates::SlotSpec> slots, std::size_t most,
+    const std::function<bool(const gates::SlotSpec&)>& is_control);
 /// `place` is an interface or a network; empty: all.
 [[nodiscard]] control::Gates gate_reports(const GatedPorts& ports, const net::LinkTable& links,
                                           const core::State& state, const std::string& place);
