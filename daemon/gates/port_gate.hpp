@@ -72,7 +72,7 @@ class PortGate {
   /// Puts the XDP program back if no other program is there: see drops_early().
   Result<void> put_early_back();
 
-  /// See Table::apply(). Then arms the timers of newly watched slots.
+  /// See VerdictTable::apply(). Then arms the timers of newly watched slots.
   Result<void> apply(const SlotChanges& changes);
   [[nodiscard]] std::vector<SlotSpec> present() const;
   [[nodiscard]] std::size_t size() const;
@@ -123,7 +123,7 @@ class PortGate {
     PortGate* gate;
     Error error;
   };
-  /// See Table::apply_together(): one step for frames on all gates, CAN and Ethernet. All must have
+  /// See VerdictTable::apply_together(): one step for frames on all gates, CAN and Ethernet. All must have
   /// the same Control.
   static std::expected<void, Refusal> apply_together(std::span<const Change> changes);
 

@@ -79,7 +79,7 @@ struct ByGrant {
 
 /// The changes that turn `present` into `wanted`. Slots that are in both with the same verdict are
 /// not mentioned. What goes is denied in the same step in which what comes opens: see
-/// Table::apply().
+/// VerdictTable::apply().
 SlotChanges slot_changes_between(std::span<const SlotSpec> present,
                                  std::span<const SlotSpec> wanted);
 
