@@ -10,9 +10,11 @@
 #include <optional>
 #include <set>
 
+#include "base/many.hpp"
 #include "core/gates/plan.hpp"
 #include "core/model/station.hpp"
 #include "core/model/text.hpp"
+#include "core/model/words.hpp"
 #include "core/profiles/profile.hpp"
 #include "tools/design/learn_patch.hpp"
 #include "tools/elements.hpp"
@@ -108,6 +110,7 @@ class Merge {
       if (const auto done = known ? compare(row, *known) : add(distinct(row)); !done)
         return std::unexpected(done.error());
     }
+    compare_transports(draft);
     note_unseen(draft);
     propose_provisions();
     if (!channels_.empty() || !ends_.empty()) patch_.insert_in_system(channels_ + ends_);
@@ -383,6 +386,24 @@ class Merge {
     for (const auto& [interface, name] : options_.networks)
       if (const auto network = network_named(system_, name))
         provide(system_.networks[*network].provision, Of::network, *network);
+  }
+
+  /// Lists networks of Ethernet where events come by another transport than described.
+  void compare_transports(const learn::Draft& draft) {
+    for (const auto& [interface, transports] : draft.transports) {
+      const auto network = network_of(interface);
+      if (!network || !system_.networks[*network].carries_subjects()) continue;
+      const core::Network& on = system_.networks[*network];
+      const std::uint64_t missed = transports.missed_by(on.kind);
+      const bool is_broadcast = on.kind == core::NetworkKind::udp_broadcast;
+      if (missed != 0)
+        merged_.differs.push_back(fmt::format(
+            "{}: subscribers of its Kind {} receive events of {}, and {} of {} with events on {} "
+            "are of {}: nobody receives them there",
+            on.name, core::words::kNetworkKinds.of(on.kind), learn::transport_word(is_broadcast),
+            missed, many(transports.all(), "datagram"), interface,
+            learn::transport_word(!is_broadcast)));
+    }
   }
 
   void note_unseen(const learn::Draft& draft) {

@@ -12,6 +12,7 @@
 #include "base/many.hpp"
 #include "core/gates/control_traffic.hpp"
 #include "core/model/station.hpp"
+#include "core/model/words.hpp"
 #include "relay/layers/datagram.hpp"
 
 namespace mlcca::learn {
@@ -57,6 +58,14 @@ std::string listed(const Counts& counts, std::uint64_t all, Entry entry, Rest re
 
 }  // namespace
 
+std::string transport_word(bool is_broadcast) {
+  using core::NetworkKind;
+  return fmt::format("{} (port {})",
+                     core::words::kNetworkKinds.of(is_broadcast ? NetworkKind::udp_broadcast
+                                                                : NetworkKind::udp_multicast),
+                     is_broadcast ? relay::kBroadcastPort : relay::kEventPort);
+}
+
 void Datagrams::take(const Frame& frame, const Decoder::OnEvent& on_event) {
   const Datagram& datagram = *frame.datagram;
   if (datagram.port != relay::kEventPort && datagram.port != relay::kBroadcastPort) {
@@ -72,6 +81,8 @@ void Datagrams::take(const Frame& frame, const Decoder::OnEvent& on_event) {
     return;
   }
   ++events_;
+  const bool broadcast = datagram.port == relay::kBroadcastPort;
+  ++(broadcast ? transports_.broadcast : transports_.multicast);
   if (datagram.destination == relay::group_of(parsed->subject)) ++grouped_;
   if (parsed->subject == core::kSubscribeSubject || parsed->subject == kManagement) {
     ++control_;
@@ -84,6 +95,7 @@ void Datagrams::take(const Frame& frame, const Decoder::OnEvent& on_event) {
   event.node = frame.local ? 0 : datagram.source;
   event.local = frame.local;
   event.mac = datagram.mac;
+  event.broadcast = broadcast;
   event.bytes = event.frame_bytes = static_cast<std::uint32_t>(bytes);
   event.head = parsed->data.first(std::min({parsed->data.size(), bytes, kHead}));
   if (parsed->is_fragment)

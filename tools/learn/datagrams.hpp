@@ -13,6 +13,25 @@
 
 namespace mlcca::learn {
 
+/// How many datagrams with events went to each of FAMOUSO's ports. A subscriber listens at one of
+/// them, by the kind of its network.
+struct Transports {
+  std::uint64_t multicast = 0;  ///< port 9999
+  std::uint64_t broadcast = 0;  ///< port 8888
+  [[nodiscard]] std::uint64_t all() const { return multicast + broadcast; }
+  /// The kind by which most of them are received; udp-multicast if there are none.
+  [[nodiscard]] core::NetworkKind most() const {
+    return broadcast > multicast ? core::NetworkKind::udp_broadcast
+                                 : core::NetworkKind::udp_multicast;
+  }
+  /// Those that subscribers of a network of this kind do not receive.
+  [[nodiscard]] std::uint64_t missed_by(core::NetworkKind kind) const {
+    return kind == core::NetworkKind::udp_broadcast ? multicast : broadcast;
+  }
+};
+/// "udp-broadcast (port 8888)", or of the other one.
+[[nodiscard]] std::string transport_word(bool is_broadcast);
+
 /// Decodes the datagrams of one interface.
 class Datagrams {
  public:
@@ -26,6 +45,7 @@ class Datagrams {
   /// whatever its address.
   void take(const Frame& frame, const Decoder::OnEvent& on_event);
 
+  [[nodiscard]] const Transports& transports() const { return transports_; }
   /// Whether the datagrams are FAMOUSO's; if not, the profile is none.
   [[nodiscard]] Recognised recognised() const;
   /// The number of events of subjects for FAMOUSO's own control, which need no channel.
@@ -62,6 +82,7 @@ class Datagrams {
                                         ///< recorded
   bool is_cut_ = false;                 ///< the beginning of an event may consist of such zeros
   std::uint64_t events_ = 0;            ///< well-formed datagrams, including those of control
+  Transports transports_;               ///< of them
   std::uint64_t grouped_ = 0;  ///< those of them that went to the multicast group of their subject
   std::uint64_t control_ = 0;
   std::uint64_t management_ = 0;

@@ -28,7 +28,8 @@ struct Event {
   bool fd = false;
   bool remote = false;
   bool local = false;
-  bool control = false;  ///< control traffic that can be a channel: heart-beats of CANopen
+  bool control = false;    ///< control traffic that can be a channel: heart-beats of CANopen
+  bool broadcast = false;  ///< on Ethernet: it went to the port of FAMOUSO's broadcasts
   std::array<std::uint8_t, 6> mac{};  ///< of the sender on Ethernet; zeros: not known
   /// The first bytes of its data, up to kHead, valid only during the call; fewer if they are not
   /// known.

@@ -16,6 +16,7 @@
 #include "core/gates/plan.hpp"
 #include "core/model/station.hpp"
 #include "core/model/text.hpp"
+#include "core/model/words.hpp"
 #include "core/profiles/profile.hpp"
 #include "tools/elements.hpp"
 #include "tools/escape.hpp"
@@ -73,7 +74,8 @@ class Drafter {
     for (Channel& channel : channels_) describe(channel);
     std::ranges::move(remarks_on_crossings(observer_, names_, channels_, out_.channels),
                       std::back_inserter(out_.left_out));
-    std::ranges::move(remarks_on(observer_, names_), std::back_inserter(out_.left_out));
+    std::ranges::move(remarks_on(observer_, names_, options_.networks.empty()),
+                      std::back_inserter(out_.left_out));
     std::string channels;
     std::string ends;
     for (const DraftChannel& row : out_.channels) {
@@ -363,8 +365,10 @@ class Drafter {
     const auto& of = observer_.interfaces()[interface];
     const std::string& name = names_[interface];
     std::string& xml = out_.xml;
-    xml += fmt::format("  <Network name=\"{}\">\n    <Kind>udp-multicast</Kind>\n",
-                       networks_[interface]);
+    const Transports& transports = of.datagrams->transports();
+    out_.transports[name] = transports;
+    xml += fmt::format("  <Network name=\"{}\">\n{}    <Kind>{}</Kind>\n", networks_[interface],
+                       assumed_kind(transports), core::words::kNetworkKinds.of(transports.most()));
     if (of.recognised->profile == Profile::famouso)
       xml += fmt::format(
           "    <Profile>famouso</Profile>\n"
@@ -381,6 +385,16 @@ class Drafter {
           "{0}: its network is drafted without a Profile, so it has no gate: {1}. If it has "
           "FAMOUSO's events, state --profile {0}=famouso",
           name, of.recognised->why));
+  }
+
+  /// A comment that the transport is assumed; empty if all events had the same one.
+  static std::string assumed_kind(const Transports& transports) {
+    if (transports.all() == 0) return "    <!-- Its Kind is assumed: no event was seen. -->\n";
+    const std::uint64_t others = transports.missed_by(transports.most());
+    if (others == 0) return {};
+    const bool is_broadcast = transports.most() == core::NetworkKind::udp_broadcast;
+    return fmt::format("    <!-- Its Kind is assumed: {} of {} with events are of {}. -->\n",
+                       others, many(transports.all(), "datagram"), transport_word(!is_broadcast));
   }
 
   void write_bus(std::uint32_t interface) {

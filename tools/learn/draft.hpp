@@ -97,6 +97,8 @@ struct DraftChannel {
 struct Draft {
   std::string xml;
   std::vector<DraftChannel> channels;
+  /// How events came, by interface of Ethernet.
+  std::map<std::string, Transports> transports;
   /// What was observed and has no place in the description, one line each.
   std::vector<std::string> left_out;
 };

@@ -184,6 +184,7 @@ Seen* Observer::record(std::uint32_t interface, const Event& event, Stretch stre
   if (seen.priorities.size() < kMostPriorities) seen.priorities.insert(event.priority);
   if (event.fd) ++seen.fd;
   if (event.remote) ++seen.remote;
+  if (event.broadcast) ++seen.broadcasts;
   seen.control = event.control;
   // Heart-beats of all nodes are alike, so they are only compared between buses, by identifier.
   if (const auto content = content_of(event); content && !event.control) {

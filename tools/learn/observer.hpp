@@ -41,6 +41,7 @@ struct Seen {
   std::uint32_t frame_bytes = 0;       ///< size of the longest frame
   std::uint64_t fd = 0;                ///< number of events in FD frames
   std::uint64_t remote = 0;            ///< number of remote frames
+  std::uint64_t broadcasts = 0;        ///< number of events with Event::broadcast
   std::array<std::uint8_t, 6> mac{};   ///< of the sender of the latest event, on Ethernet
   bool control = false;                ///< control traffic of the profile
   std::uint32_t number = 0;            ///< number of the flow, in order of first appearance

@@ -8,7 +8,9 @@
 #include <cstdint>
 #include <set>
 
+#include "base/many.hpp"
 #include "core/model/text.hpp"
+#include "core/model/words.hpp"
 #include "core/profiles/profile.hpp"
 #include "tools/elements.hpp"
 #include "tools/learn/channels.hpp"
@@ -28,12 +30,13 @@ constexpr std::uint64_t kCloseOf = 200;
 
 class Remarks {
  public:
-  Remarks(const Observer& observer, const std::vector<std::string>& names)
-      : observer_(observer), names_(names) {}
+  Remarks(const Observer& observer, const std::vector<std::string>& names, bool drafts_networks)
+      : observer_(observer), names_(names), drafts_networks_(drafts_networks) {}
 
   std::vector<std::string> run() {
     for (std::uint32_t i = 0; i < names_.size(); ++i) {
       profile(i);
+      transport(i);
       ends(i);
       pauses(i);
       stamps(i);
@@ -80,6 +83,30 @@ class Remarks {
       out_.push_back(
           fmt::format("{0}: it may be {1}, which is not certain: if it is, state --profile {0}={1}",
                       names_[interface], tools::profile_word(*perhaps)));
+  }
+
+  /// Notes a network of Ethernet whose Kind is assumed, and the subjects that it does not carry.
+  void transport(std::uint32_t interface) {
+    if (!drafts_networks_ || !observer_.is_ethernet(interface)) return;
+    const Transports& transports = at(interface).datagrams->transports();
+    const auto kind = core::words::kNetworkKinds.of(transports.most());
+    if (transports.all() == 0) {
+      out_.push_back(fmt::format("{}: no event was seen there: its Kind {} is assumed",
+                                 names_[interface], kind));
+      return;
+    }
+    const std::uint64_t others = transports.missed_by(transports.most());
+    if (others == 0) return;
+    const bool is_broadcast = transports.most() == core::NetworkKind::udp_broadcast;
+    const Numbers missed = numbers(interface, [&](const FlowKey&, const Seen& seen) {
+      return is_broadcast ? seen.broadcasts != seen.flow.events() : seen.broadcasts != 0;
+    });
+    out_.push_back(fmt::format(
+        "{}: {} of {} with events are of {}, the others of {}: {} is assumed, by which nobody "
+        "receives all of {}",
+        names_[interface], others, many(transports.all(), "datagram"),
+        transport_word(!is_broadcast), transport_word(is_broadcast), kind,
+        missed.empty() ? "them" : listed(missed)));
   }
 
   /// Notes channels that were present only part of the time: that may be a fault, or a state of the
@@ -180,14 +207,15 @@ class Remarks {
 
   const Observer& observer_;
   const std::vector<std::string>& names_;
+  bool drafts_networks_;
   std::vector<std::string> out_;
 };
 
 }  // namespace
 
-std::vector<std::string> remarks_on(const Observer& observer,
-                                    const std::vector<std::string>& names) {
-  return Remarks(observer, names).run();
+std::vector<std::string> remarks_on(const Observer& observer, const std::vector<std::string>& names,
+                                    bool drafts_networks) {
+  return Remarks(observer, names, drafts_networks).run();
 }
 
 }  // namespace mlcca::learn

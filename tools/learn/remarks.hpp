@@ -8,8 +8,10 @@
 
 namespace mlcca::learn {
 
-/// The remarks, a line each. `names` are the interface names by their numbers.
+/// The remarks, a line each. `names` are the interface names by their numbers. Without
+/// `drafts_networks` a description has the networks, so nothing is assumed of them.
 [[nodiscard]] std::vector<std::string> remarks_on(const Observer& observer,
-                                                  const std::vector<std::string>& names);
+                                                  const std::vector<std::string>& names,
+                                                  bool drafts_networks);
 
 }  // namespace mlcca::learn

@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <set>
+#include <span>
 #include <string>
 
+#include "base/big_endian.hpp"
 #include "core/admission/state.hpp"
 #include "core/gates/plan.hpp"
 #include "description/read.hpp"
@@ -355,9 +358,10 @@ TEST(EthernetDraft, OtherTrafficIsNamedAndNotDrafted) {
   const Draft draft = draft_from(sent, {"eth0"});
   EXPECT_TRUE(draft.channels.empty());
   EXPECT_EQ(described(draft).networks.at(0).profile, core::Profile::none);
-  ASSERT_EQ(draft.left_out.size(), 2U);
-  EXPECT_EQ(draft.left_out[0],
-            "eth0: 100 datagrams of other traffic, which needs no channel: port 5353 (100)");
+  ASSERT_EQ(draft.left_out.size(), 3U);
+  EXPECT_TRUE(
+      says(draft, "eth0: 100 datagrams of other traffic, which needs no channel: port 5353 (100)"));
+  EXPECT_TRUE(says(draft, "eth0: no event was seen there: its Kind udp-multicast is assumed"));
 }
 
 TEST(EthernetDraft, AnEthernetWithoutAProfileIsSaid) {
@@ -374,6 +378,55 @@ TEST(EthernetDraft, AnEthernetWithoutAProfileIsSaid) {
                    "--profile eth1=famouso"));
   EXPECT_FALSE(says(draft, "eth0: its network"));
   EXPECT_TRUE(draft.xml.contains("<!-- Without a Profile it has no gate. -->")) << draft.xml;
+}
+
+/// The events of these subjects go to port 8888, where FAMOUSO broadcasts.
+std::vector<Sent> broadcast(std::vector<Sent> sent, const std::set<std::uint64_t>& subjects) {
+  for (Sent& one : sent) {
+    if (!subjects.contains(from_big_endian(std::span(one.data).first(8)))) continue;
+    one.datagram->port = relay::kBroadcastPort;
+    one.datagram->destination = 0xffffffff;
+  }
+  return sent;
+}
+
+TEST(EthernetDraft, WhatIsBroadcastIsDraftedAsBroadcast) {
+  const Draft draft = draft_from(broadcast(lan(1, 10), {kDistance, kVelocity}), {"eth0"});
+  EXPECT_EQ(described(draft).networks.at(0).kind, core::NetworkKind::udp_broadcast);
+  EXPECT_EQ(draft.channels.size(), 2U);
+  EXPECT_FALSE(draft.xml.contains("Kind is assumed")) << draft.xml;
+  EXPECT_FALSE(says(draft, "is assumed"));
+  EXPECT_FALSE(draft_from(lan(1, 10), {"eth0"}).xml.contains("Kind is assumed"));
+}
+
+TEST(EthernetDraft, OfTwoTransportsItDraftsTheOneOfMostEventsAndSaysSo) {
+  // 702 events of Distance, 100 of Velocity.
+  const Draft most = draft_from(broadcast(lan(1, 10), {kDistance}), {"eth0"});
+  EXPECT_EQ(described(most).networks.at(0).kind, core::NetworkKind::udp_broadcast);
+  EXPECT_TRUE(most.xml.contains("<!-- Its Kind is assumed: 100 of ")) << most.xml;
+  EXPECT_TRUE(says(most,
+                   "datagrams with events are of udp-multicast (port 9999), the others of "
+                   "udp-broadcast (port 8888): udp-broadcast is assumed, by which nobody receives "
+                   "all of 0x56656c6f63697479"));
+  const Draft few = draft_from(broadcast(lan(1, 10), {kVelocity}), {"eth0"});
+  EXPECT_EQ(described(few).networks.at(0).kind, core::NetworkKind::udp_multicast);
+  EXPECT_TRUE(few.xml.contains("of udp-broadcast (port 8888). -->")) << few.xml;
+  EXPECT_TRUE(says(few,
+                   "udp-multicast is assumed, by which nobody receives all of "
+                   "0x56656c6f63697479"));
+}
+
+TEST(EthernetDraft, WithoutEventsTheKindIsAssumed) {
+  Observer observer;
+  observer.state(0, core::Profile::famouso);
+  const std::vector media{Medium::ethernet};
+  observer.finish(1, media);
+  const Draft draft = draft_of(observer, {"eth0"}, {});
+  const auto system = described(draft);
+  EXPECT_EQ(system.networks.at(0).kind, core::NetworkKind::udp_multicast);
+  EXPECT_EQ(system.networks.at(0).profile, core::Profile::famouso);
+  EXPECT_TRUE(draft.xml.contains("<!-- Its Kind is assumed: no event was seen. -->")) << draft.xml;
+  EXPECT_TRUE(says(draft, "eth0: no event was seen there: its Kind udp-multicast is assumed"));
 }
 
 TEST(EthernetDraft, WhatTwoGatewaysCarryInACircleIsStillDrafted) {

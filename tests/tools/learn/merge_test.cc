@@ -239,6 +239,34 @@ TEST_F(LearnMerge, ANetworkThatCannotHaveTheTrafficIsLeftAsItIs) {
       << ran.error;
 }
 
+/// A recording of events that go to a port of FAMOUSO.
+std::string events_to(std::uint16_t port) {
+  learn::test::PcapFile file(1);
+  for (std::uint64_t i = 0; i < 60; ++i) {
+    const std::uint64_t ns = (100'000 + i * 100) * learn::test::kMs;
+    auto sent = learn::test::event(ns, 0, learn::test::kDistance, learn::test::station(7), {1, 2});
+    sent.datagram->port = port;
+    file.add(ns, frame_of(sent));
+  }
+  return file.bytes();
+}
+
+TEST_F(LearnMerge, ATransportThatIsNotTheDescribedOneIsSaid) {
+  const auto path = folder.path("system.xml");
+  ASSERT_EQ(run({"learn", folder.write("eth0.pcap", events_to(9999)), "--output", path}).status, 0);
+  EXPECT_TRUE(content_of(path).contains("<Kind>udp-multicast</Kind>"));
+  const Ran same = run({"learn", folder.path("eth0.pcap"), "--merge", path});
+  EXPECT_EQ(same.status, 0) << same.error;
+  EXPECT_FALSE(same.error.contains("Kind")) << same.error;
+  const Ran other = run({"learn", folder.write("eth0.pcapng", events_to(8888)), "--merge", path});
+  EXPECT_EQ(other.status, 1) << other.error;
+  EXPECT_TRUE(other.error.contains(
+      "eth0: subscribers of its Kind udp-multicast receive events of udp-multicast (port 9999), "
+      "and 60 of 60 datagrams with events on eth0 are of udp-broadcast (port 8888): nobody "
+      "receives them there"))
+      << other.error;
+}
+
 // --- what check refuses of a patch ---------------------------------------------------------------
 
 /// The note about the patched description; empty if there is none.
