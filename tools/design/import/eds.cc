@@ -138,38 +138,84 @@ class EdsMeaning {
     return (bits + 7) / 8;
   }
 
+  /// The times of a PDO that is sent (CiA 301, objects 1800 and following).
+  struct PdoTimes {
+    std::uint32_t type = 0;  ///< transmission type
+    Value inhibit = 0;       ///< ns, the shortest time between two; 0: none
+    Value timer = 0;         ///< ns, after which it is sent without an event; 0: never
+  };
+
   void period(std::uint32_t index, int line, ImportedMessage& to) {
     constexpr std::uint32_t last_synchronous = 240;
-    const auto type = number_or(index, 2, 0xff, to.name + ", transmission type");
-    const auto inhibit = number_or(index, 3, 0, to.name + ", inhibit time") * kTenthOfMs;
-    const auto timer = number_or(index, 5, 0, to.name + ", event timer") * kMs;
-    const auto sync = sync_period_ * Value{1000};  // from us to ns
-    Value least = 0;
-    if (type >= 1 && type <= last_synchronous)
-      least = sync * type;
-    else if (timer != 0 && inhibit != 0)
-      least = std::min(timer, inhibit);
-    else
-      least = std::max(timer, inhibit);
-    if (type > last_synchronous && inhibit != 0 && inhibit < timer)
-      lack("distance", "the Period is the inhibit time: events may come sooner than the timer",
-           line, fmt::format("{}: {}", to.name, print_duration(inhibit)));
-    else if (type > last_synchronous && timer != 0 && inhibit == 0)
+    const PdoTimes times{.type = number_or(index, 2, 0xff, to.name + ", transmission type"),
+                         .inhibit = number_or(index, 3, 0, to.name + ", inhibit time") * kTenthOfMs,
+                         .timer = number_or(index, 5, 0, to.name + ", event timer") * kMs};
+    const bool synchronous = times.type <= last_synchronous;
+    const Value least = synchronous ? after_sync(times, line, to) : on_events(times, line, to);
+    to.attributes.set(Attribute::period, least != 0 ? least : options_.default_period);
+    if (least != 0) return;
+    to.arrival = core::Arrival::sporadic;
+    to.remark = fmt::format("Assumed: {} stated of {}.",
+                            synchronous ? "no time between SYNC messages is"
+                                        : "neither an event timer nor an inhibit time is",
+                            to.name);
+    lack("no-cycle",
+         fmt::format("no time is stated: sporadic, and Period {} is assumed (--default-period)",
+                     print_duration(options_.default_period)),
+         line, to.name);
+  }
+
+  /// Types 0 to 240 are sent after a SYNC: 0 if something has happened, others after each so many.
+  /// Returns the Period; 0: no time of SYNC is stated.
+  Value after_sync(const PdoTimes& times, int line, ImportedMessage& to) {
+    constexpr Value us = 1000;
+    if (times.type == 0) to.arrival = core::Arrival::sporadic;
+    note_unused("an inhibit time", times.inhibit, line, to);
+    note_unused("an event timer", times.timer, line, to);
+    return sync_period_ * us * std::max<Value>(times.type, 1);
+  }
+
+  /// Further types are sent on events, with 254 and 255 also when the timer has run out, and with
+  /// 252 and 253 when they are asked for. Returns the Period; 0: no time is stated.
+  Value on_events(const PdoTimes& times, int line, ImportedMessage& to) {
+    constexpr std::uint32_t first_on_request = 252;
+    constexpr std::uint32_t first_on_event = 254;
+    constexpr std::uint32_t last = 255;
+    if (times.type > last || times.type < first_on_request)
+      lack("transmission-type", "is reserved: taken as one of what is sent on events", line,
+           fmt::format("{}: {}", to.name, times.type));
+    else if (times.type < first_on_event)
+      lack("on-request",
+           "is sent when a remote frame asks for it: state remote-frames of its Binding", line,
+           to.name);
+    const bool has_timer = times.type >= first_on_event && times.type <= last;
+    if (!has_timer) note_unused("an event timer", times.timer, line, to);
+    const Value timer = has_timer ? times.timer : 0;
+    if (timer != 0 && times.inhibit == 0) {
       lack("events",
            "no inhibit time is stated: what comes sooner than the event timer is dropped "
            "as excess",
            line, to.name);
-    if (least == 0) {
-      least = options_.default_period;
-      to.remark = fmt::format(
-          "Assumed: neither an event timer nor an inhibit time is stated of {}.", to.name);
-      lack("no-cycle",
-           fmt::format("no time is stated: sporadic, and Period {} is assumed (--default-period)",
-                       print_duration(least)),
-           line, to.name);
+      return timer;
     }
-    to.attributes.set(Attribute::period, least);
-    if (type > last_synchronous && timer == 0) to.arrival = core::Arrival::sporadic;
+    if (timer == times.inhibit && timer != 0) return timer;
+    to.arrival = core::Arrival::sporadic;
+    if (timer == 0) return times.inhibit;
+    if (timer < times.inhibit)
+      lack("short-timer",
+           "the event timer is shorter than the inhibit time, and the Period is that: sporadic",
+           line, fmt::format("{}: {}", to.name, print_duration(timer)));
+    else
+      lack("distance",
+           "the Period is the inhibit time, as events may come sooner than the timer: sporadic",
+           line, fmt::format("{}: {}", to.name, print_duration(times.inhibit)));
+    return std::min(timer, times.inhibit);
+  }
+
+  void note_unused(std::string_view what, Value time, int line, const ImportedMessage& of) {
+    if (time != 0)
+      lack("unused-time", "is stated and has no meaning for the transmission type: left out", line,
+           fmt::format("{}: {}, {}", of.name, what, print_duration(time)));
   }
 
   void heartbeat() {

@@ -94,9 +94,10 @@ void name_senders(ImportedNetwork& network) {
       network.nodes.push_back({std::string(kUnnamedSender), "senders that no file names", {}});
     }
     message.senders.push_back({*unnamed, std::nullopt, {}});
+    message.arrival = core::Arrival::sporadic;
     message.remark = "Assumed: no file says who sends this, nor how often.";
-    add_lack(network, "no-sender", "no sender is named: published by unnamed-sender", message,
-             message.name);
+    add_lack(network, "no-sender", "no sender is named: sporadic, published by unnamed-sender",
+             message, message.name);
   }
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // mlccactl import of CANopen EDS and DCF files.
+#include <fmt/format.h>
+
 #include "tests/tools/design/import/import_test.hpp"
 
 namespace mlcca {
@@ -59,7 +61,7 @@ TEST_F(EdsImportTest, PdosAndTheHeartBeatAreChannels) {
   EXPECT_TRUE(has("<Profile>canopen</Profile>") && has("<Bus bitrate=\"250000\"/>")) << draft_;
   EXPECT_TRUE(has("<Binding channel=\"left-5-TPDO1\"><COBID>0x185</COBID></Binding>")) << draft_;
   EXPECT_TRUE(has("<Binding channel=\"left-5-heartbeat\"><COBID>0x705</COBID></Binding>"));
-  const auto pdo = part("<EventChannel name=\"left-5-TPDO1\">", "</EventChannel>");
+  const auto pdo = part("<EventChannel name=\"left-5-TPDO1\"", "</EventChannel>");
   EXPECT_NE(pdo.find("period=\"5ms\""), std::string::npos) << "inhibit time, 5 ms: " << pdo;
   EXPECT_NE(pdo.find("maxPayload=\"6\""), std::string::npos) << "16 and 32 bits: " << pdo;
   EXPECT_NE(part("name=\"left-5-heartbeat\"", "</EventChannel>").find("period=\"100ms\""),
@@ -119,11 +121,77 @@ TEST_F(EdsImportTest, ATimeThatIsNoNumberIsListed) {
   EXPECT_EQ(lacking(waited, "no-number"), 1U) << waited.dump();
 }
 
-TEST_F(EdsImportTest, SilenceOfAPdoWithoutAnEventTimerIsNoFault) {
-  json("drive.dcf", kDrive, {});
-  EXPECT_TRUE(has("<EventChannel name=\"left-5-TPDO1\">")) << draft_;
-  json("drive.dcf", drive_with("DefaultValue=20", "DefaultValue=0"), {});
-  EXPECT_TRUE(has("<EventChannel name=\"left-5-TPDO1\" arrival=\"sporadic\">")) << draft_;
+/// A PDO with these times as CiA 301 states them, in a network where a SYNC comes every 10 ms.
+struct TimesRow {
+  const char* name;
+  const char* type;
+  int inhibit;  ///< in 0.1 ms
+  int timer;    ///< ms
+  const char* period;
+  bool sporadic;
+  const char* kind;  ///< the kind under which it is listed; empty: it is not listed
+};
+struct EdsTimesTest : EdsImportTest, ::testing::WithParamInterface<TimesRow> {
+  Json imported() {
+    const auto& row = GetParam();
+    return json("a.eds",
+                fmt::format("[DeviceInfo]\nProductName=P\n[1006]\nDefaultValue=10000\n"
+                            "[1800sub1]\nDefaultValue=0x181\n"
+                            "[1800sub2]\nDefaultValue={}\n[1800sub3]\nDefaultValue={}\n"
+                            "[1800sub5]\nDefaultValue={}\n[1A00sub0]\nDefaultValue=1\n"
+                            "[1A00sub1]\nDefaultValue=0x60410010\n",
+                            row.type, row.inhibit, row.timer),
+                {"--node", "1"});
+  }
+};
+
+TEST_P(EdsTimesTest, GivePeriodAndArrival) {
+  const auto& row = GetParam();
+  const auto out = imported();
+  const auto pdo = part("<EventChannel name=\"P-1-TPDO1\"", "</EventChannel>");
+  EXPECT_NE(pdo.find(fmt::format("period=\"{}\"", row.period)), std::string::npos) << pdo;
+  EXPECT_EQ(pdo.find("arrival=\"sporadic\"") != std::string::npos, row.sporadic) << pdo;
+  for (const char* kind : {"distance", "events", "no-cycle", "on-request", "short-timer",
+                           "transmission-type", "unused-time"})
+    EXPECT_EQ(lacking(out, kind), std::string(kind) == row.kind ? 1U : 0U) << kind;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Types, EdsTimesTest,
+    ::testing::Values(TimesRow{"TimerAlone", "255", 0, 20, "20ms", false, "events"},
+                      TimesRow{"InhibitTimeAlone", "254", 50, 0, "5ms", true, ""},
+                      TimesRow{"Both", "254", 50, 20, "5ms", true, "distance"},
+                      TimesRow{"BothAlike", "255", 200, 20, "20ms", false, ""},
+                      TimesRow{"TimerBelowTheInhibitTime", "255", 500, 20, "20ms", true,
+                               "short-timer"},
+                      TimesRow{"Neither", "255", 0, 0, "100ms", true, "no-cycle"},
+                      TimesRow{"EachSync", "1", 0, 0, "10ms", false, ""},
+                      TimesRow{"EachFourthSync", "4", 0, 0, "40ms", false, ""},
+                      TimesRow{"SyncWithAnInhibitTime", "1", 50, 0, "10ms", false, "unused-time"},
+                      TimesRow{"AcyclicAfterASync", "0", 0, 0, "10ms", true, ""},
+                      TimesRow{"OnRequest", "253", 50, 0, "5ms", true, "on-request"},
+                      TimesRow{"Reserved", "245", 50, 0, "5ms", true, "transmission-type"}),
+    [](const auto& row) { return row.param.name; });
+
+TEST_F(EdsImportTest, WithoutATimeOfSyncAPdoAfterItIsSporadic) {
+  const auto out = json("a.eds",
+                        "[DeviceInfo]\nProductName=P\n[1800sub1]\nDefaultValue=0x181\n"
+                        "[1800sub2]\nDefaultValue=1\n",
+                        {"--node", "1"});
+  EXPECT_TRUE(has("<EventChannel name=\"P-1-TPDO1\" arrival=\"sporadic\">")) << draft_;
+  EXPECT_TRUE(has("Assumed: no time between SYNC messages is stated of P-1-TPDO1.")) << draft_;
+  EXPECT_EQ(lacking(out, "no-cycle"), 1U);
+}
+
+/// How often it comes is not known, so that silence means nothing.
+TEST_F(EdsImportTest, APdoOfWhichNobodySaysWhoSendsItIsSporadic) {
+  json("drive.dcf", kDrive, {"--network", "can"});
+  EXPECT_TRUE(has("<EventChannel name=\"left-5-RPDO1\" arrival=\"sporadic\">")) << draft_;
+  const auto master = folder_.write("master.eds", kMaster);
+  json("drive.dcf", drive_with("DefaultValue=50", "DefaultValue=0"),
+       {master, "--network", "can", "--network", "can", "--node", "5", "--node", "10"});
+  EXPECT_TRUE(has("<EventChannel name=\"left-5-TPDO1\">"))
+      << "its sender says how often it comes: " << draft_;
 }
 
 TEST_F(EdsImportTest, ACommentMayStandBehindAValue) {
