@@ -5,21 +5,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <utility>
 
 #include "base/number.hpp"
 #include "base/text.hpp"
 #include "core/profiles/profile.hpp"
+#include "tools/design/import/dbc_timing.hpp"
 #include "tools/design/import/text.hpp"
 #include "tools/values.hpp"
 
 namespace mlcca::tools::design {
 namespace {
 
-constexpr double kMostMilliseconds = 86'400'000;  // a day
-constexpr double kNanosecondsOfMs = 1e6;
 constexpr std::uint32_t kClassicBytes = 8;
 constexpr std::uint32_t kFdBytes = 64;
 constexpr std::uint32_t kLongJ1939 = 1785;
@@ -34,15 +32,6 @@ bool says(const DbcValue& value, std::string_view part) {
     return small(a) == small(b);
   };
   return !std::ranges::search(*value, part, same).empty() || part.empty();
-}
-
-/// ns of a number of milliseconds; nullopt if it is not above 0 or is more than a day.
-std::optional<Value> time_of(const DbcValue& value) {
-  if (!value) return std::nullopt;
-  const auto number = number_in<double>(*value);
-  if (!number || std::isnan(*number) || *number <= 0 || *number > kMostMilliseconds)
-    return std::nullopt;
-  return std::max<Value>(1, static_cast<Value>(std::llround(*number * kNanosecondsOfMs)));
 }
 
 class DbcMeaning {
@@ -117,64 +106,13 @@ class DbcMeaning {
     to.line = from.line;
     to.receivers = receivers_of(from.receivers);
     to.attributes.set(Attribute::max_payload, from.bytes);
-    period(from, to);
+    auto timing = timing_of(from, options_.default_period, out_.lacks);
+    to.attributes.set(Attribute::period, timing.period);
+    to.arrival = timing.arrival;
+    to.remark = std::move(timing.remark);
     if (from.multiplexed)
       lack("multiplexed", "one channel has all that a message is multiplexed of", from.line,
            from.name);
-  }
-
-  /// Notes times that are no valid numbers.
-  void list_times(const DbcMessage& from) {
-    const std::pair<const char*, const DbcValue*> all[] = {
-        {"cycle time", &from.cycle},
-        {"cycle time of a signal", &from.signal_cycle},
-        {"fast cycle time", &from.fast},
-        {"distance", &from.delay}};
-    for (const auto& [name, value] : all) {
-      if (!*value || (*value)->empty() || time_of(*value)) continue;
-      if (const auto number = number_in<double>(**value); number && *number == 0) continue;
-      lack("no-time", "is no number of milliseconds up to a day: left out", from.line,
-           fmt::format("{}: {} \"{}\"", from.name, name, cut(**value, 40)));
-    }
-  }
-
-  void period(const DbcMessage& from, ImportedMessage& to) {
-    list_times(from);
-    const bool on_events = says(from.send_type, "spontan") || says(from.send_type, "event") ||
-                           says(from.send_type, "change") || says(from.send_type, "write") ||
-                           says(from.send_type, "trigger");
-    auto least = time_of(from.cycle);
-    if (!least) least = time_of(from.signal_cycle);
-    const bool cyclic = least.has_value();
-    if (const auto fast = time_of(from.fast); fast && (!least || *fast < *least)) {
-      lack("fast", "the Period is the shorter cycle that the message has while it is active",
-           from.line, fmt::format("{}: {}", from.name, print_duration(*fast)));
-      least = fast;
-    }
-    const auto delay = time_of(from.delay);
-    if (delay && (on_events || !least)) {
-      if (!least || *delay < *least) {
-        lack("distance", "the Period is the least distance of what is sent on events", from.line,
-             fmt::format("{}: {}", from.name, print_duration(*delay)));
-        least = delay;
-      }
-    } else if (on_events && cyclic) {
-      lack("events",
-           "is sent on events too, and no distance is stated: what comes sooner than the "
-           "Period is dropped as excess",
-           from.line, from.name);
-    }
-    if (!least) {
-      least = options_.default_period;
-      to.remark = fmt::format("Assumed: the file states no cycle time of {}.", from.name);
-      lack("no-cycle",
-           fmt::format("no cycle time is stated: sporadic, and Period {} is assumed "
-                       "(--default-period)",
-                       print_duration(*least)),
-           from.line, from.name);
-    }
-    to.attributes.set(Attribute::period, *least);
-    if (!cyclic || says(from.send_type, "ifactive")) to.arrival = core::Arrival::sporadic;
   }
 
   void add_frame(const DbcMessage& from) {
@@ -295,7 +233,8 @@ class DbcMeaning {
     return std::ranges::any_of(ends, [&](const ImportedEnd& end) { return number(end) == wanted; });
   }
 
-  /// Merges messages of one parameter group: the larger size, the shorter period, and all ends.
+  /// Merges messages of one parameter group: the larger size, the shorter period, and all ends. It
+  /// is sporadic if one of them is, or if one has a longer cycle.
   void merge(const ImportedMessage& next, ImportedMessage& into) {
     lack("one-group", "is of the same parameter group as another message, and one channel with it",
          next.line, fmt::format("{} with {}", next.name, into.name));
@@ -304,6 +243,9 @@ class DbcMeaning {
       if ((next.attributes[a] > into.attributes[a]) == larger)
         into.attributes.set(a, next.attributes[a]);
     };
+    if (next.arrival == core::Arrival::sporadic ||
+        next.attributes[Attribute::period] != into.attributes[Attribute::period])
+      into.arrival = core::Arrival::sporadic;
     take(Attribute::max_payload, true);
     take(Attribute::period, false);
     for (const auto& sender : next.senders)

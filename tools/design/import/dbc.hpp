@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,6 +19,12 @@ namespace mlcca::tools::design {
 /// none.
 using DbcValue = std::optional<std::string>;
 
+/// The values of an attribute of the signals of a message.
+struct DbcSignalValues {
+  std::set<std::string> different;
+  std::size_t stated = 0;  ///< number of signals for which the file states one
+};
+
 /// A message (BO_) with its comment and attributes.
 struct DbcMessage {
   std::uint32_t id = 0;  ///< bit 31 marks an extended identifier
@@ -29,7 +36,8 @@ struct DbcMessage {
   std::vector<std::size_t> receivers;  ///< without duplicates
   std::size_t signals = 0;
   bool multiplexed = false;
-  DbcValue cycle, fast, signal_cycle, delay, send_type, format, long_name;
+  DbcValue cycle, fast, delay, send_type, format, long_name;
+  DbcSignalValues signal_cycles, signal_fast, signal_send_types;
 };
 
 /// A node (BU_) with its comment and attributes.

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
+#include <utility>
 
 #include "base/number.hpp"
 
@@ -39,7 +41,10 @@ constexpr auto kMeanings = std::to_array<Meaning>({
     {DbcObject::message, "vframeformat", DbcRole::format},
     {DbcObject::message, "systemmessagelongsymbol", DbcRole::long_name},
     {DbcObject::signal, "gensigcycletime", DbcRole::signal_cycle},
-    {DbcObject::signal, "gensigcycletimeactive", DbcRole::signal_cycle},
+    {DbcObject::signal, "gensigcycletimeactive", DbcRole::signal_fast},
+    {DbcObject::signal, "gensigcycletimefast", DbcRole::signal_fast},
+    {DbcObject::signal, "gensigsendtype", DbcRole::signal_send_type},
+    {DbcObject::signal, "sigsendtype", DbcRole::signal_send_type},
     {DbcObject::signal, "sigcycletime", DbcRole::signal_cycle},
     {DbcObject::node, "nmstationaddress", DbcRole::address},
     {DbcObject::node, "systemnodelongsymbol", DbcRole::long_name},
@@ -71,8 +76,6 @@ DbcValue* place_of(DbcMessage& message, DbcRole role) {
       return &message.cycle;
     case DbcRole::fast:
       return &message.fast;
-    case DbcRole::signal_cycle:
-      return &message.signal_cycle;
     case DbcRole::delay:
       return &message.delay;
     case DbcRole::send_type:
@@ -81,6 +84,19 @@ DbcValue* place_of(DbcMessage& message, DbcRole role) {
       return &message.format;
     case DbcRole::long_name:
       return &message.long_name;
+    default:
+      return nullptr;
+  }
+}
+
+DbcSignalValues* values_of_signals(DbcMessage& message, DbcRole role) {
+  switch (role) {
+    case DbcRole::signal_cycle:
+      return &message.signal_cycles;
+    case DbcRole::signal_fast:
+      return &message.signal_fast;
+    case DbcRole::signal_send_type:
+      return &message.signal_send_types;
     default:
       return nullptr;
   }
@@ -128,6 +144,7 @@ void DbcDefinitions::complete(DbcFile& file) const {
   complete(file, DbcObject::network);
   complete_all(file.nodes, DbcObject::node);
   complete_all(file.messages, DbcObject::message);
+  complete_signals(file);
 }
 
 std::vector<DbcDefinitions::Meant> DbcDefinitions::meant(DbcObject object) const {
@@ -148,6 +165,24 @@ void DbcDefinitions::complete_all(std::vector<Where>& all, DbcObject object) con
   const auto roles = meant(object);
   for (auto& one : all)
     for (const auto& [role, definition] : roles) complete(place_of(one, role), *definition);
+}
+
+void DbcDefinitions::complete_signals(DbcFile& file) const {
+  const auto roles = meant(DbcObject::signal);
+  for (auto& message : file.messages)
+    for (const auto& [role, definition] : roles) {
+      DbcSignalValues* const values = values_of_signals(message, role);
+      if (values == nullptr) continue;
+      std::set<std::string> completed;
+      const auto add = [&](DbcValue value) {
+        complete(&value, *definition);
+        if (value) completed.insert(std::move(*value));
+      };
+      for (const auto& value : values->different) add(value);
+      // The others have the default.
+      if (values->stated < message.signals) add(std::nullopt);
+      values->different = std::move(completed);
+    }
 }
 
 void DbcDefinitions::complete(DbcValue* value, const Definition& definition) {

@@ -23,6 +23,8 @@ enum class DbcRole : std::uint8_t {
   cycle,
   fast,
   signal_cycle,
+  signal_fast,
+  signal_send_type,
   delay,
   send_type,
   format,
@@ -41,6 +43,8 @@ DbcRole role_of(DbcObject object, std::string_view name);
 DbcValue* place_of(DbcMessage& message, DbcRole role);
 DbcValue* place_of(DbcNode& node, DbcRole role);
 DbcValue* place_of(DbcFile& file, DbcRole role);
+/// Where the message stores the values of its signals with that role; nullptr if it has none.
+DbcSignalValues* values_of_signals(DbcMessage& message, DbcRole role);
 
 /// The definitions of a file, which give the meaning of numbers and the defaults of attributes.
 class DbcDefinitions {
@@ -66,6 +70,7 @@ class DbcDefinitions {
   void complete(DbcFile& file, DbcObject object) const;
   template <class Where>
   void complete_all(std::vector<Where>& all, DbcObject object) const;
+  void complete_signals(DbcFile& file) const;
   static void complete(DbcValue* value, const Definition& definition);
 
   std::map<std::pair<DbcObject, std::string>, Definition, std::less<>> definitions_;

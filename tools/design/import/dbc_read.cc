@@ -408,6 +408,8 @@ class DbcReader {
     DbcValue* place = nullptr;
     if (role == DbcRole::none) return see(unused_, std::string(cut(name.text, 60)), name.line);
     if (!to.unknown.empty()) unknown(name.line, name.text, to.unknown);
+    if (to.message != nullptr && to.object == DbcObject::signal)
+      return keep_of_signal(values_of_signals(*to.message, role), std::move(value));
     if (to.message != nullptr) place = place_of(*to.message, role);
     if (to.node != nullptr) place = place_of(*to.node, role);
     if (to.object == DbcObject::network) place = place_of(out_, role);
@@ -416,6 +418,12 @@ class DbcReader {
     if (place == nullptr || (*place && !(*place)->empty() && (is_address || *place != "0"))) return;
     *place = std::move(value);
     if (is_address) to.node->address_line = name.line;
+  }
+
+  static void keep_of_signal(DbcSignalValues* values, std::string value) {
+    if (values == nullptr) return;
+    ++values->stated;
+    values->different.insert(std::move(value));
   }
 
   DbcScanner scan_;

@@ -119,9 +119,36 @@ TEST_F(DbcImportTest, SilenceOfWhatIsNotCyclicIsNoFault) {
     int cycle, delay;
     bool sporadic;
   };
-  for (const Case& c : {Case{"Cyclic", 10, 0, false}, Case{"CyclicAndSpontaneous", 10, 5, false},
-                        Case{"spontaneous", 0, 20, true}, Case{"NoMsgSendType", 0, 0, true},
-                        Case{"CyclicIfActive", 10, 0, true}, Case{"IfActive", 0, 0, true}}) {
+  for (const Case& c : {Case{"Cyclic", 10, 0, false},
+                        Case{"cyclicX", 10, 0, false},
+                        Case{"FixedPeriodic", 10, 0, false},
+                        Case{"CyclicAndSpontaneous", 10, 0, false},
+                        Case{"CyclicAndSpontaneous", 10, 5, true},
+                        Case{"cyclicAndTriggered", 10, 0, false},
+                        Case{"cyclicWithRepeatOnDemand", 10, 0, false},
+                        Case{"EventPeriodic", 10, 0, false},
+                        Case{"CE", 10, 0, false},
+                        Case{"CA", 10, 0, true},
+                        Case{"spontaneous", 0, 20, true},
+                        Case{"spontanWithDelay", 10, 20, true},
+                        Case{"spontanWithRepitition", 10, 0, true},
+                        Case{"triggered", 10, 0, true},
+                        Case{"Event", 10, 0, true},
+                        Case{"NoMsgSendType", 0, 0, true},
+                        Case{"NoMsgSendType", 10, 0, false},
+                        Case{"not_used", 10, 0, false},
+                        Case{"vector_leerstring", 10, 0, false},
+                        Case{"CyclicIfActive", 10, 0, true},
+                        Case{"cyclicIfActiveFast", 10, 0, true},
+                        Case{"cyclicIfActiveAndSpontanWD", 10, 20, true},
+                        Case{"cyclicIfActiveAndTriggered", 10, 0, true},
+                        Case{"EnabledPeriodic", 10, 0, true},
+                        Case{"IfActive", 0, 0, true},
+                        Case{"IfActiveWithRepetition", 10, 0, true},
+                        Case{"OnChangeAndIfActive", 10, 0, true},
+                        Case{"OnWriteWithRepetition", 10, 0, true},
+                        Case{"Quarterly", 10, 0, true},
+                        Case{"NotUsedCyclic", 10, 0, true}}) {
     json("a.dbc", bus_with(fmt::format(R"(BA_DEF_ BO_ "GenMsgCycleTime" INT 0 65535;
 BA_DEF_ BO_ "GenMsgDelayTime" INT 0 65535;
 BA_DEF_ BO_ "GenMsgSendType" STRING ;
@@ -134,6 +161,86 @@ BA_ "GenMsgSendType" BO_ 256 "{}";
                                                                                 << draft_;
     EXPECT_EQ(has(R"(<EventChannel name="A">)"), !c.sporadic) << c.type << "\n" << draft_;
   }
+}
+
+TEST_F(DbcImportTest, ASendTypeThatIsNotKnownIsListedAndSporadic) {
+  const auto text = bus_with(
+      "BA_ \"GenMsgSendType\" BO_ 256 \"Quarterly\";\nBA_ \"GenMsgCycleTime\" BO_ 256 100;\n"
+      "BA_ \"GenMsgDelayTime\" BO_ 256 30;\n");
+  EXPECT_EQ(lacking(json("a.dbc", text), "send-type"), 1U);
+  EXPECT_TRUE(has(R"(<EventChannel name="A" arrival="sporadic">)")) << draft_;
+  EXPECT_TRUE(has("period=\"30ms\"")) << draft_;
+  const auto said = import("a.dbc", text).error;
+  EXPECT_NE(said.find("a.dbc:2: A: \"Quarterly\""), std::string::npos) << said;
+}
+
+TEST_F(DbcImportTest, AMessageWhoseCycleChangesIsSporadic) {
+  const std::pair<const char*, bool> cases[] = {
+      {"BA_ \"GenMsgCycleTimeFast\" BO_ 256 20;\n", true},
+      {"BA_ \"GenMsgCycleTimeFast\" BO_ 256 500;\n", true},
+      {"BA_ \"GenMsgCycleTimeFast\" BO_ 256 100;\n", false},
+      {"BA_ \"GenMsgCycleTimeFast\" BO_ 256 0;\n", false},
+      {"BA_ \"GenSigCycleTimeActive\" SG_ 256 S 20;\n", true}};
+  for (const auto& [lines, sporadic] : cases) {
+    json("a.dbc", bus_with(std::string("BA_ \"GenMsgCycleTime\" BO_ 256 100;\n") + lines));
+    EXPECT_EQ(has(R"(<EventChannel name="A" arrival="sporadic">)"), sporadic) << lines << draft_;
+  }
+}
+
+/// As signals of Vector state how they are sent.
+TEST_F(DbcImportTest, SignalsSayHowAMessageWithoutASendTypeIsSent) {
+  const std::string types =
+      "BA_DEF_ SG_ \"GenSigSendType\" ENUM \"Cyclic\",\"OnWrite\",\"OnWriteWithRepetition\","
+      "\"OnChange\",\"OnChangeWithRepetition\",\"IfActive\",\"IfActiveWithRepetition\","
+      "\"NoSigSendType\";\nBA_DEF_DEF_ \"GenSigSendType\" \"NoSigSendType\";\n"
+      "BA_ \"GenMsgCycleTime\" BO_ 256 100;\n";
+  struct Case {
+    const char* lines;
+    const char* period;
+    bool sporadic;
+  };
+  for (const Case& c :
+       {Case{"", "100ms", false}, Case{"BA_ \"GenSigSendType\" SG_ 256 S 0;\n", "100ms", false},
+        Case{"BA_ \"GenSigSendType\" SG_ 256 S 3;\n", "100ms", true},
+        Case{"BA_ \"GenSigSendType\" SG_ 256 S 5;\n", "100ms", true},
+        Case{"BA_ \"GenMsgSendType\" BO_ 256 \"Cyclic\";\n"
+             "BA_ \"GenSigSendType\" SG_ 256 S 1;\nBA_ \"GenMsgDelayTime\" BO_ 256 10;\n",
+             "10ms", true}}) {
+    json("a.dbc", bus_with(types + c.lines));
+    EXPECT_EQ(has(R"(<EventChannel name="A" arrival="sporadic">)"), c.sporadic)
+        << c.lines << draft_;
+    EXPECT_TRUE(has(fmt::format("period=\"{}\"", c.period))) << c.lines << draft_;
+  }
+}
+
+TEST_F(DbcImportTest, OfSignalsTheShortestCycleCounts) {
+  const std::string two =
+      "BU_: N M\nBO_ 256 A: 8 N\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" M\n"
+      " SG_ T : 8|8@1+ (1,0) [0|0] \"\" M\nBA_DEF_ SG_ \"GenSigCycleTime\" INT 0 9;\n"
+      "BA_DEF_DEF_ \"GenSigCycleTime\" 50;\n";
+  json("a.dbc", two + "BA_ \"GenSigCycleTime\" SG_ 256 S 80;\n");
+  EXPECT_TRUE(has("period=\"50ms\"")) << "the default, of T: " << draft_;
+  json("a.dbc", two +
+                    "BA_ \"GenSigCycleTime\" SG_ 256 S 80;\n"
+                    "BA_ \"GenSigCycleTime\" SG_ 256 T 20;\n");
+  EXPECT_TRUE(has("period=\"20ms\"")) << draft_;
+  const auto out = json("a.dbc", two + "BA_ \"GenMsgCycleTime\" BO_ 256 100;\n");
+  EXPECT_EQ(lacking(out, "signal-cycle"), 1U);
+  EXPECT_TRUE(has(R"(<EventChannel name="A" arrival="sporadic">)")) << draft_;
+}
+
+TEST_F(DbcImportTest, MessagesOfAGroupThatComeWithDifferentPeriodsAreSporadic) {
+  const std::string group =
+      "BU_: Engine Other\n"
+      "BO_ 2364539907 A: 8 Engine\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" Other\n"
+      "BO_ 2364539937 B: 8 Other\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" Engine\n"
+      "BA_ \"ProtocolType\" \"J1939\";\nBA_ \"GenMsgCycleTime\" BO_ 2364539907 100;\n"
+      "BA_ \"NmStationAddress\" BU_ Engine 3;\nBA_ \"NmStationAddress\" BU_ Other 33;\n";
+  const auto out = json("a.dbc", group + "BA_ \"GenMsgCycleTime\" BO_ 2364539937 100;\n");
+  ASSERT_EQ(lacking(out, "one-group"), 1U) << out.dump();
+  EXPECT_TRUE(has("<EventChannel name=\"A\">")) << draft_;
+  json("a.dbc", group + "BA_ \"GenMsgCycleTime\" BO_ 2364539937 500;\n");
+  EXPECT_TRUE(has(R"(<EventChannel name="A" arrival="sporadic">)")) << draft_;
 }
 
 TEST_F(DbcImportTest, WhatIsOfNoMessageIsListed) {
@@ -284,9 +391,16 @@ INSTANTIATE_TEST_SUITE_P(
                   "BA_ \"GenMsgCycleTime\" BO_ 256 100;\nBA_ \"GenMsgCycleTimeFast\" BO_ 256 15;",
                   "15", "fast"},
         PeriodRow{"DistanceOfEvents", "BA_ \"GenMsgDelayTime\" BO_ 256 25;", "25", "distance"},
+        PeriodRow{"DistanceWithoutASendType",
+                  "BA_ \"GenMsgCycleTime\" BO_ 256 100;\nBA_ \"GenMsgDelayTime\" BO_ 256 25;", "25",
+                  "distance"},
         PeriodRow{"DistanceOfCyclicOnes",
+                  "BA_ \"GenMsgSendType\" BO_ 256 \"Cyclic\";\n"
                   "BA_ \"GenMsgCycleTime\" BO_ 256 100;\nBA_ \"GenMsgDelayTime\" BO_ 256 25;",
-                  "100", ""},
+                  "100", "unused-distance"},
+        PeriodRow{"DistanceBeyondTheCycle",
+                  "BA_ \"GenMsgCycleTime\" BO_ 256 20;\nBA_ \"GenMsgDelayTime\" BO_ 256 25;", "20",
+                  "unused-distance"},
         PeriodRow{"CyclicAndOnEvents",
                   "BA_DEF_ BO_ \"GenMsgSendType\" ENUM \"Cyclic\",\"cyclicAndSpontaneous\";\n"
                   "BA_ \"GenMsgSendType\" BO_ 256 1;\n"
