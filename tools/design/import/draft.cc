@@ -159,8 +159,8 @@ class Writer {
         put("<COBID>0x{:03x}</COBID>", message.id);
         break;
       default:
-        put("<Identifier form=\"{}\">0x{:03x}</Identifier>",
-            message.extended ? "extended" : "standard", message.id);
+        put("<Identifier form=\"{}\">0x{:0{}x}</Identifier>",
+            message.extended ? "extended" : "standard", message.id, message.extended ? 8 : 3);
     }
     out_ += "</Binding>\n";
   }

@@ -118,7 +118,7 @@ TEST_F(ExportTest, WhatIsExportedCanBeImported) {
   for (const char* part :
        {"<Bus bitrate=\"500000\" data-bitrate=\"2000000\"/>",
         "<Binding channel=\"wide\" format=\"fd\"><Identifier form=\"standard\">0x126<",
-        "<Binding channel=\"moved\"><Identifier form=\"extended\">0x1234567<", "period=\"50ms\"",
+        "<Binding channel=\"moved\"><Identifier form=\"extended\">0x01234567<", "period=\"50ms\"",
         "<Publisher channel=\"beat\"/>", "<Subscriber channel=\"wide\"/>"})
     EXPECT_TRUE(has(done.out, part)) << part << done.out;
   EXPECT_FALSE(has(done.error, "no-cycle")) << done.error;

@@ -76,6 +76,12 @@ TEST_F(DbcImportTest, MessagesAreChannelsWithPeriodSizeAndIdentifier) {
   EXPECT_FALSE(has("INDEPENDENT")) << "signals without a message are no message";
 }
 
+TEST_F(DbcImportTest, AnIdentifierHasTheDigitsOfItsForm) {
+  json("a.dbc", "BU_: N\nBO_ 2147483904 Long: 8 N\nBO_ 5 Short: 8 N\n");
+  EXPECT_TRUE(has(R"(<Identifier form="extended">0x00000100<)")) << draft_;
+  EXPECT_TRUE(has(R"(<Identifier form="standard">0x005<)")) << draft_;
+}
+
 TEST_F(DbcImportTest, SendersPublishAndReceiversSubscribe) {
   json("bus.dbc", kBus);
   const auto engine = part("<Component name=\"Engine\" network=\"bus\">", "</Component>");
