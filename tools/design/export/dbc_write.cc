@@ -118,7 +118,8 @@ class DbcWriter {
       return out_.lacks.add("repeated", "the identifier is a message already", 0,
                             fmt::format("{} of {}", channel.name, publisher.name));
     message(frames, channel, bytes);
-    values(frames.identity.id, offered, fd, binding->extended);
+    period(frames.identity.id, offered, channel.arrival);
+    values(frames.identity.id, fd, binding->extended);
     rest(channel, offered);
   }
 
@@ -140,13 +141,19 @@ class DbcWriter {
           in_dbc_quotes(channel.description));
   }
 
-  void values(std::uint32_t id, const AttributeSet& offered, bool fd, bool extended) {
-    if (offered.has(Attribute::period)) {
-      const auto ns = offered[Attribute::period];
-      put(values_, "BA_ \"GenMsgCycleTime\" BO_ {} {};\n", id,
-          static_cast<double>(ns) / kNanosOfMilli);
-      whole_ = whole_ && ns % static_cast<Value>(kNanosOfMilli) == 0;
-    }
+  /// The Period is the cycle time, or of sporadic events their least distance.
+  void period(std::uint32_t id, const AttributeSet& offered, core::Arrival arrival) {
+    const bool sporadic = arrival == core::Arrival::sporadic;
+    any_sporadic_ = any_sporadic_ || sporadic;
+    if (sporadic) put(values_, "BA_ \"GenMsgSendType\" BO_ {} 1;\n", id);
+    if (!offered.has(Attribute::period)) return;
+    const auto ns = offered[Attribute::period];
+    put(values_, "BA_ \"{}\" BO_ {} {};\n", sporadic ? "GenMsgDelayTime" : "GenMsgCycleTime", id,
+        static_cast<double>(ns) / kNanosOfMilli);
+    whole_ = whole_ && ns % static_cast<Value>(kNanosOfMilli) == 0;
+  }
+
+  void values(std::uint32_t id, bool fd, bool extended) {
     constexpr int standard_fd = 14;
     constexpr int j1939 = 3;
     int format = (fd ? standard_fd : 0) + (extended ? 1 : 0);
@@ -171,7 +178,14 @@ class DbcWriter {
 
   void definitions() {
     auto& out = out_.text;
-    put(out, "BA_DEF_ BO_ \"GenMsgCycleTime\" {} 0 3600000;\n", whole_ ? "INT" : "FLOAT");
+    const char* const number = whole_ ? "INT" : "FLOAT";
+    put(out, "BA_DEF_ BO_ \"GenMsgCycleTime\" {} 0 3600000;\n", number);
+    if (any_sporadic_)
+      put(out,
+          "BA_DEF_ BO_ \"GenMsgDelayTime\" {} 0 3600000;\n"
+          "BA_DEF_ BO_ \"GenMsgSendType\" ENUM \"Cyclic\",\"Event\";\n"
+          "BA_DEF_DEF_ \"GenMsgDelayTime\" 0;\nBA_DEF_DEF_ \"GenMsgSendType\" \"Cyclic\";\n",
+          number);
     out +=
         "BA_DEF_ BO_ \"VFrameFormat\" ENUM \"StandardCAN\",\"ExtendedCAN\",\"reserved\","
         "\"J1939PG\"";
@@ -205,6 +219,7 @@ class DbcWriter {
   std::string values_;
   bool whole_ = true;
   bool any_fd_ = false;
+  bool any_sporadic_ = false;
 };
 
 }  // namespace

@@ -124,6 +124,24 @@ TEST_F(ExportTest, WhatIsExportedCanBeImported) {
   EXPECT_FALSE(has(done.error, "no-cycle")) << done.error;
 }
 
+/// A cycle time would say that its silence is a fault.
+TEST_F(ExportTest, ASporadicChannelHasALeastDistanceAndNoCycle) {
+  EXPECT_FALSE(has(exported({"dbc", "--network", "first"}), "GenMsgSendType"));
+  std::string text = robot();
+  const std::string name = "<EventChannel name=\"beat\"";
+  text.replace(text.find(name), name.size(), name + " arrival=\"sporadic\"");
+  const auto dbc = run(text, {"dbc", "--network", "first"});
+  ASSERT_EQ(dbc.status, 0) << dbc.error;
+  EXPECT_TRUE(has(dbc.out, "BA_ \"GenMsgSendType\" BO_ 291 1;")) << dbc.out;
+  EXPECT_TRUE(has(dbc.out, "BA_ \"GenMsgDelayTime\" BO_ 291 50;")) << dbc.out;
+  EXPECT_FALSE(has(dbc.out, "BA_ \"GenMsgCycleTime\" BO_ 291")) << dbc.out;
+  const auto again = test::run({"import", folder_.write("first.dbc", dbc.out)});
+  ASSERT_EQ(again.status, 0) << again.error;
+  EXPECT_TRUE(has(again.out, "<EventChannel name=\"beat\" arrival=\"sporadic\">")) << again.out;
+  EXPECT_TRUE(has(again.out, "<EventChannel name=\"moved\">")) << again.out;
+  EXPECT_TRUE(has(again.out, "period=\"50ms\"")) << again.out;
+}
+
 TEST_F(ExportTest, CanGwHasARuleForWhatCrosses) {
   const auto script = exported({"can-gw"});
   EXPECT_TRUE(has(script, "cangw -A -s can0 -d can1 -e -f 123:DFFFFFFF # beat\n")) << script;
