@@ -16,7 +16,7 @@ export function silence(c) {
   if (!c.watch) return "";
   const { watch } = c;
   if (watch.silent_ns) return `nothing for ${elapsed(watch.silent_ns)}`;
-  return watch.events ? `latest ${elapsed(watch.since_last_ns)} ago, every ${duration(watch.period_ns)}` : "none yet";
+  return watch.events ? `latest ${elapsed(watch.since_last_ns)} ago, ${c.sporadic ? "at most " : ""}every ${duration(watch.period_ns)}` : "none yet";
 }
 
 function story(c) {
@@ -32,6 +32,7 @@ export function channelFacts(c) {
   const w = c.watch;
   return h("dl", { class: "facts" },
     fact("Subject", c.subject), fact("Publisher", c.publisher), fact("Subscribers", c.subscribers.join(", ")),
+    fact("Arrival", c.sporadic ? "sporadic: events come when something happens, and silence means nothing" : ""),
     fact("Reaction to silence", c.reaction), fact("Not supervised", c.not_supervised),
     fact("Attribute set", c.sets > 1 ? `${c.granted ? c.set + 1 : "none"} of ${c.sets}` : ""),
     c.media.map((m) => fact(`On ${m.network}`, [

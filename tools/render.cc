@@ -171,6 +171,8 @@ std::string delivery(const control::Channel& channel, Color color, bool in_full)
   if (channel.admission != 0)
     also("admission",
          fmt::format("{0} (mlccactl release --id {0} takes it back)", channel.admission));
+  if (channel.sporadic)
+    also("arrival", "sporadic: events come when something happens, and silence means nothing");
   also("reaction", channel.reaction);
   if (in_full) {
     also("importance", fmt::format("{}", channel.importance));

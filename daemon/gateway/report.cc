@@ -156,6 +156,7 @@ control::Channel channel_report(const core::State& state, const core::Verdict& v
     if (out.admission == 0) out.admission = members.admission_of_subscriber(s);
   }
   out.granted = v.granted;
+  out.sporadic = v.sporadic;
   out.withdrawn = v.obstacle == core::Obstacle::withdrawn;
   out.set = static_cast<std::uint32_t>(v.set);
   out.sets = static_cast<std::uint32_t>(core::sets_of(system, v.channel));

@@ -73,6 +73,18 @@ TEST(RenderLeftOutTest, WhatNobodyCountsIsNotZero) {
   EXPECT_TRUE(to_json({0, control::Channels{{channel}}}).contains("\"passed\":12"));
 }
 
+TEST(RenderLeftOutTest, SaysThatSilenceOfASporadicChannelMeansNothing) {
+  auto channel = test::granted_channel();
+  EXPECT_FALSE(explain({{channel}}, Color::no, true).contains("arrival"));
+  EXPECT_TRUE(to_json({0, control::Channels{{channel}}}).contains("\"sporadic\":false"));
+  channel.sporadic = true;
+  const auto text = explain({{channel}}, Color::no, false);
+  EXPECT_TRUE(text.contains(
+      "  arrival      sporadic: events come when something happens, and silence means nothing\n"))
+      << text;
+  EXPECT_TRUE(to_json({0, control::Channels{{channel}}}).contains("\"sporadic\":true"));
+}
+
 TEST(RenderLeftOutTest, AWithdrawalNamesWhatALongAnswerLeavesOut) {
   control::Channels channels{{test::refused_channel(), test::granted_channel()}};
   channels.left_out = 3;

@@ -17,10 +17,12 @@ namespace {
 
 /// A heart-beat from one bus to another, over a gateway with the stated Omission.
 core::State heart_beat_state(const std::string& omission, const std::string& bus,
-                             const std::string& latency = "5ms") {
+                             const std::string& latency = "5ms",
+                             const std::string& arrival = "periodic") {
   auto system = description::read_memory(
       R"(<System name="test">
-        <EventChannel name="beat"><SubjectUID>0xa1</SubjectUID>
+        <EventChannel name="beat" arrival=")" +
+          arrival + R"("><SubjectUID>0xa1</SubjectUID>
           <Attributes period="50ms" maxPayload="8" omission="2"/></EventChannel>
         <Network name="from"><Kind>other</Kind>
           <Provision latency="1ms" period="1ms" omission="0" maxPayload="8"/></Network>
@@ -52,6 +54,13 @@ TEST(ChannelReport, TheMarginOfARefusalIsThatOfTheRowThatRefuses) {
   EXPECT_TRUE(c.margin->amount_known);
   EXPECT_EQ(c.margin->amount, 3U);
   EXPECT_EQ(c.margin->words, "3 too many");
+}
+
+TEST(ChannelReport, SaysWhetherItsEventsAreSporadic) {
+  for (const char* omission : {"2", "5"}) {
+    EXPECT_FALSE(first_delivery(heart_beat_state(omission, "")).sporadic);
+    EXPECT_TRUE(first_delivery(heart_beat_state(omission, "", "5ms", "sporadic")).sporadic);
+  }
 }
 
 TEST(ChannelReport, TheMarginOfAGrantIsTheSmallestThatItsReasonStates) {
