@@ -2,7 +2,7 @@
 // The details of a decision, as `mlccactl explain` reports it, and of a network or gateway.
 import { h } from "./dom.js";
 import { bits, count, duration, elapsed, forPeople, many, moment, percent, rate, value } from "./format.js";
-import { kStates } from "./model.js";
+import { kStates, marginOf } from "./model.js";
 
 const fact = (name, text) => (text === "" || text === null || text === undefined ? [] : [h("dt", {}, name), h("dd", {}, text)]);
 export const table = (caption, names, rows) => h("div", { class: "wide", tabindex: 0, role: "region", "aria-label": caption },
@@ -34,7 +34,7 @@ export function channelFacts(c) {
     fact("Subject", c.subject), fact("Publisher", c.publisher), fact("Subscribers", c.subscribers.join(", ")),
     fact("Arrival", c.sporadic ? "sporadic: events come when something happens, and silence means nothing" : ""),
     fact("Reaction to silence", c.reaction), fact("Not supervised", c.not_supervised),
-    fact("Attribute set", c.sets > 1 ? `${c.granted ? c.set + 1 : "none"} of ${c.sets}` : ""),
+    fact("Margin", marginOf(c)), fact("Attribute set", c.sets > 1 ? `${c.granted ? c.set + 1 : "none"} of ${c.sets}` : ""),
     c.media.map((m) => fact(`On ${m.network}`, [
       m.response_ns ? `response ${duration(m.response_ns)}, at most ${duration(m.guaranteed_ns)}` : "",
       m.nodes.length ? `path ${m.nodes.join(" › ")}` : "", m.available ? `${rate(m.available)} left` : ""].filter(Boolean).join("; "))),
