@@ -63,18 +63,18 @@ std::string slots(const std::vector<control::GateSlot>& all, bool control, bool 
   const char* const other = ethernet ? "OTHER TRAFFIC" : "CONTROL TRAFFIC";
   TextTable table({{control ? other : "CHANNEL"},
                    {"DIRECTION"},
-                   {"FROM"},
+                   {"SOURCE"},
                    {"IDENTIFIER"},
                    {"MASK"},
                    {"FORMATS"},
-                   {"BYTES", Align::right},
+                   {"MAX LENGTH", Align::right},
                    {"STATE"},
                    {"LIMIT"},
                    {"PASSED", Align::right},
                    {"DROPPED", Align::right},
                    {"WOULD DROP", Align::right},
                    {"EXCESS", Align::right},
-                   {"LAST DROP"}});
+                   {"LAST REASON"}});
   for (const auto& slot : all)
     table.add({{slot.name, Style::bold},
                {slot.egress ? "out" : "in"},

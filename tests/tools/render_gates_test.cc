@@ -21,11 +21,11 @@ TEST(RenderGates, ListsControlTrafficOfAGateBeforeItsChannels) {
   EXPECT_EQ(render(control::Gates{{gate}}, Color::no),
             R"(can0 on powertrain: profile j1939, attached, 21 of 4094 slots, 3 of 32 masks
   can0 is down
-  CONTROL TRAFFIC  DIRECTION  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE   LIMIT                                PASSED  DROPPED  WOULD DROP  EXCESS  LAST DROP
-  address-claim    out        user 0  00eeff00    03ffff00  classic      8  passes  50/s, 257 at once, more is reported       7        2           4       1  more than admitted
-  CHANNEL        DIRECTION  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE    LIMIT                                PASSED  DROPPED  WOULD DROP  EXCESS  LAST DROP
-  engine-speed   in                 00eeff00    03ffff00  classic      8  passes   50/s, 257 at once, more is reported       7        2           4       1  more than admitted
-  address-claim  out        user 0  00eeff00    03ffff00  classic      8  refused  100 MB/s, more is reported                7        2           4       1  more than admitted
+  CONTROL TRAFFIC  DIRECTION  SOURCE  IDENTIFIER  MASK      FORMATS  MAX LENGTH  STATE   LIMIT                                PASSED  DROPPED  WOULD DROP  EXCESS  LAST REASON
+  address-claim    out        user 0  00eeff00    03ffff00  classic           8  passes  50/s, 257 at once, more is reported       7        2           4       1  more than admitted
+  CHANNEL        DIRECTION  SOURCE  IDENTIFIER  MASK      FORMATS  MAX LENGTH  STATE    LIMIT                                PASSED  DROPPED  WOULD DROP  EXCESS  LAST REASON
+  engine-speed   in                 00eeff00    03ffff00  classic           8  passes   50/s, 257 at once, more is reported       7        2           4       1  more than admitted
+  address-claim  out        user 0  00eeff00    03ffff00  classic           8  refused  100 MB/s, more is reported                7        2           4       1  more than admitted
 )");
   EXPECT_EQ(render(control::Gates{}, Color::no), "this gateway has no gates\n");
 }
@@ -69,8 +69,8 @@ TEST(RenderGates, ListsWhatAnEthernetGatePassesBesidesSubjectsAndWhatBecameOfFra
       R"(eth1 on lan: profile famouso, attached by clsact, early in the driver, 5000 of 8190 slots
   OTHER TRAFFIC     DIRECTION  STATE   PASSED
   no event traffic  in         passes      12
-  CHANNEL   DIRECTION  FORMATS       BYTES  STATE   LIMIT                                PASSED  DROPPED  WOULD DROP  EXCESS  LAST DROP
-  distance  in         unfragmented      8  passes  50/s, 257 at once, more is reported       7        2           4       1  more than admitted
+  CHANNEL   DIRECTION  FORMATS       MAX LENGTH  STATE   LIMIT                                PASSED  DROPPED  WOULD DROP  EXCESS  LAST REASON
+  distance  in         unfragmented           8  passes  50/s, 257 at once, more is reported       7        2           4       1  more than admitted
   and 4999 slots more
   REASON            DIRECTION  FRAMES
   no event traffic  in             12
