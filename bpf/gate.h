@@ -131,30 +131,13 @@ enum gate_mode {
 #define GATE_EXCESS_PASSES 4
 
 /*
- * Why a frame was dropped; the index of the reason counters. If several slots have the frame's key,
- * the one that came furthest gives the reason: UNKNOWN < IDENTIFIER < ... < DENIED is the order.
+ * Why a frame passed or was dropped; the index of the reason counters: GATE_R_UNKNOWN is the number
+ * of frames without a slot. The list has the meaning of each.
  */
 enum gate_reason {
-	GATE_R_PASSED = 0,
-	GATE_R_UNKNOWN,	    /* no slot, or (J1939) none to this destination */
-	GATE_R_IDENTIFIER,  /* priority, node, fragment or RTR differ from the grant */
-	GATE_R_SOURCE,	    /* not the granted station; egress: not the granted interface or user */
-	GATE_R_FORMAT,	    /* classic, FD or XL is not granted */
-	GATE_R_LENGTH,	    /* longer than granted */
-	GATE_R_DENIED,	    /* the slot's verdict is deny */
-	GATE_R_ERROR_FRAME, /* error frame at egress */
-	GATE_R_MALFORMED,   /* not a CAN, CAN FD or CAN XL frame */
-	GATE_R_CLOSED,	    /* the gate is closed: stopped, starting, or the heart-beat lapsed */
-	/*
-	 * Not a drop: the echo of a frame that left here, passed at ingress; in audit mode also a
-	 * frame that ingress has refused and counted, passed at egress.
-	 */
-	GATE_R_ECHO,
-	GATE_R_ERROR_IN, /* not a drop: error frame passed at ingress */
-	GATE_R_EXCESS,	 /* admitted, but in excess of what was admitted: see gate_slot */
-	GATE_R_FOREIGN,	 /* Ethernet, not a drop: no event, not affected */
-	GATE_R_FRAGMENT, /* part of a datagram or J1939 message whose first part was not admitted */
-	GATE_R_OPAQUE,	 /* Ethernet: may contain an event whose subject cannot be read */
+#define FRAME_REASON(number, word, WORD, name, kind, text) GATE_R_##WORD = number,
+#include "core/gates/frame_reasons.inc"
+#undef FRAME_REASON
 	GATE_REASONS = 16,
 };
 

@@ -44,7 +44,7 @@ std::string why_of(const control::Finding& f) {
   if (f.described.empty()) return f.reason;
   if (!f.publisher.empty())
     return fmt::format("{}: it differs from {} of {}", f.reason, f.described, f.publisher);
-  const bool lacks_delivery = f.egress && f.reason == "unknown subject";
+  const bool lacks_delivery = f.egress && reason_of(f) == core::FrameReason::unknown;
   return fmt::format("{}: {} has no such {}", f.reason, f.described,
                      lacks_delivery ? "delivery" : "publisher");
 }
@@ -93,7 +93,9 @@ std::string notes_on(const control::Audit& audit) {
   if (audit.left_out != 0)
     out += many(audit.left_out, "further one had fewer frames: they are in others\n",
                 "further ones had fewer frames: they are in others\n");
-  if (std::ranges::any_of(audit.findings, [](const auto& f) { return f.reason == "malformed"; }))
+  if (std::ranges::any_of(audit.findings, [](const control::Finding& f) {
+        return reason_of(f) == core::FrameReason::malformed;
+      }))
     out +=
         "malformed: no subject or sender can be read of these frames; a recording shows them, by "
         "tcpdump or candump\n";

@@ -2,10 +2,12 @@
 // Output of audit mode: what the gates refused or would have refused, and the elements that a
 // description would need to admit it.
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "control/messages.hpp"
+#include "core/gates/frame_reason.hpp"
 #include "tools/table.hpp"
 
 namespace mlcca::tools {
@@ -20,6 +22,9 @@ std::vector<std::string> additions_of(const control::Audit& audit);
 /// each finding with further frames, whose kinds are not known.
 std::string additions(const control::Audit& audit);
 
+/// The reason for all frames of a finding, or for the latest of them. Nullopt if the finding states
+/// none that is known here.
+std::optional<core::FrameReason> reason_of(const control::Finding& finding);
 /// Whether it is about CAN frames of no delivery, which an identifier names.
 bool is_can_frame(const control::Finding& finding);
 /// What a finding is about: "123" (a CAN identifier), "0x4e6f626f64790000" (a subject),

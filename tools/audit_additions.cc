@@ -26,17 +26,13 @@ namespace {
 
 using core::Profile;
 
-bool has_source(const control::Finding& f) {
-  return f.reason.contains("not from the granted source");
-}
-bool has_identifier(const control::Finding& f) {
-  return f.reason.contains("priority, node, fragment or remote flag not granted");
-}
+using core::FrameReason;
 
 /// Whether it is about frames of a described channel that another sender than the granted one has
 /// sent.
 bool is_of_sender(const control::Finding& f) {
-  return f.channel.empty() && !f.others && (has_source(f) || has_identifier(f));
+  const auto reason = reason_of(f);
+  return f.channel.empty() && !f.others && reason && core::is_of_sender(*reason);
 }
 
 /// Whether it is about datagrams, which may have the subject 0.
@@ -285,19 +281,20 @@ std::string advice_on_publisher(const control::Finding& f) {
 }
 
 std::string advice_on_delivery(const control::Finding& f) {
-  if (f.reason.contains("longer than granted"))
+  const auto reason = reason_of(f);
+  if (reason == FrameReason::length)
     return fmt::format(
         "if such frames of {} are wanted, state a larger maxPayload: 'mlccactl learn --merge' "
         "measures it",
         f.channel);
-  if (f.reason == "more than admitted")
+  if (reason == FrameReason::excess)
     return fmt::format(
         "if all frames of {} are wanted, state a shorter period, or a jitter: 'mlccactl learn "
         "--merge' measures both",
         f.channel);
-  if (has_source(f))
+  if (reason == FrameReason::source)
     return fmt::format("others send {}, too: 'mlccactl learn --merge' finds who", f.channel);
-  if (f.reason.contains("refused"))
+  if (reason == FrameReason::denied)
     return fmt::format("'mlccactl explain {}' says what would have to change", f.channel);
   return {};
 }
@@ -318,9 +315,13 @@ std::string station_of(const control::Finding& f) {
 
 }  // namespace
 
+std::optional<FrameReason> reason_of(const control::Finding& f) {
+  return core::stated_reason(f.reason).reason;
+}
+
 bool is_can_frame(const control::Finding& f) {
   return f.channel.empty() && !is_datagram(f) && !f.others &&
-         (f.reason == "unknown subject" || is_of_sender(f));
+         (reason_of(f) == FrameReason::unknown || is_of_sender(f));
 }
 
 std::string advice(const control::Finding& f) {

@@ -58,7 +58,7 @@ void add(SlotCounters& sum, const gate_count& count) {
 void take(SlotCounters& sum, const gate_audit& audit, const __u8& last_reason) {
   sum.would_drop = load(audit.would_drop);
   sum.would_exceed = load(audit.would_exceed);
-  sum.last_reason = static_cast<gate_reason>(load(last_reason));
+  sum.last_reason = reason_of(load(last_reason));
 }
 
 template <class Cpu>
@@ -99,7 +99,7 @@ std::vector<UnknownFrame> newest_of(std::span<const Cpu> cpus) {
 std::optional<RefusedSender> read_sender(const auto& seen) {
   const std::uint64_t sequence = load(seen.sequence, __ATOMIC_ACQUIRE);
   RefusedSender sender{.slot = load(seen.slot),
-                       .reason = static_cast<gate_reason>(load(seen.reason)),
+                       .reason = reason_of(load(seen.reason)),
                        .frame = {},
                        .source = load(seen.source),
                        .uid = load(seen.uid)};
@@ -192,55 +192,6 @@ std::string sender_text(std::uint64_t station, const Mac& mac) {
   const std::string hardware = mac_text(station, mac);
   if (address.empty() || hardware.empty()) return address + hardware;
   return fmt::format("{} ({})", address, hardware);
-}
-
-const char* reason_text(gate_reason reason) {
-  switch (reason) {
-    case GATE_R_PASSED:
-      return "passed";
-    case GATE_R_UNKNOWN:
-      return "unknown subject";
-    case GATE_R_IDENTIFIER:
-      return "priority, node, fragment or remote flag not granted";
-    case GATE_R_SOURCE:
-      return "not from the granted source";
-    case GATE_R_FORMAT:
-      return "frame format not granted";
-    case GATE_R_LENGTH:
-      return "longer than granted";
-    case GATE_R_DENIED:
-      return "refused";
-    case GATE_R_ERROR_FRAME:
-      return "error frame on its way out";
-    case GATE_R_MALFORMED:
-      return "malformed";
-    case GATE_R_CLOSED:
-      return "gate closed";
-    case GATE_R_ECHO:
-      return "echo, or counted before";
-    case GATE_R_ERROR_IN:
-      return "error frame from the bus";
-    case GATE_R_EXCESS:
-      return "more than admitted";
-    case GATE_R_FOREIGN:
-      return "no event traffic";
-    case GATE_R_FRAGMENT:
-      return "part of no admitted message";
-    case GATE_R_OPAQUE:
-      return "subject cannot be seen";
-    case GATE_REASONS:
-      break;
-  }
-  return "reserved";
-}
-
-bool is_of_sender(gate_reason reason) {
-  return reason == GATE_R_IDENTIFIER || reason == GATE_R_SOURCE;
-}
-
-bool is_drop(gate_reason reason) {
-  return reason != GATE_R_PASSED && reason != GATE_R_ECHO && reason != GATE_R_ERROR_IN &&
-         reason != GATE_R_FOREIGN;
 }
 
 }  // namespace mlcca::gates

@@ -11,6 +11,7 @@
 
 #include "bpf/ether.h"
 #include "bpf/gate.h"
+#include "core/gates/frame_reason.hpp"
 #include "daemon/gates/ether_table.hpp"
 #include "daemon/gates/slots.hpp"
 
@@ -24,7 +25,8 @@ struct SlotCounters {
   std::uint64_t excess = 0;        ///< frames beyond the admitted traffic, dropped or passed
   std::uint64_t would_drop = 0;    ///< passed in audit mode; not a part of the others
   std::uint64_t would_exceed = 0;  ///< the part of would_drop that is excess
-  gate_reason last_reason = GATE_R_PASSED;  ///< of the latest real or audit-mode drop
+  /// Of the latest real or audit-mode drop; `passed`: nothing was dropped yet.
+  core::FrameReason last_reason = core::FrameReason::passed;
 };
 
 /// Frames of one direction, indexed by enum gate_reason. Frames that pass in audit mode are counted
@@ -51,10 +53,10 @@ struct UnknownFrame {
 struct RefusedSender {
   std::size_t place = 0;  ///< in the memory of the gate; another sender may take it later
   std::uint32_t slot = 0;
-  gate_reason reason = GATE_R_SOURCE;  ///< GATE_R_IDENTIFIER or GATE_R_SOURCE
-  UnknownFrame frame;                  ///< its latest frame, as one without a slot
-  std::uint32_t source = 0;            ///< at egress: as in gate_slot
-  std::uint32_t uid = 0;  ///< at egress: user of a local sender; otherwise GATE_ANY_UID
+  core::FrameReason reason = core::FrameReason::source;  ///< `identifier` or `source`
+  UnknownFrame frame;        ///< its latest frame, as one without a slot
+  std::uint32_t source = 0;  ///< at egress: as in gate_slot
+  std::uint32_t uid = 0;     ///< at egress: user of a local sender; otherwise GATE_ANY_UID
 };
 
 /// The address of a station that has an IPv4 address ("10.0.0.7") or one of 802.15.4; "" for
@@ -89,11 +91,10 @@ std::vector<UnknownFrame> unknown_frames(std::span<const ether_cpu> cpus);
 std::vector<RefusedSender> refused_senders(std::span<const gate_cpu> cpus);
 std::vector<RefusedSender> refused_senders(std::span<const ether_cpu> cpus);
 
-/// The text of a reason, for example "unknown subject" or "not from the granted source".
-const char* reason_text(gate_reason reason);
-/// Whether the reason is that a frame is not the granted sender's.
-bool is_of_sender(gate_reason reason);
-/// Whether the reason is a drop (GATE_R_PASSED, _ECHO, _ERROR_IN and _FOREIGN are not).
-bool is_drop(gate_reason reason);
+/// The reason with that number, of which the kernel counts the lowest bits, too.
+constexpr core::FrameReason reason_of(std::size_t number) {
+  return static_cast<core::FrameReason>(number % GATE_REASONS);
+}
+static_assert(core::kFrameReasons.size() == GATE_REASONS);
 
 }  // namespace mlcca::gates

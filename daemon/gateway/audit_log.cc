@@ -27,19 +27,18 @@ UnknownFrames grown(const UnknownFrames& now, const UnknownFrames& before) {
   return {grown(now.dropped, before.dropped), grown(now.would_drop, before.would_drop)};
 }
 
-const char* refused_text() { return gates::reason_text(GATE_R_DENIED); }
+using core::FrameReason;
+using core::stated_reason;
+using core::StatedReason;
 
-/// Whether the reason implies that such frames had the granted identifier and source.
-bool is_of_publisher(const std::string& reason) {
-  return reason == gates::reason_text(GATE_R_LENGTH) ||
-         reason == gates::reason_text(GATE_R_FORMAT) ||
-         reason == gates::reason_text(GATE_R_DENIED) || reason == gates::reason_text(GATE_R_EXCESS);
+/// Whether the reason implies that all such frames had the granted identifier and source.
+bool is_of_publisher(const StatedReason& stated) {
+  return stated.reason && !stated.is_latest && core::is_of_publisher(*stated.reason);
 }
 
-/// Whether the reason implies that such frames did not.
-bool is_of_sender(const std::string& reason) {
-  return reason == gates::reason_text(GATE_R_IDENTIFIER) ||
-         reason == gates::reason_text(GATE_R_SOURCE);
+/// Whether the reason implies that none of them did.
+bool is_of_sender(const StatedReason& stated) {
+  return stated.reason && !stated.is_latest && core::is_of_sender(*stated.reason);
 }
 
 std::string words_of(const core::Publisher& publisher) {
@@ -67,8 +66,9 @@ const core::Verdict* delivery_of(const core::State& state, const control::Findin
 bool complete_delivery(const core::State& state, control::Finding& f) {
   const core::Verdict* const v = delivery_of(state, f);
   if (v == nullptr) return false;
-  if (is_of_publisher(f.reason)) f.sender = words_of(state.members().publisher(v->publisher));
-  if (!f.reason.ends_with(refused_text())) return true;
+  const StatedReason stated = stated_reason(f.reason);
+  if (is_of_publisher(stated)) f.sender = words_of(state.members().publisher(v->publisher));
+  if (stated.reason != FrameReason::denied) return true;
   f.reason += ": " + why(state, *v);
   return !v->granted;
 }
@@ -92,7 +92,7 @@ void mark_lower_bounds(std::vector<control::Finding>& findings) {
 /// because the gate there has not admitted it as this delivery.
 bool is_granted_source(const GateReader& gates, const core::GateEntry& entry,
                        const gates::RefusedSender& sender) {
-  return sender.reason == GATE_R_SOURCE && entry.source_port &&
+  return sender.reason == FrameReason::source && entry.source_port &&
          gates.gated_interface(*entry.source_port) == static_cast<int>(sender.source) &&
          (entry.station.is_wildcard() || entry.station.bits == sender.frame.station);
 }
@@ -136,7 +136,7 @@ void AuditLog::restore(const control::Audit& kept) {
                   .mac = f.mac,
                   .user = f.user,
                   .entered_by = f.entered_by,
-                  .described = is_of_sender(f.reason) ? f.described : std::string(),
+                  .described = is_of_sender(stated_reason(f.reason)) ? f.described : std::string(),
                   .others = f.others};
     auto& [of, finding] = unranked(key);
     finding = {.dropped = f.dropped,
@@ -152,12 +152,12 @@ void AuditLog::restore(const control::Audit& kept) {
 // --- finding -------------------------------------------------------------------------------------
 
 void AuditLog::refused(const core::Verdict& verdict, const core::GateEntry& entry,
-                       const std::string& reason, Fate fate, std::uint64_t frames) {
+                       const StatedReason& reason, Fate fate, std::uint64_t frames) {
   const core::State& state = *scene_.state;
   note({.interface = gates_.interface_name(entry.port),
         .network = gates_.network_of(entry.port),
         .egress = entry.direction == core::Direction::egress,
-        .reason = reason,
+        .reason = to_text(reason),
         .channel = state.system().channels[verdict.channel].name,
         .publisher = state.members().publisher(verdict.publisher).name,
         .to = core::name_of(state.system(), verdict.to),
@@ -170,13 +170,13 @@ void AuditLog::refused(const core::Verdict& verdict, const core::GateEntry& entr
                        std::uint64_t span) {
   const gates::UnknownFrame& f = sender.frame;
   if (is_granted_source(gates_, entry, sender)) {
-    refused(verdict, entry, gates::reason_text(sender.reason), fate, frames);
+    refused(verdict, entry, {sender.reason}, fate, frames);
     return;
   }
   Key key{.interface = gates_.interface_name(entry.port),
           .network = gates_.network_of(entry.port),
           .egress = entry.direction == core::Direction::egress,
-          .reason = gates::reason_text(sender.reason),
+          .reason = std::string(to_text(sender.reason)),
           .can_id = f.can_id,
           .format = f.format,
           .subject = f.subject,
@@ -231,7 +231,7 @@ void AuditLog::poll(std::size_t port, const UnknownFrames& unknown, Reporting re
   if (frames > known)
     note({.interface = gates_.interface_name(port),
           .network = gates_.network_of(port),
-          .reason = gates::reason_text(GATE_R_UNKNOWN),
+          .reason = std::string(to_text(FrameReason::unknown)),
           .others = true},
          {.fate = fate, .frames = frames - known});
 }
@@ -245,7 +245,7 @@ void AuditLog::poll_reasons(std::size_t port, Polled& last, Reporting reporting)
     const Key key{.interface = gates_.interface_name(port),
                   .network = gates_.network_of(port),
                   .egress = counted.egress,
-                  .reason = counted.reason};
+                  .reason = std::string(to_text(counted.reason))};
     if (fresh.dropped != 0) note(key, {.fate = Fate::dropped, .frames = fresh.dropped});
     if (fresh.would_drop != 0) note(key, {.fate = Fate::passed, .frames = fresh.would_drop});
   }
@@ -270,7 +270,7 @@ std::uint64_t AuditLog::poll_frames(std::size_t port, Polled& last, News news,
     note({.interface = gates_.interface_name(port),
           .network = gates_.network_of(port),
           .egress = egress,
-          .reason = gates::reason_text(GATE_R_UNKNOWN),
+          .reason = std::string(to_text(FrameReason::unknown)),
           .can_id = f.can_id,
           .format = f.format,
           .subject = f.subject,
@@ -390,10 +390,11 @@ std::optional<std::size_t> port_of(const GateReader& gates, const control::Findi
 /// gateway has rules for such frames by now.
 bool complete_frames(std::size_t port, const AuditRules& rules, AuditNames& names,
                      control::Finding& f) {
-  const bool is_unknown = f.reason == gates::reason_text(GATE_R_UNKNOWN);
-  if (!is_unknown && !is_of_sender(f.reason)) return true;
+  const StatedReason stated = stated_reason(f.reason);
+  const bool is_unknown = stated.reason == FrameReason::unknown;
+  if (!is_unknown && !is_of_sender(stated)) return true;
   if (is_unknown ? rules.has(port, f) : rules.has_from_sender(port, f)) return false;
-  const bool has_identifier = f.reason == gates::reason_text(GATE_R_IDENTIFIER);
+  const bool has_identifier = stated.reason == FrameReason::identifier;
   if (is_unknown || !names.has_channel(f.described) || (has_identifier && names.has_number(f)))
     f.described = names.channel_of(f);
   if (!f.entered_by.empty()) f.entered_network = names.network_of(f.entered_by);

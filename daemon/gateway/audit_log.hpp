@@ -14,6 +14,7 @@
 #include "base/clock.hpp"
 #include "control/messages.hpp"
 #include "core/admission/state.hpp"
+#include "core/gates/frame_reason.hpp"
 #include "core/gates/plan.hpp"
 #include "daemon/gateway/drops.hpp"
 #include "daemon/gateway/scene.hpp"
@@ -39,10 +40,9 @@ class AuditLog {
   /// has kept.
   void restore(const control::Audit& kept);
 
-  /// Notes `frames` frames of a delivery that were refused since the last call, with the reason in
-  /// words.
+  /// Notes `frames` frames of a delivery that were refused since the last call.
   void refused(const core::Verdict& verdict, const core::GateEntry& entry,
-               const std::string& reason, Fate fate, std::uint64_t frames);
+               const core::StatedReason& reason, Fate fate, std::uint64_t frames);
   /// The same for frames whose sender is known, and is not the one that the entry admits. They came
   /// within `span` ns; 0: unknown.
   void refused(const core::Verdict& verdict, const core::GateEntry& entry,
@@ -129,7 +129,7 @@ class AuditLog {
     /// kind first.
     std::uint64_t ahead = 0;
     std::map<std::tuple<std::uint32_t, std::uint64_t, std::uint8_t, bool>, Frame> frames;
-    std::map<std::pair<std::string, bool>, UnknownFrames> reasons;
+    std::map<std::pair<core::FrameReason, bool>, UnknownFrames> reasons;
   };
   enum class Reporting : bool { no, yes };
   /// Whether it is the finding of further frames of an interface.

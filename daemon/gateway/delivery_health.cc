@@ -30,7 +30,7 @@ std::uint64_t event_frames(const core::State& state, const core::Verdict& v,
 
 /// The latest drop may be one for excess, which is no reason for frames that differ from the grant.
 Frames without_excess_as_reason(Frames frames) {
-  if (frames.last_reason == gates::reason_text(GATE_R_EXCESS)) frames.last_reason.clear();
+  if (frames.last_reason == core::FrameReason::excess) frames.last_reason.reset();
   return frames;
 }
 

@@ -119,7 +119,7 @@ std::optional<std::uint64_t> DropReports::sample(const core::GateEntry& entry, D
   const bool passed = reason == Drop::would_be_misfit || reason == Drop::would_exceed;
   const Fate fate = passed ? Fate::passed : Fate::dropped;
   if (is_excess) {
-    audit_.refused(user, entry, gates::reason_text(GATE_R_EXCESS), fate, grown);
+    audit_.refused(user, entry, {core::FrameReason::excess}, fate, grown);
     return mention;
   }
   note_misfits(entry, user, fate, grown, frames.last_reason);
@@ -127,7 +127,7 @@ std::optional<std::uint64_t> DropReports::sample(const core::GateEntry& entry, D
 }
 
 void DropReports::note_misfits(const core::GateEntry& entry, const core::Verdict& user, Fate fate,
-                               std::uint64_t frames, const std::string& latest) {
+                               std::uint64_t frames, std::optional<core::FrameReason> latest) {
   for (const MisfitSenders::Sent& sent : senders_.of(entry, frames)) {
     causes_.explain(entry, fate, sent.sender.reason, sent.frames);
     audit_.refused(user, entry, sent.sender, fate, sent.frames, span_);

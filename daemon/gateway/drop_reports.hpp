@@ -100,7 +100,7 @@ class DropReports {
   /// Notes frames that differ from what the entry admits: by sender where it is known, by cause
   /// otherwise.
   void note_misfits(const core::GateEntry& entry, const core::Verdict& user, Fate fate,
-                    std::uint64_t frames, const std::string& latest);
+                    std::uint64_t frames, std::optional<core::FrameReason> latest);
   void begin_round();
   /// The verdicts whose events come or leave by an entry.
   using Users = std::map<core::GateEntry, std::vector<const core::Verdict*>>;

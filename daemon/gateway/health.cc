@@ -67,11 +67,11 @@ void add_silence(const control::Watch& watch, std::vector<std::string>& lines) {
 }
 
 std::string misfit_line(const Passage& at, const RecentDrops& misfits) {
-  const std::string& latest = at.frames.last_reason;
   std::string line = fmt::format("{} named the subject and differed from the grant",
                                  recent_frames(misfits, at.network));
-  if (latest.empty()) return line;
-  return line + (misfits.frames == 1 ? ": " : ", the latest: ") + latest;
+  if (!at.frames.last_reason) return line;
+  return line.append(misfits.frames == 1 ? ": " : ", the latest: ")
+      .append(core::to_text(*at.frames.last_reason));
 }
 
 std::string excess_line(const Passage& at, const RecentDrops& excess) {

@@ -5,11 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <string>
-#include <string_view>
+#include <optional>
 #include <tuple>
 #include <vector>
 
+#include "core/gates/frame_reason.hpp"
 #include "core/gates/plan.hpp"
 #include "daemon/gateway/drops.hpp"
 #include "daemon/outside/gate_reader.hpp"
@@ -27,10 +27,11 @@ class MisfitCauses {
   void forget() { before_.clear(), began_.clear(), explained_.clear(); }
   /// The senders of so many frames of an entry are known: they are none of those that of() explains
   /// in the rest of this round.
-  void explain(const core::GateEntry& entry, Fate fate, gate_reason reason, std::uint64_t frames);
+  void explain(const core::GateEntry& entry, Fate fate, core::FrameReason reason,
+               std::uint64_t frames);
 
   struct Cause {
-    std::string reason;  ///< in words
+    core::StatedReason reason;
     std::uint64_t frames = 0;
     bool operator==(const Cause&) const = default;
   };
@@ -38,12 +39,12 @@ class MisfitCauses {
   /// in this one. Exact if the gate refused frames only for one reason, or only of one slot;
   /// otherwise one cause with the latest reason.
   [[nodiscard]] std::vector<Cause> of(const core::GateEntry& entry, Fate fate, std::uint64_t frames,
-                                      const std::string& latest) const;
+                                      std::optional<core::FrameReason> latest) const;
 
  private:
   using Counts = std::map<std::size_t, std::vector<Refusals>>;  ///< by port
   /// Frames by port, direction, fate and reason.
-  using Explained = std::map<std::tuple<std::size_t, bool, Fate, std::string_view>, std::uint64_t>;
+  using Explained = std::map<std::tuple<std::size_t, bool, Fate, core::FrameReason>, std::uint64_t>;
 
   const GateReader& gates_;
   Counts before_;        ///< at the beginning of the last round

@@ -2,7 +2,9 @@
 // Counts of frames at gates and interfaces.
 #pragma once
 #include <cstdint>
-#include <string>
+#include <optional>
+
+#include "core/gates/frame_reason.hpp"
 
 namespace mlcca {
 
@@ -15,7 +17,7 @@ struct UnknownFrames {
 /// Frames of a port that were refused for a reason other than a missing slot, and that no slot has
 /// counted.
 struct Refusals {
-  const char* reason = "";  ///< in words
+  core::FrameReason reason = core::FrameReason::malformed;
   bool egress = false;
   UnknownFrames frames;
 };
@@ -24,11 +26,11 @@ struct Refusals {
 struct Frames {
   std::uint64_t passed = 0;
   std::uint64_t dropped = 0;
-  std::uint64_t excess = 0;          ///< beyond what was admitted, dropped or not
-  std::uint64_t excess_dropped = 0;  ///< a part of dropped and of excess
-  std::uint64_t would_drop = 0;      ///< passed in audit mode; not a part of dropped
-  std::uint64_t would_exceed = 0;    ///< a part of would_drop and of excess
-  std::string last_reason;           ///< of the latest drop; empty: none yet
+  std::uint64_t excess = 0;                      ///< beyond what was admitted, dropped or not
+  std::uint64_t excess_dropped = 0;              ///< a part of dropped and of excess
+  std::uint64_t would_drop = 0;                  ///< passed in audit mode; not a part of dropped
+  std::uint64_t would_exceed = 0;                ///< a part of would_drop and of excess
+  std::optional<core::FrameReason> last_reason;  ///< of the latest drop; nullopt: none yet
 };
 
 /// Counters of an interface about everything that was on the bus, each frame once.

@@ -39,8 +39,7 @@ Frames delivery_frames(const core::GateState& rules, const std::vector<core::Gat
     sum.excess += counted->excess + counted->would_exceed;
     if (!rule.policing.counts_only) sum.excess_dropped += counted->excess;
     if (rule.entry.direction == counts) sum.passed += counted->passed;
-    if (counted->last_reason != GATE_R_PASSED)
-      sum.last_reason = gates::reason_text(counted->last_reason);
+    if (counted->last_reason != core::FrameReason::passed) sum.last_reason = counted->last_reason;
   }
   return sum;
 }

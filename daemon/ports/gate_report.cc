@@ -58,7 +58,7 @@ std::string formats_of(std::uint8_t formats, bool can) {
 control::GateSlot left_alone(const gates::PortGate& gate, gates::Direction direction,
                              gate_reason reason) {
   control::GateSlot out;
-  out.name = gates::reason_text(reason);
+  out.name = core::to_text(gates::reason_of(reason));
   out.egress = direction == gates::Direction::egress;
   out.passes = true;
   out.passed = gate.reasons(direction)[reason];
@@ -124,8 +124,8 @@ class GateReport {
       out.would_drop = counted->would_drop;
       out.would_exceed = counted->would_exceed;
       out.bytes = counted->bytes;
-      if (counted->last_reason != GATE_R_PASSED)
-        out.last_reason = gates::reason_text(counted->last_reason);
+      if (counted->last_reason != core::FrameReason::passed)
+        out.last_reason = core::to_text(counted->last_reason);
     }
     return out;
   }

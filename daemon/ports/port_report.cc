@@ -4,8 +4,6 @@
 #include <fmt/core.h>
 #include <linux/can.h>
 
-#include <array>
-#include <span>
 #include <utility>
 
 #include "core/model/progress.hpp"
@@ -14,24 +12,26 @@
 namespace mlcca {
 namespace {
 
+using Of = core::FrameReasonKind;
+
 control::Traffic traffic_of(const gates::PortGate& gate, gates::Direction direction) {
   control::Traffic out;
   const auto reasons = gate.reasons(direction);
   for (std::size_t i = 0; i < reasons.size(); ++i) {
     if (reasons[i] == 0) continue;
-    const auto reason = static_cast<gate_reason>(i);
-    if (reason == GATE_R_PASSED) out.passed = reasons[i];
-    if (reason == GATE_R_UNKNOWN) out.unknown = reasons[i];
-    const bool is_drop = gates::is_drop(reason);
-    if (is_drop) out.dropped += reasons[i];
-    out.reasons.push_back({gates::reason_text(reason), reasons[i], !is_drop});
+    const core::FrameReason reason = gates::reason_of(i);
+    if (reason == core::FrameReason::passed) out.passed = reasons[i];
+    if (reason == core::FrameReason::unknown) out.unknown = reasons[i];
+    const bool drops = core::is_drop(reason);
+    if (drops) out.dropped += reasons[i];
+    out.reasons.push_back({std::string(core::to_text(reason)), reasons[i], !drops});
   }
   const auto spared = gate.would_drop(direction);
   for (std::size_t i = 0; i < spared.size(); ++i) {
     if (spared[i] == 0) continue;
     out.would_drop += spared[i];
     out.would_drop_reasons.push_back(
-        {gates::reason_text(static_cast<gate_reason>(i)), spared[i], false});
+        {std::string(core::to_text(gates::reason_of(i))), spared[i], false});
   }
   return out;
 }
@@ -80,17 +80,19 @@ UnknownFrames unknown_frames(const gates::PortGate* gate) {
 
 namespace {
 
+/// The frames of the reasons whose kind fulfils `is_meant`, in both directions.
 std::vector<Refusals> counted_for(const gates::PortGate* gate,
-                                  std::span<const gate_reason> reasons) {
+                                  bool (*is_meant)(core::FrameReasonKind)) {
   if (gate == nullptr) return {};
   std::vector<Refusals> out;
   for (const auto direction : gates::kBothDirections) {
     const gates::ReasonCounters dropped = gate->reasons(direction);
     const gates::ReasonCounters passed = gate->would_drop(direction);
-    for (const gate_reason reason : reasons)
-      out.push_back({.reason = gates::reason_text(reason),
-                     .egress = direction == gates::Direction::egress,
-                     .frames = {dropped.at(reason), passed.at(reason)}});
+    for (std::size_t i = 0; i < core::kFrameReasons.size(); ++i)
+      if (is_meant(core::kFrameReasons.at(i).kind))
+        out.push_back({.reason = core::kFrameReasons.at(i).reason,
+                       .egress = direction == gates::Direction::egress,
+                       .frames = {dropped.at(i), passed.at(i)}});
   }
   return out;
 }
@@ -98,15 +100,13 @@ std::vector<Refusals> counted_for(const gates::PortGate* gate,
 }  // namespace
 
 std::vector<Refusals> refusals(const gates::PortGate* gate) {
-  constexpr std::array reasons{GATE_R_ERROR_FRAME, GATE_R_MALFORMED, GATE_R_CLOSED, GATE_R_OPAQUE};
-  return counted_for(gate, reasons);
+  return counted_for(gate, [](Of kind) { return kind == Of::any; });
 }
 
 std::vector<Refusals> misfits(const gates::PortGate* gate) {
-  constexpr std::array reasons{
-      GATE_R_IDENTIFIER,  GATE_R_SOURCE,    GATE_R_FORMAT, GATE_R_LENGTH,   GATE_R_DENIED,
-      GATE_R_ERROR_FRAME, GATE_R_MALFORMED, GATE_R_CLOSED, GATE_R_FRAGMENT, GATE_R_OPAQUE};
-  return counted_for(gate, reasons);
+  return counted_for(gate, [](Of kind) {
+    return kind != Of::passes && kind != Of::subject && kind != Of::excess;
+  });
 }
 
 std::string latest_unknown(const gates::PortGate* gate) {

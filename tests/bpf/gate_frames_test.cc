@@ -373,7 +373,7 @@ class GateFrames : public ::testing::TestWithParam<Row> {
 
     const Outcome outcome = gate.run(row.direction, row.bytes, row.sender);
 
-    const bool counted_as_drop = gates::is_drop(row.expect.reason);
+    const bool counted_as_drop = core::is_drop(gates::reason_of(row.expect.reason));
     EXPECT_EQ(outcome.dropped, counted_as_drop && row.state != State::audit);
     if (!outcome.dropped) {
       EXPECT_EQ(outcome.mark, row.expect.mark);
@@ -393,7 +393,8 @@ class GateFrames : public ::testing::TestWithParam<Row> {
     EXPECT_EQ(count.dropped, outcome.dropped ? 1U : 0U);
     EXPECT_EQ(count.would_drop, passed_by_audit ? 1U : 0U);
     EXPECT_EQ(count.passed, row.expect.reason == GATE_R_PASSED ? 1U : 0U);
-    EXPECT_EQ(count.last_reason, counted_as_drop ? row.expect.reason : GATE_R_PASSED);
+    EXPECT_EQ(count.last_reason,
+              gates::reason_of(counted_as_drop ? row.expect.reason : GATE_R_PASSED));
   }
 };
 

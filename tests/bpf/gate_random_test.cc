@@ -134,7 +134,7 @@ struct Counted {
   std::uint64_t dropped = 0;
   std::uint64_t bytes = 0;
   std::uint64_t would_drop = 0;
-  gate_reason last_reason = GATE_R_PASSED;
+  core::FrameReason last_reason = core::FrameReason::passed;
 };
 
 class Round {
@@ -190,11 +190,11 @@ class Round {
     const auto bytes = random_frame(random_, world_.profile, sender.xl);
     const auto want = judge(world_, direction, bytes, sender);
     const auto got = gate_.run(direction, bytes, sender);
-    ASSERT_EQ(got.dropped, want.outcome.dropped) << gates::reason_text(want.reason);
-    ASSERT_EQ(got.mark, want.outcome.mark) << gates::reason_text(want.reason);
+    ASSERT_EQ(got.dropped, want.outcome.dropped) << core::to_text(gates::reason_of(want.reason));
+    ASSERT_EQ(got.mark, want.outcome.mark) << core::to_text(gates::reason_of(want.reason));
 
     const auto d = static_cast<std::size_t>(direction);
-    const bool drop = gates::is_drop(want.reason);
+    const bool drop = core::is_drop(gates::reason_of(want.reason));
     ++(drop && world_.audit ? would_drop_ : reasons_).at(d).at(want.reason);
     auto& counted = want.slot ? counted_[*want.slot] : own_[d];
     if (want.reason == GATE_R_PASSED) {
@@ -202,7 +202,7 @@ class Round {
       counted.bytes += want.bytes;
     } else if (drop) {
       ++(world_.audit ? counted.would_drop : counted.dropped);
-      counted.last_reason = want.reason;
+      counted.last_reason = gates::reason_of(want.reason);
     }
   }
 

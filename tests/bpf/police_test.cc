@@ -44,7 +44,7 @@ TEST_F(Police, WhatComesBeforeItsTurnIsDroppedAndCounted) {
   EXPECT_EQ(counted().passed, 2U);
   EXPECT_EQ(counted().dropped, 2U);
   EXPECT_EQ(counted().excess, 2U);
-  EXPECT_EQ(counted().last_reason, GATE_R_EXCESS);
+  EXPECT_EQ(counted().last_reason, core::FrameReason::excess);
   EXPECT_EQ(gates::reason_counters(gate_.cpus(), Direction::ingress)[GATE_R_EXCESS], 2U);
 }
 

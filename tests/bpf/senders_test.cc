@@ -63,7 +63,7 @@ TEST_F(GateSenders, ANodeThatSendsForAnotherIsCountedWithItsIdentifier) {
   EXPECT_EQ(first.frame.len, 7U);
   EXPECT_EQ(first.frame.format, GATE_CLASSIC);
   EXPECT_EQ(first.frame.direction, Direction::ingress);
-  EXPECT_EQ(first.reason, GATE_R_IDENTIFIER);
+  EXPECT_EQ(first.reason, core::FrameReason::identifier);
   EXPECT_EQ(first.slot, gate_.slots().find(in_));
 }
 
@@ -93,7 +93,7 @@ TEST_F(GateSenders, AProgramIsCountedWithItsUserAndABusWithItsInterface) {
   std::ranges::sort(found, {}, &RefusedSender::source);
   ASSERT_EQ(found.size(), 2U);
   for (const RefusedSender& sender : found) {
-    EXPECT_EQ(sender.reason, GATE_R_SOURCE);
+    EXPECT_EQ(sender.reason, core::FrameReason::source);
     EXPECT_EQ(sender.frame.direction, Direction::egress);
   }
   EXPECT_EQ(found[0].source, 0U);
@@ -172,7 +172,7 @@ TEST(GateSendersOfMessages, ATransportedMessageOfAnotherNodeHasItsOwnIdentifier)
   const auto found = gates::refused_senders(gate.cpus());
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].frame.can_id, kEff | 0x18feca06U);
-  EXPECT_EQ(found[0].reason, GATE_R_IDENTIFIER);
+  EXPECT_EQ(found[0].reason, core::FrameReason::identifier);
 }
 
 }  // namespace

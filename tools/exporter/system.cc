@@ -4,6 +4,7 @@
 #include <set>
 #include <span>
 
+#include "core/gates/frame_reason.hpp"
 #include "tools/exporter/exposition.hpp"
 #include "tools/exporter/metrics.hpp"
 
@@ -92,10 +93,9 @@ struct Frames {
 
  private:
   void add_passed(const Labels& labels, const control::Traffic& traffic) {
-    constexpr std::string_view of_admitted = "passed";
     passed.add(labels.with("kind", "admitted"), traffic.passed);
     for (const auto& count : traffic.reasons)
-      if (count.passed && count.reason != of_admitted)
+      if (count.passed && core::frame_reason(count.reason) != core::FrameReason::passed)
         passed.add(labels.with("kind", count.reason), count.frames);
   }
 

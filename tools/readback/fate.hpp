@@ -22,7 +22,7 @@ inline std::uint64_t drops_of(const gates::PortGate& gate) {
   for (const auto direction : gates::kBothDirections) {
     const auto reasons = gate.reasons(direction);
     for (std::size_t r = 0; r < reasons.size(); ++r)
-      if (gates::is_drop(static_cast<gate_reason>(r))) sum += reasons.at(r);
+      if (core::is_drop(gates::reason_of(r))) sum += reasons.at(r);
   }
   return sum;
 }

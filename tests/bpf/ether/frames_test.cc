@@ -362,10 +362,10 @@ class EtherFrames : public ::testing::TestWithParam<Row> {
   static void check(LoadedEther& gate, const Row& row) {
     gate.admit(row.slots);
     const Outcome got = gate.run(row.direction, row.bytes, row.sender);
-    const bool drops = gates::is_drop(row.reason);
+    const bool drops = core::is_drop(gates::reason_of(row.reason));
     EXPECT_EQ(got.dropped, drops);
     EXPECT_EQ(gate.reasons(row.direction).at(row.reason), 1U)
-        << "not " << gates::reason_text(row.reason);
+        << "not " << core::to_text(gates::reason_of(row.reason));
     const std::uint32_t mark = row.reason == GATE_R_PASSED && row.direction == kIn
                                    ? mark_from(kIfindex, row.slots.front().station)
                                    : 0;
@@ -388,9 +388,10 @@ TEST_P(EtherFrames, FateInTheDriver) {
   for (const bool direct : {true, false}) {
     LoadedEther& gate = LoadedEther::with({.direct_access = direct});
     gate.admit(row.slots);
-    EXPECT_EQ(gate.dropped_early(row.bytes), gates::is_drop(row.reason));
+    EXPECT_EQ(gate.dropped_early(row.bytes), core::is_drop(gates::reason_of(row.reason)));
     EXPECT_EQ(gate.reasons(kIn).at(GATE_R_PASSED), 0U) << "ingress counts what passes";
-    EXPECT_EQ(gate.reasons(kIn).at(row.reason), gates::is_drop(row.reason) ? 1U : 0U);
+    EXPECT_EQ(gate.reasons(kIn).at(row.reason),
+              core::is_drop(gates::reason_of(row.reason)) ? 1U : 0U);
   }
 }
 

@@ -220,14 +220,15 @@ class Round {
     }
     const auto want = world_.judge(direction, bytes, sender);
     const auto got = gate_.run(direction, bytes, sender);
-    ASSERT_EQ(got.dropped, want.dropped) << gates::reason_text(want.reason);
-    ASSERT_EQ(got.mark, want.mark.value_or(sender.mark)) << gates::reason_text(want.reason);
+    ASSERT_EQ(got.dropped, want.dropped) << core::to_text(gates::reason_of(want.reason));
+    ASSERT_EQ(got.mark, want.mark.value_or(sender.mark))
+        << core::to_text(gates::reason_of(want.reason));
     account(direction, want);
   }
 
   void account(Direction direction, const Judgement& want) {
     const auto d = static_cast<std::size_t>(direction);
-    const bool drop = gates::is_drop(want.reason);
+    const bool drop = core::is_drop(gates::reason_of(want.reason));
     ++(drop && world_.audit ? would_drop_ : reasons_).at(d).at(want.reason);
     if (!want.counts_in_slot) return;
     auto& counted = want.slot ? counted_[*want.slot] : own_[d];

@@ -43,7 +43,7 @@ TEST_F(EtherSenders, AStationThatSendsForAnotherIsCountedWithItsAddresses) {
   EXPECT_NE(found[0].frame.mac, gates::Mac{});
   EXPECT_EQ(found[0].frame.count, 3U);
   EXPECT_EQ(found[0].frame.len, 7U);
-  EXPECT_EQ(found[0].reason, GATE_R_SOURCE);
+  EXPECT_EQ(found[0].reason, core::FrameReason::source);
   EXPECT_EQ(found[0].slot, gate_.table().find(granted_));
 }
 

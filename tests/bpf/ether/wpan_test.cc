@@ -176,8 +176,9 @@ TEST_P(WpanFrames, Fate) {
     LoadedEther& gate = LoadedEther::with({.direct_access = direct, .wpan = true});
     gate.admit(row.slots);
     const Outcome got = gate.run(kIn, row.bytes, kWire);
-    EXPECT_EQ(got.dropped, gates::is_drop(row.reason));
-    EXPECT_EQ(gate.reasons(kIn).at(row.reason), 1U) << "not " << gates::reason_text(row.reason);
+    EXPECT_EQ(got.dropped, core::is_drop(gates::reason_of(row.reason)));
+    EXPECT_EQ(gate.reasons(kIn).at(row.reason), 1U)
+        << "not " << core::to_text(gates::reason_of(row.reason));
     EXPECT_EQ(got.mark,
               row.reason == GATE_R_PASSED ? mark_from(kIfindex, row.slots.front().station) : 0);
   }
@@ -346,9 +347,9 @@ TEST(WpanGate, JudgesAnyFrameByTheRules) {
     const Bytes bytes = any.next();
     const gate_reason reason = expected(bytes, kLongest);
     ++wanted.at(reason);
-    EXPECT_EQ(gate.run(kIn, bytes, kWire).dropped, gates::is_drop(reason))
-        << gates::reason_text(reason);
-    EXPECT_EQ(gate.dropped_early(bytes), gates::is_drop(reason));
+    EXPECT_EQ(gate.run(kIn, bytes, kWire).dropped, core::is_drop(gates::reason_of(reason)))
+        << core::to_text(gates::reason_of(reason));
+    EXPECT_EQ(gate.dropped_early(bytes), core::is_drop(gates::reason_of(reason)));
   }
   const auto got = gate.reasons(kIn);
   for (const gate_reason reason : {GATE_R_PASSED, GATE_R_FOREIGN})

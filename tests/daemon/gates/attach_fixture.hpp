@@ -127,11 +127,11 @@ class AttachTo : public ::testing::Test {
   }
   static void expect_ingress(const Gate& gate, gate_reason reason, std::uint64_t frames) {
     const auto number = [&] { return gate.reasons(Direction::ingress).at(reason); };
-    EXPECT_EQ(eventually(frames, number), frames) << reason_text(reason);
+    EXPECT_EQ(eventually(frames, number), frames) << core::to_text(gates::reason_of(reason));
   }
   static void expect_egress(const Gate& gate, gate_reason reason, std::uint64_t frames) {
     const auto number = [&] { return gate.reasons(Direction::egress).at(reason); };
-    EXPECT_EQ(eventually(frames, number), frames) << reason_text(reason);
+    EXPECT_EQ(eventually(frames, number), frames) << core::to_text(gates::reason_of(reason));
   }
   [[nodiscard]] std::string pins(const Bus& bus) const {
     return control_.directory() + "/if" + std::to_string(bus.ifindex());

@@ -219,7 +219,7 @@ TEST_P(Attach, DenyAllStopsEverythingAndKeepsTheGate) {
   gate.deny_all();
   bus.inject(frame(0x123));
   expect_ingress(gate, GATE_R_DENIED, 1);
-  EXPECT_EQ(gate.counters(in(0x123)).value().last_reason, GATE_R_DENIED);
+  EXPECT_EQ(gate.counters(in(0x123)).value().last_reason, core::FrameReason::denied);
   EXPECT_TRUE(gate.attached().value());
 }
 

@@ -188,7 +188,7 @@ TEST_F(Slots, ReusedSlotCountsFromZero) {
   const auto count = slot_counters(*memory_, {cpus_.get(), 2}, first);
   EXPECT_EQ(count.passed + count.dropped + count.bytes, 0U);
   EXPECT_EQ(count.would_drop + count.would_exceed, 0U);
-  EXPECT_EQ(count.last_reason, GATE_R_PASSED);
+  EXPECT_EQ(count.last_reason, core::FrameReason::passed);
 }
 
 TEST_F(Slots, ChangesOfAbsentSlotsAreRefused) {

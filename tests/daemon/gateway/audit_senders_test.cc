@@ -64,7 +64,7 @@ class AuditOfSenders : public ::testing::Test {
                                      std::uint64_t frames) {
     return {.place = place,
             .slot = kSlot,
-            .reason = GATE_R_IDENTIFIER,
+            .reason = core::FrameReason::identifier,
             .frame = {.can_id = can_id, .len = 6, .format = GATE_CLASSIC, .count = frames},
             .source = GATE_NO_SOURCE,
             .uid = GATE_ANY_UID};
@@ -76,7 +76,7 @@ class AuditOfSenders : public ::testing::Test {
     bench_.gates().counted[1] = {.dropped = frames, .last_reason = kIdentifier};
   }
 
-  static constexpr const char* kIdentifier = "priority, node, fragment or remote flag not granted";
+  static constexpr auto kIdentifier = core::FrameReason::identifier;
   Bench bench_{famouso_system()};
 };
 
@@ -93,8 +93,8 @@ TEST_F(AuditOfSenders, ASenderBeforeAGrantHasNotSentWhatIsRefusedAfterIt) {
   const std::uint64_t known =
       before.contains(of_node(33)) ? before.at(of_node(33)).dropped : std::uint64_t{0};
   bench_.gates().misfitting["can0"] = {{kIdentifier, false, {20, 0}},
-                                       {"longer than granted", false, {5, 0}}};
-  bench_.gates().counted[1] = {.dropped = 25, .last_reason = "longer than granted"};
+                                       {core::FrameReason::length, false, {5, 0}}};
+  bench_.gates().counted[1] = {.dropped = 25, .last_reason = core::FrameReason::length};
   pass();
   const auto at = found();
   EXPECT_EQ(at.contains(of_node(33)) ? at.at(of_node(33)).dropped : 0U, known)
@@ -133,8 +133,8 @@ TEST_F(AuditOfSenders, FramesDuringAReloadAreNotGivenToTheirSenderLater) {
   const std::uint64_t known =
       before.contains(of_node(33)) ? before.at(of_node(33)).dropped : std::uint64_t{0};
   bench_.gates().misfitting["can0"] = {{kIdentifier, false, {20, 0}},
-                                       {"longer than granted", false, {5, 0}}};
-  bench_.gates().counted[1] = {.dropped = 25, .last_reason = "longer than granted"};
+                                       {core::FrameReason::length, false, {5, 0}}};
+  bench_.gates().counted[1] = {.dropped = 25, .last_reason = core::FrameReason::length};
   pass();
   const auto at = found();
   EXPECT_EQ(at.contains(of_node(33)) ? at.at(of_node(33)).dropped : 0U, known)
@@ -152,7 +152,7 @@ TEST_F(AuditOfSenders, ANodeThatSendsForAnotherIsAFindingWithItsNumberAndTimes) 
   ASSERT_EQ(at.size(), 1U) << "none is of another sender";
   const control::Finding& f = at.begin()->second;
   EXPECT_EQ(f.can_id, of_node(33));
-  EXPECT_EQ(f.reason, kIdentifier);
+  EXPECT_EQ(f.reason, core::to_text(kIdentifier));
   EXPECT_EQ(f.described, "c0");
   EXPECT_EQ(f.channel, "");
   EXPECT_EQ(f.publisher, "");
@@ -264,7 +264,7 @@ TEST_F(AuditOfSenders, WhatAFormerDaemonHasCountedIsNobodys) {
 
 TEST_F(AuditOfSenders, AProgramHasItsUserAndABusItsInterface) {
   gates::RefusedSender program = sender(0, of_node(5), 3);
-  program.reason = GATE_R_SOURCE;
+  program.reason = core::FrameReason::source;
   program.source = 0;
   program.uid = 1007;
   gates::RefusedSender bus = program;
@@ -272,7 +272,7 @@ TEST_F(AuditOfSenders, AProgramHasItsUserAndABusItsInterface) {
   bus.source = static_cast<std::uint32_t>(bench_.kernel.interfaces.at("can1").ifindex);
   bus.uid = GATE_ANY_UID;
   bench_.gates().senders["can1"] = {program, bus};
-  bench_.gates().counted[1] = {.dropped = 6, .last_reason = "not from the granted source"};
+  bench_.gates().counted[1] = {.dropped = 6, .last_reason = core::FrameReason::source};
   pass();
   std::vector<control::Finding> left;
   for (const control::Finding& f : findings())
@@ -289,10 +289,10 @@ TEST_F(AuditOfSenders, AProgramHasItsUserAndABusItsInterface) {
 /// From the granted bus, but its gate has not admitted it there: the description has this sender.
 TEST_F(AuditOfSenders, FramesOfTheGrantedBusThatItsGateHasNotAdmittedAreOfTheDelivery) {
   gates::RefusedSender bus = sender(0, of_node(5), 3);
-  bus.reason = GATE_R_SOURCE;
+  bus.reason = core::FrameReason::source;
   bus.source = static_cast<std::uint32_t>(bench_.kernel.interfaces.at("can0").ifindex);
   bench_.gates().senders["can1"] = {bus};
-  bench_.gates().counted[1] = {.dropped = 3, .last_reason = "not from the granted source"};
+  bench_.gates().counted[1] = {.dropped = 3, .last_reason = core::FrameReason::source};
   pass();
   for (const control::Finding& f : findings()) EXPECT_EQ(f.channel, "c0") << f.interface;
 }
@@ -301,7 +301,7 @@ TEST_F(AuditOfSenders, FramesOfTheGrantedBusThatItsGateHasNotAdmittedAreOfTheDel
 TEST_F(AuditOfSenders, FramesOfKnownSendersAreNoCauseOfOthers) {
   refuse(50, {sender(0, of_node(33), 30)});
   bench_.gates().misfitting["can0"] = {{kIdentifier, false, {30, 0}},
-                                       {"longer than granted", false, {20, 0}}};
+                                       {core::FrameReason::length, false, {20, 0}}};
   pass();
   const auto at = found();
   EXPECT_EQ(at.at(of_node(33)).dropped, 30U);
@@ -318,7 +318,7 @@ TEST_F(AuditOfSenders, FramesOfFurtherSendersKeepTheirReasonInTheNextRound) {
   pass();
   const auto at = found();
   EXPECT_EQ(at.at(of_node(34)).dropped, 64U);
-  EXPECT_EQ(at.at(0).reason, kIdentifier);
+  EXPECT_EQ(at.at(0).reason, core::to_text(kIdentifier));
   EXPECT_EQ(at.at(0).dropped, 176U);
   EXPECT_TRUE(at.at(0).others);
 }
@@ -357,18 +357,17 @@ TEST(AuditOfDestinations, AFrameToAnotherDestinationIsNotSaidToDifferInItsPriori
   bench.gates().senders["can0"] = {
       {.place = 0,
        .slot = kSlot,
-       .reason = GATE_R_IDENTIFIER,
+       .reason = core::FrameReason::identifier,
        .frame = {.can_id = 0x8cef0617U, .len = 8, .format = GATE_CLASSIC, .count = 3},
        .source = GATE_NO_SOURCE,
        .uid = GATE_ANY_UID},
       {.place = 1,
        .slot = kSlot,
-       .reason = GATE_R_IDENTIFIER,
+       .reason = core::FrameReason::identifier,
        .frame = {.can_id = 0x8cef4433U, .len = 8, .format = GATE_CLASSIC, .count = 3},
        .source = GATE_NO_SOURCE,
        .uid = GATE_ANY_UID}};
-  bench.gates().counted[1] = {.dropped = 6,
-                              .last_reason = "priority, node, fragment or remote flag not granted"};
+  bench.gates().counted[1] = {.dropped = 6, .last_reason = core::FrameReason::identifier};
   pass();
   const auto answer = bench.ask(control::AuditRequest{});
   for (const control::Finding& f : std::get<control::Audit>(answer.reply.body).findings)
@@ -396,12 +395,12 @@ TEST(AuditOfStations, ADatagramWithTheMacOfAnAwdsPublisherIsListed) {
   bench.gates().senders[interface] = {
       {.place = 0,
        .slot = kSlot,
-       .reason = GATE_R_SOURCE,
+       .reason = core::FrameReason::source,
        .frame =
            {.subject = 1, .len = 8, .count = 3, .station = 0x0a000009, .mac = {2, 0, 0, 0, 0, 1}},
        .source = 0,
        .uid = GATE_ANY_UID}};
-  bench.gates().counted[1] = {.dropped = 3, .last_reason = "not from the granted source"};
+  bench.gates().counted[1] = {.dropped = 3, .last_reason = core::FrameReason::source};
   pass();
   const auto answer = bench.ask(control::AuditRequest{});
   const auto& found = std::get<control::Audit>(answer.reply.body).findings;

@@ -186,7 +186,7 @@ TEST_F(AuditOnTheBench, ARefusedDeliverySaysWhyUntilItIsGranted) {
   bench_.ask(control::WithdrawRequest{"c0"});
   bench_.act();
   bench_.round();
-  bench_.gates().counted[1] = {.dropped = 6, .last_reason = "refused"};
+  bench_.gates().counted[1] = {.dropped = 6, .last_reason = core::FrameReason::denied};
   pass(kSecond);
   const auto findings = audit().findings;
   ASSERT_FALSE(findings.empty());
@@ -202,11 +202,11 @@ TEST_F(AuditOnTheBench, ARefusedDeliverySaysWhyUntilItIsGranted) {
 }
 
 TEST_F(AuditOnTheBench, ExcessIsAFindingWhereItIsDropped) {
-  bench_.gates().counted[1] = {.excess = 4, .last_reason = "more than admitted"};
+  bench_.gates().counted[1] = {.excess = 4, .last_reason = core::FrameReason::excess};
   pass(kSecond);
   EXPECT_TRUE(audit().findings.empty()) << "the port lets it pass";
   bench_.gates().counted[1] = {
-      .dropped = 5, .excess = 9, .excess_dropped = 5, .last_reason = "more than admitted"};
+      .dropped = 5, .excess = 9, .excess_dropped = 5, .last_reason = core::FrameReason::excess};
   pass(kSecond);
   const auto findings = audit().findings;
   ASSERT_FALSE(findings.empty());
@@ -310,7 +310,7 @@ TEST_F(AuditOnTheBench, AFrameInTheLastSecondKeepsTheGatesFromEnforcing) {
   ASSERT_TRUE(is_done({"audit"}));
   ASSERT_TRUE(is_done({"enforce", kHour}));
   pass(kHour - kSecond);
-  bench_.gates().counted[1] = {.would_drop = 1, .last_reason = "longer than granted"};
+  bench_.gates().counted[1] = {.would_drop = 1, .last_reason = core::FrameReason::length};
   pass(kSecond);
   EXPECT_EQ(status().mode, "audit");
   pass(kHour);
@@ -359,10 +359,10 @@ class CausesOnTheBench : public AuditOnTheBench {
  protected:
   /// What the gate of can0 has refused at ingress in all, and of the delivery.
   void refuse(std::uint64_t longer, std::uint64_t source, std::uint64_t of_delivery,
-              const std::string& latest) {
-    bench_.gates().misfitting["can0"] = {{"longer than granted", false, {longer, 0}},
-                                         {"not from the granted source", false, {source, 0}},
-                                         {"longer than granted", true, {77 + longer, 0}}};
+              core::FrameReason latest) {
+    bench_.gates().misfitting["can0"] = {{core::FrameReason::length, false, {longer, 0}},
+                                         {core::FrameReason::source, false, {source, 0}},
+                                         {core::FrameReason::length, true, {77 + longer, 0}}};
     bench_.gates().counted[1] = {.dropped = of_delivery, .last_reason = latest};
   }
   /// Frames at ingress of can0 by reason.
@@ -379,7 +379,7 @@ using Counts = std::map<std::string, std::uint64_t>;
 TEST_F(CausesOnTheBench, OfOneDeliveryAloneAreExact) {
   pass(kSecond);
   for (std::uint64_t i = 1; i <= 3; ++i) {
-    refuse(20 * i, 20 * i, 40 * i, "longer than granted");
+    refuse(20 * i, 20 * i, 40 * i, core::FrameReason::length);
     pass(kSecond);
   }
   EXPECT_EQ(causes(), (Counts{{"longer than granted", 60}, {"not from the granted source", 60}}));
@@ -387,26 +387,26 @@ TEST_F(CausesOnTheBench, OfOneDeliveryAloneAreExact) {
 
 TEST_F(CausesOnTheBench, AreExactWhereTheGateRefusedForOneReason) {
   pass(kSecond);
-  refuse(50, 0, 20, "longer than granted");
+  refuse(50, 0, 20, core::FrameReason::length);
   pass(kSecond);
   pass(kSecond);
-  refuse(50, 40, 21, "not from the granted source");
+  refuse(50, 40, 21, core::FrameReason::source);
   pass(kSecond);
   EXPECT_EQ(causes(), (Counts{{"longer than granted", 20}, {"not from the granted source", 1}}));
 }
 
 TEST_F(CausesOnTheBench, OfSeveralDeliveriesAtOnceNameTheLatest) {
   pass(kSecond);
-  refuse(50, 40, 20, "longer than granted");
+  refuse(50, 40, 20, core::FrameReason::length);
   pass(kSecond);
   EXPECT_EQ(causes(), (Counts{{"cause not known, the latest: longer than granted", 20}}));
 }
 
 TEST_F(CausesOnTheBench, AreNoExcess) {
   pass(kSecond);
-  bench_.gates().misfitting["can0"] = {{"longer than granted", false, {5, 0}}};
+  bench_.gates().misfitting["can0"] = {{core::FrameReason::length, false, {5, 0}}};
   bench_.gates().counted[1] = {
-      .dropped = 8, .excess = 3, .excess_dropped = 3, .last_reason = "more than admitted"};
+      .dropped = 8, .excess = 3, .excess_dropped = 3, .last_reason = core::FrameReason::excess};
   pass(kSecond);
   EXPECT_EQ(causes(), (Counts{{"longer than granted", 5}, {"more than admitted", 3}}));
 }
@@ -416,11 +416,11 @@ TEST_F(AuditOnTheBench, TheSenderIsThePublisherWhereTheGateHasSeenIt) {
   bench_.system.publishers[0].node = 23;
   ASSERT_FALSE(bench_.start());
   pass(kSecond);
-  bench_.gates().counted[1] = {.dropped = 3, .last_reason = "longer than granted"};
+  bench_.gates().counted[1] = {.dropped = 3, .last_reason = core::FrameReason::length};
   pass(kSecond);
   ASSERT_FALSE(audit().findings.empty());
   for (const control::Finding& f : audit().findings) EXPECT_EQ(f.sender, "node 23");
-  bench_.gates().counted[1] = {.dropped = 5, .last_reason = "not from the granted source"};
+  bench_.gates().counted[1] = {.dropped = 5, .last_reason = core::FrameReason::source};
   pass(kSecond);
   for (const control::Finding& f : audit().findings)
     EXPECT_EQ(f.sender, f.reason == "longer than granted" ? "node 23" : "");
@@ -468,7 +468,7 @@ TEST_F(AuditOfACrash, FindingsOfMoreThanTenSecondsAgoAreKept) {
 TEST_F(AuditOnTheBench, WhatIsKeptIsGivenBackWhole) {
   see("can0", 0x123, 20);
   pass(kSecond);
-  bench_.gates().counted[1] = {.dropped = 6, .last_reason = "longer than granted"};
+  bench_.gates().counted[1] = {.dropped = 6, .last_reason = core::FrameReason::length};
   bench_.gates().refused["can1"] = {{"malformed", true, {3, 0}}};
   pass(kSecond);
   AuditLog first(bench_.daemon().scene(), bench_.gates(), bench_.clock);

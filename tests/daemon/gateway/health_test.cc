@@ -132,7 +132,7 @@ TEST(Health, DropsAreReportedWithTheirPlace) {
   Observed seen{.passages = {in(100), out(100)}};
   seen.passages[0].excess = {12, 119};
   seen.passages[1].misfits = {1, 0};
-  seen.passages[1].frames.last_reason = "longer than granted";
+  seen.passages[1].frames.last_reason = core::FrameReason::length;
   EXPECT_EQ(troubles(seen),
             (Lines{"12 frames on second-can in the last 119 s were more than was admitted",
                    "1 frame on robot-can in the last 1 s named the subject and differed from the "
@@ -143,7 +143,7 @@ TEST(Health, DropsAreReportedWithTheirPlace) {
       "2 frames on robot-can in the last 3 min named the subject and differed from the grant, the "
       "latest: longer than granted (passed in audit mode)")
       << "and dropped now, perhaps";
-  seen.passages[1].frames.last_reason = "";
+  seen.passages[1].frames.last_reason.reset();
   EXPECT_EQ(troubles(seen).back(),
             "2 frames on robot-can in the last 3 min named the subject and differed from the grant "
             "(passed in audit mode)");

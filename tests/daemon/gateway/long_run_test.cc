@@ -245,7 +245,7 @@ class BusyHour {
     for (const core::Subject subject : {core::Subject{1}, core::Subject{2}}) {
       Frames& frames = gates.counted[subject];
       frames.passed += 20;
-      if (each(40)) frames.dropped += 3, frames.last_reason = "too many";
+      if (each(40)) frames.dropped += 3, frames.last_reason = core::FrameReason::excess;
       if (each(70)) frames.excess += 2;
     }
     for (const auto& [interface, there] : bench_.kernel.interfaces) {

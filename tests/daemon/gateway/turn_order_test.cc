@@ -330,7 +330,7 @@ TEST(StandBy, WhatAnotherGatewayForwardsIsNoTroubleOfThisOne) {
   bench.round();
   bench.events.clear();
   bench.gates().watched = control::Watch{.period_ns = 50 * kMs, .since_last_ns = 9'000 * kMs};
-  bench.gates().counted[1] = {.dropped = 61, .last_reason = "refused"};
+  bench.gates().counted[1] = {.dropped = 61, .last_reason = core::FrameReason::denied};
   for (int second = 0; second < 3; ++second) {
     bench.clock.monotonic += 1'000'000'000;
     bench.gates().counted[1].dropped += 20;

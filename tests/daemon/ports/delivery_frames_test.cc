@@ -49,13 +49,13 @@ TEST(DeliveryFramesTest, WhatIsCountedOnlyIsNotDroppedForItsExcess) {
     gates::SlotCounters out;
     out.excess = 3;
     out.would_exceed = 4;
-    out.last_reason = GATE_R_EXCESS;
+    out.last_reason = core::FrameReason::excess;
     return std::optional(out);
   };
   core::GateState rules = {rule(0, core::Direction::ingress)};
   EXPECT_EQ(delivery_frames(rules, {}, counters).excess, 7U);
   EXPECT_EQ(delivery_frames(rules, {}, counters).excess_dropped, 3U);
-  EXPECT_FALSE(delivery_frames(rules, {}, counters).last_reason.empty());
+  EXPECT_TRUE(delivery_frames(rules, {}, counters).last_reason.has_value());
   rules[0].policing.counts_only = true;
   EXPECT_EQ(delivery_frames(rules, {}, counters).excess_dropped, 0U);
 }
