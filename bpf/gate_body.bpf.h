@@ -67,7 +67,7 @@ static __always_inline bool admit(struct gate_cpu *cpu, __u32 direction, __u32 a
 	__u64 cost = cost_of(READ_ONCE(slot->per_frame), READ_ONCE(slot->per_byte), frame->len),
 	      period = READ_ONCE(w->period), now = 0;
 
-	if (profile == GATE_PROFILE_J1939 && frame->transport)
+	if (gate_has_transport(profile) && frame->transport)
 		return admit_transport(cpu, direction, at, frame);
 	if (cost || period)
 		now = bpf_ktime_get_ns();
@@ -82,7 +82,7 @@ static __always_inline bool admit(struct gate_cpu *cpu, __u32 direction, __u32 a
 static __always_inline struct decision judge(struct __sk_buff *skb, __u32 direction,
 					     struct frame *frame)
 {
-	if (profile == GATE_PROFILE_J1939) {
+	if (gate_has_transport(profile)) {
 		frame->transport = TRANSPORT_NONE;
 		if (is_transport(frame))
 			return unpacked(judge_transport(skb, frame, direction));

@@ -11,7 +11,7 @@
 /* Whether a J1939 frame has another destination than the one that the slot states. */
 static __always_inline bool is_elsewhere(const struct gate_slot *slot, __u32 can_id)
 {
-	return profile == GATE_PROFILE_J1939 &&
+	return gate_has_destinations(profile) &&
 	       ((slot->id ^ can_id) & slot->mask & GATE_TP_DESTINATION);
 }
 
@@ -54,7 +54,7 @@ static __always_inline __u32 fit(struct __sk_buff *skb, __u32 direction,
 	if (frame->len > slot->max_len)
 		return GATE_R_LENGTH;
 	reason = reason_of_verdict(slot->verdict, frame);
-	if (profile == GATE_PROFILE_FAMOUSO && READ_ONCE(slot->contradicted))
+	if (gate_has_broker(profile) && READ_ONCE(slot->contradicted))
 		return GATE_R_DENIED;
 	return reason;
 }

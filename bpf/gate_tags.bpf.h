@@ -193,7 +193,7 @@ __noinline __u32 heed_reply(struct __sk_buff *skb, struct frame *frame, __u32 di
 
 static __always_inline bool is_reply(const struct frame *frame)
 {
-	return profile == GATE_PROFILE_FAMOUSO &&
+	return gate_has_broker(profile) &&
 	       (frame->can_id & (CAN_EFF_FLAG | GATE_ETAG_MASK)) == (CAN_EFF_FLAG | GATE_REPLY_TAG);
 }
 

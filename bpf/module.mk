@@ -11,7 +11,7 @@ BPF_SKELETONS := $O/gen/gate.skel.h $O/gen/deadman.skel.h $O/gen/watch.skel.h $O
 # The same programs for BPF_PROG_TEST_RUN (bpf/test_skb.bpf.h), which only tests load.
 BPF_TEST_SKELETONS := $O/gen/gate_test.skel.h $O/gen/ether_test.skel.h $O/gen/gate_closed_test.skel.h
 
-$O/bpf/%.bpf.o: bpf/%.bpf.c $(wildcard bpf/*.h) core/gates/frame_reasons.inc
+$O/bpf/%.bpf.o: bpf/%.bpf.c $(wildcard bpf/*.h) core/gates/frame_reasons.inc core/profiles/layout.h core/profiles/list.inc
 	$(call say,BPF,$<)
 	$(Q)mkdir -p $(@D) && $(CLANG) $(BPF_CFLAGS) -c $< -o $@ && $(LLVM_STRIP) -g $@
 $O/gen/%.skel.h: $O/bpf/%.bpf.o

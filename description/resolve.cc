@@ -24,7 +24,6 @@ namespace {
 
 using core::FindingId;
 using core::NetworkKind;
-using core::Profile;
 
 constexpr unsigned kLastAddress = 255;  // of J1939: the global address
 
@@ -106,7 +105,7 @@ void check_form(const BindingDraft& b, const core::Network& network, Problems& p
   if (b.destination && *b.destination > kLastAddress)
     say(fmt::format("attribute destination: {} is not right: 0 to 255 (255 is the global address)",
                     *b.destination));
-  if (network.profile == Profile::none) return;
+  if (!core::names_channels(network.profile)) return;
   const auto& traits = core::traits_of(network.profile);
   const auto profile = core::words::kProfiles.of(network.profile);
   const auto deals_tags = [](const core::ProfileTraits& p) { return p.deals_tags; };

@@ -26,7 +26,6 @@ using core::FindingId;
 using core::FrameFormat;
 using core::NetworkKind;
 using core::Place;
-using core::Profile;
 
 void check_binding(const core::Network& network, const Binding& b, Problems& problems) {
   const auto say = [&](std::string_view text) {
@@ -346,12 +345,12 @@ void check_networks(const core::System& system, Problems& problems) {
   for (const auto& n : system.networks) {
     const bool can = n.kind == NetworkKind::can;
     const bool datagrams = core::traits_of(n.profile).datagrams != nullptr;
-    if (can && n.profile == Profile::none)
+    if (can && !core::names_channels(n.profile))
       problems.add(n.origin, "Network",
                    "a CAN network needs a Profile: " +
                        core::profiles_with([](const auto& p) { return p.last != 0; }, " or "));
     const auto profile = core::words::kProfiles.of(n.profile);
-    if (!can && n.profile != Profile::none && !datagrams)
+    if (!can && core::names_channels(n.profile) && !datagrams)
       problems.add(n.origin, "Network",
                    fmt::format("Profile {} is for CAN: remove it, or say {}", profile,
                                core::profiles_with(

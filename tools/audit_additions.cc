@@ -43,7 +43,7 @@ bool is_datagram(const control::Finding& f) {
 /// Decodes the identifier of a CAN frame; nullopt if no channel of the profile has it.
 std::optional<IdentifierParts> channel_of(const control::Finding& f) {
   const auto profile = core::words::kProfiles.find(f.profile);
-  if (!profile || *profile == Profile::none) return std::nullopt;
+  if (!profile || !core::names_channels(*profile)) return std::nullopt;
   const std::uint32_t id = f.can_id & (core::kExtendedFlag | core::kExtendedBits);
   return is_control(*profile, id) ? std::nullopt : parts_of(*profile, id);
 }

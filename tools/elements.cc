@@ -47,49 +47,15 @@ std::uint64_t subject_of(std::string_view name) {
   return hash == 0 ? 1 : hash;
 }
 
-/// SAE J1939-21: a PGN with a PDU format below this has no group extension; the octet is the
-/// destination address.
-constexpr std::uint32_t kPdu2 = 240;
-/// FAMOUSO: tags below this one are for management.
-constexpr std::uint32_t kFirstTag = 0x64;
-
 std::optional<IdentifierParts> parts_of(Profile profile, std::uint32_t id) {
-  const auto form = core::traits_of(profile).form;
+  const core::ProfileTraits& traits = core::traits_of(profile);
   const bool is_extended = (id & kExtendedFlag) != 0;
-  if (form != core::IdentifierForm::stated &&
-      is_extended != (form == core::IdentifierForm::extended))
+  if (traits.form != core::IdentifierForm::stated &&
+      is_extended != (traits.form == core::IdentifierForm::extended))
     return std::nullopt;
-  const std::uint32_t bits = id & kExtendedBits;
-  switch (profile) {
-    case Profile::j1939: {
-      std::uint32_t pgn = bits >> 8U & 0x3ffffU;
-      std::optional<std::uint32_t> destination;
-      if ((pgn >> 8U & 0xffU) < kPdu2) {
-        destination = pgn & 0xffU;
-        pgn &= 0x3ff00U;
-      }
-      return IdentifierParts{
-          .number = pgn, .node = bits & 0xffU, .priority = bits >> 26U, .destination = destination};
-    }
-    case Profile::cyphal: {
-      constexpr std::uint32_t service = 1U << 25U;
-      constexpr std::uint32_t anonymous = 1U << 24U;
-      if ((bits & (service | anonymous)) != 0) return std::nullopt;
-      return IdentifierParts{
-          .number = bits >> 8U & 0x1fffU, .node = bits & 0x7fU, .priority = bits >> 26U};
-    }
-    case Profile::famouso: {
-      constexpr std::uint32_t fragment = 1U << 21U;
-      const std::uint32_t tag = bits & 0x3fffU;
-      if (tag < kFirstTag) return std::nullopt;
-      return IdentifierParts{.number = tag,
-                             .node = bits >> 14U & 0x7fU,
-                             .priority = bits >> 22U & 0x7fU,
-                             .is_fragment = (bits & fragment) != 0};
-    }
-    default:
-      return IdentifierParts{.number = id & (kExtendedFlag | kExtendedBits)};
-  }
+  if (traits.parts == nullptr)
+    return IdentifierParts{.number = id & (kExtendedFlag | kExtendedBits)};
+  return traits.parts(id & kExtendedBits);
 }
 
 bool is_control(Profile profile, std::uint32_t id) {
@@ -101,34 +67,30 @@ bool is_control(Profile profile, std::uint32_t id) {
   });
 }
 
+namespace {
+
+/// The digits of a number with the flag of an extended identifier.
+constexpr unsigned kExtendedDigits = 8;
+
+unsigned digits_of(std::uint32_t number, unsigned digits) {
+  return (number & kExtendedFlag) != 0 ? kExtendedDigits : digits;
+}
+
+}  // namespace
+
 std::string number_text(Profile profile, std::uint32_t number) {
+  const core::NumberText& text = core::traits_of(profile).number_text;
   const std::uint32_t bits = number & kExtendedBits;
-  switch (profile) {
-    case Profile::cyphal:
-      return fmt::format("{}", bits);
-    case Profile::j1939:
-      return fmt::format("0x{:x}", bits);
-    default:
-      return (number & kExtendedFlag) != 0 ? fmt::format("0x{:08x}", bits)
-                                           : fmt::format("0x{:03x}", bits);
-  }
+  return text.decimal ? fmt::format("{}", bits)
+                      : fmt::format("0x{:0{}x}", bits, digits_of(number, text.digits));
 }
 
 std::string channel_name(Profile profile, std::string_view network, std::uint32_t number) {
-  const auto bits = number & kExtendedBits;
-  switch (profile) {
-    case Profile::cyphal:
-      return fmt::format("{}-subject-{}", network, bits);
-    case Profile::j1939:
-      return fmt::format("{}-pgn-{:X}", network, bits);
-    case Profile::famouso:
-      return fmt::format("{}-etag-{:X}", network, bits);
-    case Profile::canopen:
-      return fmt::format("{}-cob-{:03X}", network, bits);
-    default:
-      return (number & kExtendedFlag) != 0 ? fmt::format("{}-{:08X}", network, bits)
-                                           : fmt::format("{}-{:03X}", network, bits);
-  }
+  const core::NumberText& text = core::traits_of(profile).number_text;
+  const std::uint32_t bits = number & kExtendedBits;
+  return fmt::format("{}-{}", network, text.stem) +
+         (text.decimal ? fmt::format("{}", bits)
+                       : fmt::format("{:0{}X}", bits, digits_of(number, text.name_digits)));
 }
 
 std::string channel_name(std::string_view network, core::Subject subject) {
@@ -151,22 +113,15 @@ std::string spelled(core::Subject subject) {
 std::string binding_element(Profile profile, std::uint32_t number,
                             std::optional<std::uint32_t> priority,
                             std::optional<std::uint32_t> destination) {
-  const std::string text = number_text(profile, number);
-  std::string stated = priority ? fmt::format(" priority=\"{}\"", *priority) : "";
-  if (destination) stated += fmt::format(" destination=\"0x{:02x}\"", *destination);
-  switch (profile) {
-    case Profile::cyphal:
-      return fmt::format("<SubjectID{}>{}</SubjectID>", stated, text);
-    case Profile::j1939:
-      return fmt::format("<PGN{}>{}</PGN>", stated, text);
-    case Profile::famouso:
-      return fmt::format("<ETag>{}</ETag>", text);
-    case Profile::canopen:
-      return fmt::format("<COBID>{}</COBID>", text);
-    default:
-      return fmt::format("<Identifier form=\"{}\">{}</Identifier>",
-                         (number & kExtendedFlag) != 0 ? "extended" : "standard", text);
-  }
+  const core::ProfileTraits& traits = core::traits_of(profile);
+  const std::string_view element = traits.element.substr(traits.element.find(' ') + 1);
+  std::string stated;
+  if (traits.form == core::IdentifierForm::stated)
+    stated = (number & kExtendedFlag) != 0 ? " form=\"extended\"" : " form=\"standard\"";
+  if (priority && traits.has_number_priority) stated += fmt::format(" priority=\"{}\"", *priority);
+  if (destination && traits.destination_bits != 0)
+    stated += fmt::format(" destination=\"0x{:02x}\"", *destination);
+  return fmt::format("<{0}{1}>{2}</{0}>", element, stated, number_text(profile, number));
 }
 
 std::string profile_word(Profile profile) {

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "core/model/system.hpp"
+#include "core/profiles/profile.hpp"
 
 namespace mlcca::tools {
 
@@ -30,16 +31,7 @@ inline constexpr std::size_t kLongestInterface = 15;
 /// The subject for a drafted channel of that name: its hash, so that it is the same in every draft;
 /// never 0.
 [[nodiscard]] std::uint64_t subject_of(std::string_view name);
-/// What a profile encodes in the identifier of a frame.
-struct IdentifierParts {
-  /// The number of the channel: an identifier (raw) with core::kExtendedFlag if it has 29 bits, a
-  /// COB-ID, PGN, subject-id or etag.
-  std::uint32_t number = 0;
-  std::uint32_t node = 0;      ///< of the sender, in profiles that have nodes
-  std::uint32_t priority = 0;  ///< in profiles that have priorities, in the profile's own scale
-  std::optional<std::uint32_t> destination = std::nullopt;  ///< J1939: of a PGN that has one
-  bool is_fragment = false;  ///< FAMOUSO: the frame is one fragment of an event
-};
+using core::IdentifierParts;
 /// Decodes an identifier with its flags (CAN_EFF_FLAG). Nullopt if no channel of the profile can
 /// have it: it has the other length, or it belongs to a service or to management.
 [[nodiscard]] std::optional<IdentifierParts> parts_of(core::Profile profile, std::uint32_t id);

@@ -155,7 +155,7 @@ class RouteCheck {
     const Gateway& gateway = s_.system.gateways[v_.route[at].index];
     const Network& in = s_.system.networks[v_.route[at - 1].index];
     const Network& out = s_.system.networks[v_.route[at + 1].index];
-    if (in.profile == Profile::none || out.profile == Profile::none ||
+    if (!names_channels(in.profile) || !names_channels(out.profile) ||
         are_joined_by_kernel(gateway, in, out))
       return true;
     const Port* port = gateway.port_on(v_.route[at + 1].index);
@@ -173,7 +173,7 @@ class RouteCheck {
       obstruct(Obstacle::unlisted, hop);
       return;
     }
-    if (network.profile == Profile::none) return;
+    if (!names_channels(network.profile)) return;
     if (network.carries_subjects()) {
       if (offered()[Attribute::max_payload] > event_bytes(network))
         obstruct(Obstacle::too_long, hop);

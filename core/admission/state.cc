@@ -9,6 +9,7 @@
 #include "core/admission/permit_check.hpp"
 #include "core/admission/route_check.hpp"
 #include "core/model/progress.hpp"
+#include "core/profiles/profile.hpp"
 
 namespace mlcca::core {
 namespace {
@@ -20,7 +21,7 @@ System sorted(System system) {
 
 /// What gateways count together cannot be counted there.
 bool is_uncountable(const Network& network, bool analysed, bool evaluated) {
-  if (network.kind == NetworkKind::can && network.profile != Profile::none)
+  if (network.kind == NetworkKind::can && names_channels(network.profile))
     return !analysed || network.bus.bitrate == 0;
   return network.mesh.has_value() && (network.mesh->nodes.empty() || !evaluated);
 }

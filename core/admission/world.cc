@@ -9,6 +9,7 @@
 #include "core/can/cover.hpp"
 #include "core/can/level.hpp"
 #include "core/can/of_system.hpp"
+#include "core/profiles/profile.hpp"
 #include "mlcca/arithmetic.hpp"
 
 namespace mlcca::core {
@@ -75,7 +76,7 @@ std::optional<can::Assumptions> bus_of(const System& system, const Condition& co
   const Network& n = system.networks[network];
   can::Timing timing = can::timing_of(n);
   if (condition.timing.bitrate != 0) timing = condition.timing;
-  if (n.profile == Profile::none || timing.bitrate == 0) return std::nullopt;
+  if (!names_channels(n.profile) || timing.bitrate == 0) return std::nullopt;
   can::Assumptions bus = can::assumptions_of(system, network, timing);
   // A station that is not described may send any frame.
   if (condition.background != 0) bus.unknown_senders = true;

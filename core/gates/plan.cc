@@ -11,6 +11,7 @@
 #include "core/model/carrier.hpp"
 #include "core/model/medium.hpp"
 #include "core/model/progress.hpp"
+#include "core/profiles/profile.hpp"
 #include "mlcca/arithmetic.hpp"
 
 namespace mlcca::core {
@@ -177,7 +178,7 @@ class Planner {
     const Network& network = network_at(port);
     const Binding* binding = network.binding_of(p.channel);
     const bool bound = network.carries_subjects() || binding != nullptr;
-    if (network.profile == Profile::none || !bound) return std::nullopt;
+    if (!names_channels(network.profile) || !bound) return std::nullopt;
     if (binding != nullptr && binding->waits_for_tag()) return std::nullopt;
     GateEntry e;
     e.port = port;

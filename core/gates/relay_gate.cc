@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "core/profiles/profile.hpp"
+
 namespace mlcca::core {
 namespace {
 
@@ -28,7 +30,7 @@ bool is_hardware(const InterfaceIdentity& identity) {
 RelayGate relay_gate(const System& system, std::size_t network, std::size_t gateway) {
   const Network& n = system.networks[network];
   const Port* port = system.gateways[gateway].port_on(network);
-  if (!n.mesh || n.profile == Profile::none || port == nullptr) return RelayGate::none;
+  if (!n.mesh || !names_channels(n.profile) || port == nullptr) return RelayGate::none;
   const InterfaceIdentity& identity = port->identity;
   // AWDS uses the radio, and its own device is a different one.
   if (has(*n.mesh, SourceKind::awds) &&

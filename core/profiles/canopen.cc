@@ -27,13 +27,17 @@ std::vector<std::string> problems(const Binding& b) {
 
 }  // namespace
 
-constinit const ProfileTraits canopen{.element = "a COBID",
-                                      .form = IdentifierForm::standard,
-                                      .last = kStandardBits,
-                                      .problems = problems,
-                                      .identity = plain,
-                                      .overlap = overlap,
-                                      .remote_frames = true,
-                                      .control = kControl};
+constinit const ProfileTraits canopen{
+    .element = "a COBID",
+    .form = IdentifierForm::standard,
+    .last = kStandardBits,
+    .problems = problems,
+    .identity = plain,
+    .overlap = overlap,
+    .number_text = {.digits = 3, .stem = "cob-", .name_digits = 3},
+    .has_heart_beats = true,
+    .has_services = true,
+    .remote_frames = true,
+    .control = kControl};
 
 }  // namespace mlcca::core::profiles

@@ -5,6 +5,7 @@
 
 #include "core/model/medium.hpp"
 #include "core/profiles/definition.hpp"
+#include "core/profiles/layout.h"
 
 namespace mlcca::core::profiles {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 constexpr unsigned kTail = 1;
 constexpr unsigned kCrc = 2;
 constexpr std::uint32_t kIgnoredBits = 3U << 21U;
-constexpr std::uint32_t kNumberBits = 0x001fff00;
+constexpr std::uint32_t kNumberBits = GATE_CYPHAL_KEY;
 
 // Cyphal Specification v1.0, 5.3: the heartbeat (7509) of every node once a second, and the
 // allocation of node-ids (8165, 8166), which is requested anonymously. Services (such as GetInfo)
@@ -38,6 +39,15 @@ FrameIdentity identity(const Publisher& p, const Binding& b, bool /*fragmented*/
   return f;
 }
 
+/// Identifiers of services and of anonymous nodes name no channel.
+std::optional<IdentifierParts> parts(std::uint32_t bits) {
+  constexpr std::uint32_t service = 1U << 25U;
+  if ((bits & (service | kAnonymous)) != 0) return std::nullopt;
+  return IdentifierParts{.number = bits >> kNumberShift & cyphal.last,
+                         .node = bits & 0x7fU,
+                         .priority = bits >> kPriorityShift};
+}
+
 unsigned frames(Value bytes, unsigned mtu) {
   const Value chunk = mtu - kTail;
   const Value most = kMaxFrames * chunk;
@@ -51,7 +61,8 @@ unsigned last_frame(Value bytes, unsigned count, unsigned mtu) {
   return static_cast<unsigned>(bytes + kCrc - (count - 1) * chunk) + kTail;
 }
 
-constexpr Fragmentation kFragmentation{.tail = kTail,
+constexpr Fragmentation kFragmentation{.reassembly = Reassembly::marked,
+                                       .tail = kTail,
                                        .frames = frames,
                                        .largest = largest,
                                        .last_frame = last_frame,
@@ -68,6 +79,8 @@ constinit const ProfileTraits cyphal{.element = "a SubjectID",
                                      .problems = problems,
                                      .identity = identity,
                                      .overlap = overlap,
+                                     .parts = parts,
+                                     .number_text = {.decimal = true, .stem = "subject-"},
                                      .fragmentation = &kFragmentation,
                                      .control = kControl};
 

@@ -20,6 +20,9 @@ constexpr ControlFrames standard(std::uint32_t id, std::uint32_t open, std::uint
   return {{.id = id, .mask = kExtendedFlag | (kExtendedBits & ~open)}, bytes};
 }
 
+/// Identifiers are written with all digits that their form has.
+inline constexpr NumberText kIdentifierText{.digits = 3, .name_digits = 3};
+
 /// The positions of the priority and of the number in identifiers of J1939 and Cyphal; the source
 /// address is below.
 inline constexpr unsigned kPriorityShift = 26;

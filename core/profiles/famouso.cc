@@ -6,12 +6,13 @@
 #include "base/number.hpp"
 #include "core/model/medium.hpp"
 #include "core/profiles/definition.hpp"
+#include "core/profiles/layout.h"
 
 namespace mlcca::core::profiles {
 namespace {
 
 constexpr unsigned kNodeShift = 14;
-constexpr std::uint32_t kTagBits = 0x3fff;
+constexpr std::uint32_t kTagBits = GATE_ETAG_MASK;
 constexpr std::uint32_t kFragmentBit = 1U << 21U;
 constexpr unsigned kTopShift = 22;  // of the priority
 
@@ -60,6 +61,16 @@ FrameIdentity identity(const Publisher& p, const Binding& b, bool fragmented) {
       .mask = fragmented ? known & ~kFragmentBit : known};
 }
 
+/// Tags below the first one are for management.
+std::optional<IdentifierParts> parts(std::uint32_t bits) {
+  const std::uint32_t tag = bits & kTagBits;
+  if (tag < famouso.first) return std::nullopt;
+  return IdentifierParts{.number = tag,
+                         .node = bits >> kNodeShift & 0x7fU,
+                         .priority = bits >> kTopShift & 0x7fU,
+                         .is_fragment = (bits & kFragmentBit) != 0};
+}
+
 // Fragments have a header of one byte while the count of followers fits 5 bits, otherwise of two.
 // All but the last are full; beyond those 32, the analysis does not rely on which one is short.
 constexpr unsigned kShortHeaders = 32;
@@ -78,8 +89,11 @@ unsigned last_frame(Value bytes, unsigned count, unsigned mtu) {
   return static_cast<unsigned>(bytes - Value{count - 1} * (mtu - 1)) + 1;
 }
 
-constexpr Fragmentation kFragmentation{
-    .frames = frames, .largest = largest, .last_frame = last_frame, .room = "in 4096 fragments"};
+constexpr Fragmentation kFragmentation{.reassembly = Reassembly::counted,
+                                       .frames = frames,
+                                       .largest = largest,
+                                       .last_frame = last_frame,
+                                       .room = "in 4096 fragments"};
 
 unsigned datagrams(Value bytes) {
   constexpr Value headers = 6;
@@ -99,6 +113,8 @@ constinit const ProfileTraits famouso{.element = "an ETag",
                                       .problems = problems,
                                       .identity = identity,
                                       .overlap = overlap,
+                                      .parts = parts,
+                                      .number_text = {.digits = 3, .stem = "etag-"},
                                       .fragmentation = &kFragmentation,
                                       .control = kControl,
                                       .datagrams = datagrams,

@@ -5,12 +5,13 @@
 #include "base/number.hpp"
 #include "core/model/medium.hpp"
 #include "core/profiles/definition.hpp"
+#include "core/profiles/layout.h"
 
 namespace mlcca::core::profiles {
 namespace {
 
 constexpr std::uint32_t kDestinationBits = 0xffU << kNumberShift;
-constexpr std::uint32_t kNumberBits = 0x03ff0000;
+constexpr std::uint32_t kNumberBits = GATE_J1939_PDU1_KEY;
 
 // SAE J1939-81 (address claim), J1939-21 (request, acknowledgement, transport), ISO 11783-3
 // (extended transport). Priorities and destinations, if any, are open. An address is claimed
@@ -75,6 +76,16 @@ FrameIdentity identity(const Publisher& p, const Binding& b, bool /*fragmented*/
   return f;
 }
 
+std::optional<IdentifierParts> parts(std::uint32_t bits) {
+  const std::uint32_t number = bits >> kNumberShift & j1939.last;
+  IdentifierParts out{.number = number, .node = bits & kSource, .priority = bits >> kPriorityShift};
+  if (has_destination(number)) {
+    out.destination = number & 0xffU;
+    out.number &= ~0xffU;
+  }
+  return out;
+}
+
 // The transport protocol (J1939-21, 5.10 and annex C): a broadcast announce message (TP.CM_BAM) and
 // packets of 7 bytes (TP.DT), each 50 to 200 ms after the one before, all towards all nodes. A
 // message to one address is requested by its receiver, whose frames no channel admits.
@@ -111,7 +122,8 @@ std::array<FrameIdentity, 2> carriers(const FrameIdentity& event) {
   return {with(kConnectionManagement), with(kDataTransfer)};
 }
 
-constexpr Fragmentation kFragmentation{.frames = frames,
+constexpr Fragmentation kFragmentation{.reassembly = Reassembly::announced,
+                                       .frames = frames,
                                        .largest = largest,
                                        .last_frame = last_frame,
                                        .room = "by the transport protocol",
@@ -137,6 +149,9 @@ constinit const ProfileTraits j1939{.element = "a PGN",
                                     .unlisted_problem = unlisted_problem,
                                     .identity = identity,
                                     .overlap = same,
+                                    .parts = parts,
+                                    .number_text = {.stem = "pgn-"},
+                                    .dbc_protocol = "J1939",
                                     .fragmentation = &kFragmentation,
                                     .control = kControl};
 

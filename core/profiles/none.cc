@@ -5,9 +5,11 @@
 namespace mlcca::core::profiles {
 
 constinit const ProfileTraits none{.element = "nothing",
+                                   .names_channels = false,
                                    .form = IdentifierForm::stated,
                                    .problems = problems_of_identifier,
                                    .identity = plain,
-                                   .overlap = overlap};
+                                   .overlap = overlap,
+                                   .number_text = kIdentifierText};
 
 }  // namespace mlcca::core::profiles

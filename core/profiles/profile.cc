@@ -35,6 +35,13 @@ const ProfileTraits& traits_of(Profile profile) {
   return *kProfiles.at(static_cast<std::size_t>(profile));
 }
 
+const Fragmentation& transport_protocol() {
+  const auto* const found = std::ranges::find_if(kProfiles, [](const ProfileTraits* traits) {
+    return traits->fragmentation != nullptr && traits->fragmentation->carriers != nullptr;
+  });
+  return *(*found)->fragmentation;
+}
+
 const ProfileTraits* profile_with_element(std::string_view element) {
   const auto* const found = std::ranges::find_if(kProfiles, [&](const ProfileTraits* traits) {
     return traits->element.substr(traits->element.find(' ') + 1) == element;
@@ -104,7 +111,7 @@ std::optional<Sender> sender_of(const System& system, const Publisher& publisher
   if (publisher.place.kind == Place::Kind::gateway)
     return publisher.uid ? std::optional(local) : std::nullopt;
   const Network& network = system.networks[publisher.place.index];
-  if (network.profile == Profile::none) return std::nullopt;
+  if (!names_channels(network.profile)) return std::nullopt;
   if (has_nodes(network.profile)) return publisher.node ? std::optional(local) : std::nullopt;
   // No frame there contains a node; a stated one applies to networks further on.
   Sender anonymous = local;
@@ -122,7 +129,7 @@ std::string_view way_to_differ(const Publisher& publisher) {
 
 std::optional<FrameIdentity> identity_of(const Publisher& publisher, const Network& network,
                                          const Binding& binding, bool fragmented) {
-  if (network.profile == Profile::none || !can_send(publisher, network)) return std::nullopt;
+  if (!names_channels(network.profile) || !can_send(publisher, network)) return std::nullopt;
   FrameIdentity f = traits_of(network.profile).identity(publisher, binding, fragmented);
   if (binding.extended) f.id |= kExtendedFlag;
   f.mask |= kExtendedFlag;

@@ -62,8 +62,35 @@ struct ControlKind {
   bool is_tagged = false;
 };
 
+/// What a profile encodes in the identifier of a frame.
+struct IdentifierParts {
+  /// The number of the channel: an identifier (raw) with kExtendedFlag if it has 29 bits, a COB-ID,
+  /// PGN, subject-id or etag.
+  std::uint32_t number = 0;
+  std::uint32_t node = 0;      ///< of the sender, in profiles that have nodes
+  std::uint32_t priority = 0;  ///< in profiles that have priorities, in the profile's own scale
+  std::optional<std::uint32_t> destination = std::nullopt;  ///< of a number that has one
+  bool is_fragment = false;                                 ///< the frame is a part of an event
+};
+
+/// How drafts write the number of a channel.
+struct NumberText {
+  bool decimal = false;      ///< otherwise hexadecimal
+  unsigned digits = 1;       ///< at least, in a hexadecimal number; 8 if it has kExtendedFlag
+  std::string_view stem{};   ///< in front of it, in the name of its channel: "pgn-"
+  unsigned name_digits = 1;  ///< like `digits`, in this name
+};
+
+/// How receivers put an event of several frames together.
+enum class Reassembly : std::uint8_t {
+  counted,    ///< each begins with the number of frames that follow (FAMOUSO)
+  marked,     ///< each ends with a byte that says whether it is the first or the last one (Cyphal)
+  announced,  ///< the first frame announces length and number of those that follow (J1939)
+};
+
 /// How a profile carries events that are longer than a frame.
 struct Fragmentation {
+  Reassembly reassembly = Reassembly::counted;
   unsigned tail = 0;  ///< payload bytes of an unfragmented frame that do not belong to the event
   /// The number of frames of an event; for one that is too long, at least that of the longest.
   unsigned (*frames)(Value bytes, unsigned frame_bytes) = nullptr;
@@ -88,7 +115,8 @@ enum class IdentifierForm : std::uint8_t { extended, standard, stated };
 
 /// What defines a profile. Members without a default must be set by every profile.
 struct ProfileTraits {
-  std::string_view element;  ///< element of a Binding with its article: "an ETag"
+  std::string_view element;    ///< element of a Binding with its article: "an ETag"
+  bool names_channels = true;  ///< frames name their channel; false without a profile
   IdentifierForm form = IdentifierForm::extended;
   std::uint32_t first = 0;      ///< smallest number of a channel
   std::uint32_t last = 0;       ///< largest number; for form `stated` that of extended identifiers
@@ -115,6 +143,19 @@ struct ProfileTraits {
   /// Whether a frame can match both bindings, which have identifiers of the same form.
   bool (*overlap)(const Binding& a, const Binding& b);
 
+  /// Decodes the bits of an identifier of the profile's form, without kExtendedFlag. Nullopt if no
+  /// channel can have it, because it belongs to a service or to management. Null: the identifier
+  /// with its flag is the number.
+  std::optional<IdentifierParts> (*parts)(std::uint32_t bits) = nullptr;
+  NumberText number_text{};
+
+  bool has_heart_beats = false;  ///< nodes send heart-beats (CiA 301), which others may supervise
+  /// Requests that write entries of nodes (SDO of CiA 301) have identifiers like events.
+  bool has_services = false;
+  /// What ProtocolType of DBC files is for it, whose messages are then its numbers and not frames.
+  /// Empty: messages are frames.
+  std::string_view dbc_protocol{};
+
   bool remote_frames = false;  ///< remote frames exist
   bool xl = false;
   const Fragmentation* fragmentation = nullptr;  ///< of CAN frames; null: events are never
@@ -128,6 +169,23 @@ struct ProfileTraits {
 };
 /// The definition of a profile.
 [[nodiscard]] const ProfileTraits& traits_of(Profile profile);
+
+/// Whether frames name their channel: whether there is a profile.
+[[nodiscard]] inline bool names_channels(Profile profile) {
+  return traits_of(profile).names_channels;
+}
+/// Whether events on networks other than CAN are datagrams that carry their subject.
+[[nodiscard]] inline bool has_datagrams(Profile profile) {
+  return traits_of(profile).datagrams != nullptr;
+}
+/// How events of several CAN frames are put together; nullopt if there are none.
+[[nodiscard]] inline std::optional<Reassembly> reassembly_of(Profile profile) {
+  const Fragmentation* const of = traits_of(profile).fragmentation;
+  return of == nullptr ? std::nullopt : std::optional(of->reassembly);
+}
+
+/// The transport protocol whose frames have identifiers of their own. One profile has one.
+[[nodiscard]] const Fragmentation& transport_protocol();
 
 /// The profile whose bindings have that element; null if there is none.
 [[nodiscard]] const ProfileTraits* profile_with_element(std::string_view element);

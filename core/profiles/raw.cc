@@ -38,6 +38,7 @@ constinit const ProfileTraits raw{.element = "an Identifier",
                                   .problems = problems_of_identifier,
                                   .identity = plain,
                                   .overlap = overlap,
+                                  .number_text = kIdentifierText,
                                   .remote_frames = true,
                                   .xl = true};
 

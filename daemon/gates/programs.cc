@@ -16,11 +16,6 @@
 namespace mlcca::gates {
 namespace {
 
-#define PROFILE(word, NAME)                                                        \
-  static_assert(static_cast<unsigned>(core::Profile::word) == GATE_PROFILE_##NAME, \
-                "bpf/gate.h numbers the profiles as core/profiles/list.inc has them");
-#include "core/profiles/list.inc"
-
 using Row = MapRow<GateMaps, gate_bpf>;
 using Maps = decltype(gate_bpf::maps);
 constexpr std::array kMaps = {Row{&GateMaps::table, kTablePin, &Maps::bss},

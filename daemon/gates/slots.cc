@@ -46,10 +46,6 @@ bool masks_key(const SlotSpec& s, std::uint32_t profile) {
   return (s.mask & needed) != needed;
 }
 
-bool may_be_masked(std::uint32_t profile) {
-  return profile == GATE_PROFILE_RAW || profile == GATE_PROFILE_CANOPEN;
-}
-
 Result<void> check_spec(const SlotSpec& s, std::uint32_t profile) {
   if (gate_bucket(profile, s.id) == GATE_NO_BUCKET)
     return fail(name(s) + ": the interface's profile has no such identifier");
@@ -58,14 +54,14 @@ Result<void> check_spec(const SlotSpec& s, std::uint32_t profile) {
     return fail(name(s) + ": an 11-bit identifier is at most 0x7ff");
   if ((s.mask & CAN_EFF_FLAG) == 0)
     return fail(name(s) + ": the mask leaves open whether there are 11 or 29 bits");
-  if (masks_key(s, profile) && !may_be_masked(profile))
+  if (masks_key(s, profile) && gate_has_masks(profile) == 0)
     return fail(name(s) + ": the mask leaves part of the key open");
   if ((s.id & CAN_ERR_FLAG) != 0) return fail(name(s) + ": error frames have no slot");
   if ((s.formats & ~GATE_TRANSPORT) == 0 ||
       (s.formats & ~(GATE_CLASSIC | GATE_FD | GATE_XL | GATE_TRANSPORT)) != 0)
     return fail(name(s) + ": neither classic nor FD nor XL");
   if ((s.formats & GATE_TRANSPORT) != 0 &&
-      (profile != GATE_PROFILE_J1939 || s.formats != (GATE_CLASSIC | GATE_TRANSPORT)))
+      (gate_has_transport(profile) == 0 || s.formats != (GATE_CLASSIC | GATE_TRANSPORT)))
     return fail(name(s) + ": the transport protocol is of J1939, in classic frames");
   if ((s.formats & GATE_XL) != 0 && (s.id & CAN_EFF_FLAG) != 0)
     return fail(name(s) + ": CAN XL has 11 bits of priority");
@@ -321,7 +317,7 @@ void SlotTable::link(const SlotSpec& spec) {
   if (slot >= table_->slots_end) publish(table_->slots_end, slot + 1U);
   publish(*head(spec), slot);
   core::Progress::step();
-  if (profile_ == GATE_PROFILE_FAMOUSO && Bindings(*table_).is_contradicted(table_->slots[slot]))
+  if (gate_has_broker(profile_) != 0 && Bindings(*table_).is_contradicted(table_->slots[slot]))
     publish(table_->slots[slot].contradicted, __u8{1});
   ++used_;
 }

@@ -163,7 +163,7 @@ const AuditNames::Identifiers& AuditNames::identifiers_of(const std::string& net
   const auto [known, fresh] = by_network_.try_emplace(network);
   if (!fresh) return known->second;
   const core::Network* const of = network_named(network);
-  if (of != nullptr && of->profile != core::Profile::none) add_identifiers(*of, known->second);
+  if (of != nullptr && core::names_channels(of->profile)) add_identifiers(*of, known->second);
   return known->second;
 }
 
@@ -221,8 +221,8 @@ void AuditNames::compare(std::size_t port, control::Finding& frame) {
   const core::Network* const network =
       network_named(frame.entered_network.empty() ? frame.network : frame.entered_network);
   const core::Profile profile = gates_.profile(port);
-  if (!channel || network == nullptr || network->profile == core::Profile::none ||
-      profile == core::Profile::none)
+  if (!channel || network == nullptr || !core::names_channels(network->profile) ||
+      !core::names_channels(profile))
     return;
   const core::Place place =
       is_local ? core::Place{core::Place::Kind::gateway, scene_.self}

@@ -76,8 +76,7 @@ Carried carried(const CanRule& rule, const Others& others) {
 /// of the other bus distinguishes the PGNs.
 void add_carriers(const core::GateEntry& in, std::vector<CanRule>& rules) {
   constexpr std::uint32_t priority = 0x1c000000;
-  const core::Fragmentation& transport =
-      *core::traits_of(core::Profile::j1939).fragmentation;  // no other profile has any
+  const core::Fragmentation& transport = core::transport_protocol();
   CanRule rule = rules.front();
   rule.fd = false;
   for (const core::FrameIdentity& carrier : transport.carriers({.id = in.id, .mask = in.mask})) {

@@ -10,6 +10,7 @@
 #include "base/result.hpp"
 #include "core/admission/admission.hpp"
 #include "core/model/system.hpp"
+#include "core/profiles/profile.hpp"
 #include "daemon/net/identity.hpp"
 #include "daemon/net/links.hpp"
 #include "daemon/ports/report_line.hpp"
@@ -31,7 +32,7 @@ class DescribedPort {
   [[nodiscard]] core::NetworkKind kind() const { return kind_; }
   [[nodiscard]] bool is_can() const { return kind_ == core::NetworkKind::can; }
   [[nodiscard]] core::Profile profile() const { return profile_; }
-  [[nodiscard]] bool needs_gate() const { return profile_ != core::Profile::none; }
+  [[nodiscard]] bool needs_gate() const { return core::names_channels(profile_); }
   /// Whether a kind of gate exists that the port needs for this interface.
   [[nodiscard]] bool can_have_gate(const net::Link& link) const;
 

@@ -78,7 +78,7 @@ $(eval $(call fuzz_target,journal_fuzz,$(addprefix daemon/store/,oneofs journal 
 $(eval $(call fuzz_target,replies_fuzz,$(addprefix tools/,$(basename $(notdir $(wildcard tools/render*.cc))) json audit audit_additions elements escape table words values times) control core,replies,4096,))
 $(eval $(call fuzz_target,tables_fuzz,tools/design/analyse_bus/table tools/design/analyse_bus/distinct tools/values core,tables,2048,))
 $(eval $(call fuzz_target,recordings_fuzz,learn relay tools/elements tools/escape tools/table description control core,recordings,8192,$(XML_LIBS) -lz -lfmt))
-$(eval $(call fuzz_target,import_fuzz,$(basename $(wildcard tools/design/import/*.cc)) $(addprefix tools/,design/attribute_list escape table values) description control core,import,4096,$(XML_LIBS) $(YAML_LIBS) -lfmt))
+$(eval $(call fuzz_target,import_fuzz,$(basename $(wildcard tools/design/import/*.cc)) $(addprefix tools/,design/attribute_list elements escape table values) description control core,import,4096,$(XML_LIBS) $(YAML_LIBS) -lfmt))
 $(eval $(call fuzz_target,sources_texts_fuzz,untrusted sources,sources_texts,16384,$(NL_LIBS) -lsystemd))
 $(eval $(call fuzz_target,sources_packets_fuzz,untrusted sources,sources_packets,16384,$(NL_LIBS) -lsystemd))
 $(eval $(call fuzz_target,netlink_fuzz,daemon sources core,netlink,2048,$(NL_LIBS) -lsystemd -lfmt))

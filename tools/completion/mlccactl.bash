@@ -22,6 +22,11 @@ _mlccactl_gates() {
 		cut -d'"' -f4 | sort -u
 }
 
+# The profiles that learn takes.
+_mlccactl_profiles() {
+	mlccactl learn --help 2>/dev/null | grep -oE 'INTERFACE=[a-z0-9|]+' | cut -d= -f2 | tr '|' '\n'
+}
+
 # CAN interfaces: ARPHRD_CAN is 280.
 _mlccactl_can() {
 	grep -lx 280 /sys/class/net/*/type 2>/dev/null | cut -d/ -f5
@@ -172,7 +177,7 @@ _mlccactl() {
 			i=$COMP_CWORD
 		fi
 		if [[ ${COMP_WORDS[i]} == "=" && ${COMP_WORDS[i - 2]} == --profile ]]; then
-			mapfile -t COMPREPLY < <(compgen -W "raw famouso j1939 cyphal canopen" -- "$cur")
+			mapfile -t COMPREPLY < <(compgen -W "$(_mlccactl_profiles)" -- "$cur")
 			return
 		fi
 	fi

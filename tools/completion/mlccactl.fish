@@ -80,6 +80,11 @@ function __mlccactl_learnable
     test -n "$types"; and string replace -rf '.*/([^/]*)/type$' '$1' -- (grep -lxE '1|280' $types)
 end
 
+# The profiles that learn takes.
+function __mlccactl_profiles
+    mlccactl learn --help 2>/dev/null | string match -rg 'INTERFACE=([a-z0-9|]+)' | string split '|'
+end
+
 # INTERFACE=, and behind it each of $argv.
 function __mlccactl_of_interface
     set -l interface (string match -rg '^(?:--[a-z-]*=)?([^=]+=)' -- (commandline -ct))
@@ -258,7 +263,7 @@ __mlccactl_option 'generate' -l force -d 'overwrite files of others'
 
 __mlccactl_option 'learn' -l for -x -d 'how long to listen'
 __mlccactl_option 'learn' -l merge -x -a '(__mlccactl_files xml)' -d 'what would have to change in this'
-__mlccactl_option 'learn' -l profile -x -a '(__mlccactl_of_interface raw famouso j1939 cyphal canopen)' -d 'the profile of an interface'
+__mlccactl_option 'learn' -l profile -x -a '(__mlccactl_of_interface (__mlccactl_profiles))' -d 'the profile of an interface'
 __mlccactl_option 'learn' -l bitrate -x -a '(__mlccactl_of_interface)' -d 'the bit rate of an interface'
 __mlccactl_option 'learn' -l data-bitrate -x -a '(__mlccactl_of_interface)' -d 'the same of its FD data phase'
 __mlccactl_option 'learn' -l user -x -a '(__fish_complete_users)' -d 'user of programs here that send'

@@ -26,6 +26,7 @@
 #include "base/standard_streams.hpp"
 #include "base/units.hpp"
 #include "core/model/words.hpp"
+#include "core/profiles/profile.hpp"
 #include "daemon/net/can_routes.hpp"
 #include "description/kinds.hpp"
 #include "description/read.hpp"
@@ -187,7 +188,7 @@ class Learn {
     for (std::size_t i = 0; i < interfaces_.names().size(); ++i) {
       const auto& of = observer_.interfaces()[i];
       if (of.is_stated && of.medium == learn::Medium::ethernet &&
-          of.decoder->profile() != core::Profile::famouso)
+          !core::has_datagrams(of.decoder->profile()))
         notes_.push_back(fmt::format(
             "{}: the profile {} is for CAN, and {} has frames of Ethernet", interfaces_.names()[i],
             core::words::kProfiles.of(of.decoder->profile()), interfaces_.names()[i]));
@@ -464,7 +465,8 @@ void add_learn(CLI::App& app, Context& context) {
       ->type_name("FILE.xml");
   verb->add_option("--profile", a->profiles,
                    "the profile of an interface, instead of the one that is recognised; repeatable")
-      ->type_name("INTERFACE=PROFILE")
+      ->type_name(
+          fmt::format("INTERFACE={}", fmt::join(std::span(core::words::kProfiles).subspan(1), "|")))
       ->allow_extra_args(false);
   verb->add_option("--bitrate", a->bitrates,
                    "the bit rate of an interface, such as can0=500k; repeatable")

@@ -10,6 +10,7 @@
 
 #include "core/design/inspect.hpp"
 #include "core/model/words.hpp"
+#include "core/profiles/profile.hpp"
 #include "description/read.hpp"
 #include "tools/design/learn_deadlines.hpp"
 
@@ -44,7 +45,7 @@ std::map<std::string, core::Profile> described_profiles(
   std::map<std::string, core::Profile> out;
   for (const auto& [interface, name] : networks)
     if (const auto* const network = network_at(system, interface, networks);
-        network != nullptr && network->profile != core::Profile::none)
+        network != nullptr && core::names_channels(network->profile))
       out.emplace(interface, network->profile);
   return out;
 }
@@ -70,9 +71,9 @@ std::vector<std::string> leave_out_others(const core::System& system,
         "{}: nothing is proposed for the network {}, which has {}: the traffic is that of {} with "
         "the profile {}",
         names[i], network->name,
-        network->profile == core::Profile::none
-            ? "no profile"
-            : fmt::format("the profile {}", core::words::kProfiles.of(network->profile)),
+        core::names_channels(network->profile)
+            ? fmt::format("the profile {}", core::words::kProfiles.of(network->profile))
+            : "no profile",
         has_can ? "CAN" : "Ethernet", core::words::kProfiles.of(of.recognised->profile)));
   }
   std::erase_if(draft.channels, [&](const learn::DraftChannel& row) {

@@ -41,7 +41,7 @@ std::optional<std::size_t> network_named(const core::System& system, const std::
 /// The binding of frames with this number; nullopt if there is none.
 const core::Binding* binding_of(const core::Network& network, std::uint32_t number) {
   const std::uint32_t id = number & learn::kIdentifierBits;
-  const bool raw = network.profile == core::Profile::raw;
+  const bool raw = core::traits_of(network.profile).form == core::IdentifierForm::stated;
   const auto found = std::ranges::find_if(network.bindings, [&](const core::Binding& b) {
     if (!raw) return b.id == id && !b.waits_for_tag();
     return b.extended == ((number & learn::kExtended) != 0) && (id & b.mask) == (b.id & b.mask);

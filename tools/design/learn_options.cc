@@ -9,6 +9,7 @@
 #include <span>
 
 #include "core/model/words.hpp"
+#include "core/profiles/profile.hpp"
 #include "description/values.hpp"
 #include "tools/values.hpp"
 
@@ -46,7 +47,7 @@ Result<std::map<std::string, core::Profile>> stated_profiles(
   for (const std::string& text : texts) {
     const auto parts = assignment(text);
     const auto profile = parts ? core::words::kProfiles.find(parts->second) : std::nullopt;
-    if (!profile || *profile == core::Profile::none)
+    if (!profile || !core::names_channels(*profile))
       return fail(fmt::format("--profile {}: write an interface and one of {}, such as can0=j1939",
                               text, fmt::join(std::span(core::words::kProfiles).subspan(1), ", ")));
     if (!out.try_emplace(parts->first, *profile).second)

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/many.hpp"
+#include "core/profiles/profile.hpp"
 #include "tools/elements.hpp"
 #include "tools/learn/arrivals.hpp"
 
@@ -348,7 +349,7 @@ class Collector {
   [[nodiscard]] bool is_followed(const FlowKey& key) const {
     if (observer_.flows().at(key).control && !crossing_.contains(key)) return false;
     return !observer_.is_ethernet(key.interface) ||
-           observer_.profile_of(key.interface) == core::Profile::famouso;
+           core::has_datagrams(observer_.profile_of(key.interface));
   }
   [[nodiscard]] Key key_of(const FlowKey& key) const {
     return {observer_.is_ethernet(key.interface) ? kAnyEthernet : key.interface, key.number};

@@ -22,8 +22,10 @@ bool Decoder::is_heart_beat(const Frame& frame) {
 }
 
 void Decoder::take(const Frame& frame, const OnEvent& on_event) {
+  const core::ProfileTraits& traits = core::traits_of(profile_);
+  const auto reassembly = core::reassembly_of(profile_);
   Event event;
-  if ((frame.id & kRemote) != 0 && !core::traits_of(profile_).remote_frames) {
+  if ((frame.id & kRemote) != 0 && !traits.remote_frames) {
     ++others_;
     return;
   }
@@ -40,15 +42,14 @@ void Decoder::take(const Frame& frame, const OnEvent& on_event) {
     event.node = parts->node;
     event.priority = parts->priority;
   }
-  if (profile_ == core::Profile::j1939 && parts) {
+  if (reassembly == core::Reassembly::announced && parts) {
     take_j1939(frame, event, on_event);
     return;
   }
-  if (profile_ == core::Profile::famouso) take_binding(frame);
-  const bool subscribes =
-      profile_ == core::Profile::famouso && parts && parts->number == subscribe_tag_;
+  if (traits.deals_tags) take_binding(frame);
+  const bool subscribes = traits.deals_tags && parts && parts->number == subscribe_tag_;
   if (is_control(frame) || subscribes) {
-    event.control = profile_ == core::Profile::canopen && is_heart_beat(frame);
+    event.control = traits.has_heart_beats && is_heart_beat(frame);
     if (event.control)
       on_event(event);
     else
@@ -59,9 +60,9 @@ void Decoder::take(const Frame& frame, const OnEvent& on_event) {
     ++others_;
     return;
   }
-  if (profile_ == core::Profile::cyphal)
+  if (reassembly == core::Reassembly::marked)
     take_cyphal(frame, event, on_event);
-  else if (profile_ == core::Profile::famouso && parts->is_fragment)
+  else if (reassembly == core::Reassembly::counted && parts->is_fragment)
     take_fragment(frame, event, on_event);
   else
     on_event(event);

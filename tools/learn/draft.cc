@@ -188,7 +188,8 @@ class Drafter {
       comment += fmt::format("; the first of {} publishers", channel.sources.size());
     if (row.periodic) comment += fmt::format("; {} lost in a row at most, + 1", row.omission - 1);
     if (!observer_.is_ethernet(channel.interface) &&
-        observer_.profile_of(channel.interface) == Profile::canopen && is_service(channel.number))
+        core::traits_of(observer_.profile_of(channel.interface)).has_services &&
+        is_service(channel.number))
       comment += "; an SDO, by which any entry of a node can be written: no control traffic";
     if (const auto text = tools::spelled(channel.subject.value_or(0)); !text.empty())
       comment += fmt::format("; its subject is the text {}", tools::in_comment(text));
@@ -369,7 +370,7 @@ class Drafter {
     out_.transports[name] = transports;
     xml += fmt::format("  <Network name=\"{}\">\n{}    <Kind>{}</Kind>\n", networks_[interface],
                        assumed_kind(transports), core::words::kNetworkKinds.of(transports.most()));
-    if (of.recognised->profile == Profile::famouso)
+    if (core::has_datagrams(of.recognised->profile))
       xml += fmt::format(
           "    <Profile>famouso</Profile>\n"
           "    <!-- What it provides is assumed: state what your switches do. -->\n"
@@ -380,7 +381,7 @@ class Drafter {
       xml += "    <!-- Without a Profile it has no gate. -->\n";
     xml += "  </Network>\n";
     std::ranges::move(of.datagrams->notes(name), std::back_inserter(out_.left_out));
-    if (of.recognised->profile != Profile::famouso && options_.networks.empty())
+    if (!core::has_datagrams(of.recognised->profile) && options_.networks.empty())
       out_.left_out.push_back(fmt::format(
           "{0}: its network is drafted without a Profile, so it has no gate: {1}. If it has "
           "FAMOUSO's events, state --profile {0}=famouso",

@@ -6,6 +6,7 @@
 
 #include "base/hash.hpp"
 #include "core/can/wire.hpp"
+#include "core/profiles/profile.hpp"
 #include "relay/fd_length.hpp"
 
 namespace mlcca::learn {
@@ -159,8 +160,7 @@ void Observer::finish(std::size_t interfaces, std::span<const Medium> media) {
       continue;
     }
     if (!of.datagrams) of.datagrams = std::make_unique<Datagrams>();
-    // FAMOUSO is the only profile of Ethernet.
-    if (!of.is_stated || of.recognised->profile != core::Profile::famouso)
+    if (!of.is_stated || !core::has_datagrams(of.recognised->profile))
       of.recognised = of.datagrams->recognised();
   }
   find_origins();

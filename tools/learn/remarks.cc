@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "tools/learn/remarks.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -14,11 +12,10 @@
 #include "core/profiles/profile.hpp"
 #include "tools/elements.hpp"
 #include "tools/learn/channels.hpp"
+#include "tools/learn/remarks.hpp"
 
 namespace mlcca::learn {
 namespace {
-
-using core::Profile;
 
 constexpr std::size_t kMostNamed = 8;                  // channels in a line
 constexpr std::uint64_t kManyGaps = 10;                // in gaps of a channel
@@ -62,7 +59,7 @@ class Remarks {
   template <class Is>
   [[nodiscard]] Numbers numbers(std::uint32_t interface, const Is& is) const {
     Numbers out;
-    if (observer_.is_ethernet(interface) && observer_.profile_of(interface) != Profile::famouso)
+    if (observer_.is_ethernet(interface) && !core::has_datagrams(observer_.profile_of(interface)))
       return out;
     for (const auto& [key, seen] : observer_.flows()) {
       if (key.interface != interface || seen.control || !is(key, seen)) continue;
@@ -192,7 +189,8 @@ class Remarks {
 
   /// Notes SDOs, which a gate does not pass unless they are described.
   void services(std::uint32_t interface) {
-    if (observer_.is_ethernet(interface) || observer_.profile_of(interface) != Profile::canopen)
+    if (observer_.is_ethernet(interface) ||
+        !core::traits_of(observer_.profile_of(interface)).has_services)
       return;
     const Numbers all =
         numbers(interface, [](const FlowKey& key, const Seen&) { return is_service(key.number); });

@@ -80,10 +80,12 @@ Origins origins(const Probe& probe, const GateReading& gate) {
 /// A frame with a key that has no slot, in the form that the profile uses for subjects.
 Probe unknown_subject(const GateReading& gate, bool extended) {
   Probe probe{.id = extended ? CAN_EFF_FLAG | 0x0c0300c8U : 0x6a5U, .len = 1};
-  const std::uint32_t step = gate.profile == GATE_PROFILE_RAW || !extended ? 1U : 0x100U;
-  for (int n = 0; n < GATE_SLOTS && !candidates(probe, gate).empty(); ++n)
+  for (int n = 0; n < GATE_SLOTS && !candidates(probe, gate).empty(); ++n) {
+    const std::uint32_t key = gate_key_mask(gate.profile, probe.id);
+    const std::uint32_t step = key & ~(key - 1);  // its lowest bit
     probe.id =
         (probe.id & CAN_EFF_FLAG) | ((probe.id + step) & (extended ? CAN_EFF_MASK : CAN_SFF_MASK));
+  }
   return probe;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/profiles/profile.hpp"
 #include "relay/famouso/subscription.hpp"
 
 namespace mlcca::relay {
@@ -11,8 +12,7 @@ Result<std::vector<TagBroker::Dealt>> described_tags(const core::System& system,
                                                      const std::string& network) {
   const auto there = std::ranges::find(system.networks, network, &core::Network::name);
   if (there == system.networks.end()) return fail("there is no network '" + network + "'");
-  if (there->kind != core::NetworkKind::can || there->profile != core::Profile::famouso)
-    return fail(network + " is no CAN network of profile famouso");
+  if (!core::has_broker(*there)) return fail(network + " is no CAN network of profile famouso");
   std::vector<TagBroker::Dealt> out;
   for (const core::Binding& binding : there->bindings)
     if (!binding.dynamic)

@@ -301,7 +301,7 @@ class DescribedBuses {
           "publisher {} states no Period: how often it sends on network {} must be "
           "bounded",
           p.name, network.name);
-    if (network.profile == core::Profile::none)
+    if (!core::names_channels(network.profile))
       return fmt::format("network {} has no Profile: the identifier of publisher {} is not known",
                          network.name, p.name);
     if (core::can_send(p, network))

@@ -12,6 +12,7 @@
 #include "base/many.hpp"
 #include "core/design/bus_responses.hpp"
 #include "core/model/text.hpp"
+#include "core/profiles/profile.hpp"
 #include "tools/design/check/rows.hpp"
 
 namespace mlcca::tools::design {
@@ -100,7 +101,7 @@ class Mapper {
     if (network.provision.has(Attribute::bandwidth))
       out["capacity"] = network.provision[Attribute::bandwidth];
     std::string note =
-        network.profile == core::Profile::none ? "" : std::string(core::to_text(network.profile));
+        core::names_channels(network.profile) ? std::string(core::to_text(network.profile)) : "";
     if (is_best_case(network.provision, network.user))
       note += note.empty() ? "best cases only" : ", best cases only";
     add_errors(out, network.name, note);

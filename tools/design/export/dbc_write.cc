@@ -11,6 +11,7 @@
 
 #include "base/ascii.hpp"
 #include "base/many.hpp"
+#include "core/profiles/profile.hpp"
 #include "mlcca/attribute.hpp"
 #include "tools/design/export/admitted.hpp"
 #include "tools/values.hpp"
@@ -107,7 +108,7 @@ class DbcWriter {
     const bool fd = binding->format != core::FrameFormat::classic;
     const auto most = fd ? kFdFrame : kClassicFrame;
     Value bytes = offered.has(Attribute::max_payload) ? offered[Attribute::max_payload] : most;
-    const bool long_group = network_.profile == core::Profile::j1939 && bytes > kClassicFrame;
+    const bool long_group = has_groups_ && bytes > kClassicFrame;
     if (bytes > most && !long_group) {
       out_.lacks.add("fragments", "events of several frames: the message is one frame", 0,
                      fmt::format("{}: {}", channel.name, many(bytes, "byte")));
@@ -155,9 +156,9 @@ class DbcWriter {
 
   void values(std::uint32_t id, bool fd, bool extended) {
     constexpr int standard_fd = 14;
-    constexpr int j1939 = 3;
+    constexpr int group = 3;
     int format = (fd ? standard_fd : 0) + (extended ? 1 : 0);
-    if (network_.profile == core::Profile::j1939) format = j1939;
+    if (has_groups_) format = group;
     if (format != 0) put(values_, "BA_ \"VFrameFormat\" BO_ {} {};\n", id, format);
     any_fd_ = any_fd_ || fd;
   }
@@ -199,7 +200,7 @@ class DbcWriter {
         "BA_DEF_DEF_ \"BusType\" \"CAN\";\nBA_DEF_DEF_ \"ProtocolType\" \"\";\n"
         "BA_DEF_DEF_ \"Baudrate\" 0;\nBA_DEF_DEF_ \"BaudrateCANFD\" 0;\n";
     if (any_fd_) out += "BA_ \"BusType\" \"CAN FD\";\n";
-    if (network_.profile == core::Profile::j1939) out += "BA_ \"ProtocolType\" \"J1939\";\n";
+    if (has_groups_) put(out, "BA_ \"ProtocolType\" \"{}\";\n", protocol_);
     if (network_.bus.bitrate != 0) put(out, "BA_ \"Baudrate\" {};\n", network_.bus.bitrate);
     if (network_.bus.data_bitrate != 0)
       put(out, "BA_ \"BaudrateCANFD\" {};\n", network_.bus.data_bitrate);
@@ -207,6 +208,8 @@ class DbcWriter {
 
   const core::System& system_;
   const core::Network& network_;
+  const std::string_view protocol_ = core::traits_of(network_.profile).dbc_protocol;
+  const bool has_groups_ = !protocol_.empty();  ///< messages are parameter groups, and not frames
   std::vector<AdmittedFrames> frames_;
   Exported out_;
   DbcNames names_of_nodes_;

@@ -47,7 +47,7 @@ class DbcMeaning {
         options_.profile.value_or(is_j1939() ? core::Profile::j1939 : core::Profile::raw);
     for (const auto& node : dbc_.nodes) add(node);
     for (const auto& message : dbc_.messages)
-      if (out_.profile == core::Profile::j1939)
+      if (has_groups())
         add_group(message);
       else
         add_frame(message);
@@ -56,6 +56,11 @@ class DbcMeaning {
   }
 
  private:
+  /// Whether messages are parameter groups, as those of J1939 are, and not frames.
+  [[nodiscard]] bool has_groups() const {
+    return !core::traits_of(out_.profile).dbc_protocol.empty();
+  }
+
   void lack(std::string_view kind, std::string_view what, int line, std::string item) {
     out_.lacks.add(kind, what, line, std::move(item));
   }
@@ -82,7 +87,7 @@ class DbcMeaning {
     if (!node.address) return std::nullopt;
     const bool is_stated = node.address_line != 0;
     const auto number = number_in<unsigned>(*node.address);
-    if (out_.profile != core::Profile::j1939) {
+    if (!has_groups()) {
       if (is_stated)
         lack("address", "is of J1939, and no node of this network has one: left out",
              node.address_line, fmt::format("{}: {}", node.name, cut(*node.address, 40)));

@@ -14,7 +14,9 @@
 #include "base/hash.hpp"
 #include "base/many.hpp"
 #include "core/model/words.hpp"
+#include "core/profiles/profile.hpp"
 #include "tools/design/attribute_list.hpp"
+#include "tools/elements.hpp"
 #include "tools/escape.hpp"
 
 namespace mlcca::tools::design {
@@ -143,25 +145,8 @@ class Writer {
     if (message.format != core::FrameFormat::classic)
       put(" format=\"{}\"", core::words::kFrameFormats.of(message.format));
     out_ += '>';
-    const auto priority =
-        message.priority ? fmt::format(" priority=\"{}\"", *message.priority) : std::string();
-    switch (network.profile) {
-      case core::Profile::j1939:
-        put("<PGN{}{}>0x{:x}</PGN>", priority,
-            message.destination ? fmt::format(" destination=\"0x{:02x}\"", *message.destination)
-                                : std::string(),
-            message.id);
-        break;
-      case core::Profile::cyphal:
-        put("<SubjectID{}>{}</SubjectID>", priority, message.id);
-        break;
-      case core::Profile::canopen:
-        put("<COBID>0x{:03x}</COBID>", message.id);
-        break;
-      default:
-        put("<Identifier form=\"{}\">0x{:0{}x}</Identifier>",
-            message.extended ? "extended" : "standard", message.id, message.extended ? 8 : 3);
-    }
+    const std::uint32_t number = message.id | (message.extended ? core::kExtendedFlag : 0);
+    out_ += binding_element(network.profile, number, message.priority, message.destination);
     out_ += "</Binding>\n";
   }
 
