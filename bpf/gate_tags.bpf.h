@@ -108,7 +108,7 @@ static __always_inline void take_back(struct gate_binding *b, struct reply *r)
 	r->news = 1;
 }
 
-static long look_at_binding(__u32 at, void *context)
+static long compare_binding(__u32 at, void *context)
 {
 	struct gate_binding *b = &table.bindings[at & (GATE_BINDINGS - 1)];
 	struct reply *r = context;
@@ -185,7 +185,7 @@ __noinline __u32 heed_reply(struct __sk_buff *skb, struct frame *frame, __u32 di
 	r.part = bpf_ntohl(data.part);
 	r.broker = admitted && (frame->can_id & CAN_EFF_MASK) == GATE_REPLY_ID;
 	join(&r, direction, data.node);
-	bpf_loop(READ_ONCE(table.bindings_end), look_at_binding, &r, 0);
+	bpf_loop(READ_ONCE(table.bindings_end), compare_binding, &r, 0);
 	if (r.news)
 		report_news(r.half);
 	return 0;

@@ -34,13 +34,13 @@ std::string advice_lines(const control::Audit& audit) {
 }
 
 /// The direction; empty if it is not known.
-const char* way_of(const control::Finding& f) {
+const char* direction_of(const control::Finding& f) {
   if (f.others && f.channel.empty()) return "";
   return f.egress ? "out" : "in";
 }
 
 /// The reason. If the description has the channel, its delivery or publisher is what it lacks.
-std::string why_of(const control::Finding& f) {
+std::string stated_reason_of(const control::Finding& f) {
   if (f.described.empty()) return f.reason;
   if (!f.publisher.empty())
     return fmt::format("{}: it differs from {} of {}", f.reason, f.described, f.publisher);
@@ -117,28 +117,28 @@ std::string render(const control::Audit& audit, Color color) {
   if (audit.findings.empty())
     return out + "\nnothing was refused when the gates were last read, about a second ago\n";
   TextTable table({{"INTERFACE"},
-                   {"WAY"},
+                   {"DIRECTION"},
                    {"FRAME OR DELIVERY"},
                    {"SENDER"},
                    {"WOULD DROP", Align::right},
                    {"DROPPED", Align::right},
                    {"FIRST"},
                    {"LATEST"},
-                   {"WHY"}});
+                   {"REASON"}});
   const auto number = [](const control::Finding& f, std::uint64_t n) {
     if (n == 0) return std::string();
     return fmt::format("{}{}", f.at_least ? "at least " : "", n);
   };
   for (const control::Finding& f : audit.findings)
     table.add({{f.interface},
-               {way_of(f)},
+               {direction_of(f)},
                {name_of(f)},
                {sender_of(f)},
                {number(f, f.would_drop)},
                {number(f, f.dropped)},
                {print_second(f.first_unix_s)},
                {print_second(f.last_unix_s)},
-               {why_of(f)}});
+               {stated_reason_of(f)}});
   out += '\n' + table.text(color);
   return out + notes_on(audit) + advice_lines(audit) + addition_lines(audit);
 }

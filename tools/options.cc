@@ -221,7 +221,7 @@ void add_screen(CLI::App& app, TopArguments& to) {
       ->type_name("subject|network")
       ->check(CLI::IsMember({"subject", "network"}));
   app.add_option("--sort", to.sort,
-                 "name, way, verdict, rate, jitter, loss, drops, reserved, used; rate by default")
+                 "name, route, verdict, rate, jitter, loss, drops, reserved, used; rate by default")
       ->type_name("COLUMN");
   app.add_flag("--reverse", to.reverse, "the smallest first, and names from z to a");
   app.add_option("--filter", to.filter, "only rows that contain this text");

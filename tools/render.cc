@@ -108,7 +108,8 @@ std::string arrivals_of(const control::Watch& watch) {
   // Publishers share the identifier, so the regularity of one of them is not known.
   if (watch.shared)
     return fmt::format(
-        "only whether none of those that look alike sends; the latest event {} ago{}",
+        "only whether none of those that the gate cannot distinguish sends; the latest event {} "
+        "ago{}",
         about(watch.since_last_ns), watch.missing_now ? ": MISSING" : "");
   std::string text = many(watch.events, "event");
   if (watch.rate_mhz != 0)
@@ -141,7 +142,7 @@ std::string subscribers_of(const control::Channel& channel) {
   return names;
 }
 
-/// "in all 7 passed, 0 dropped; 2 would have been dropped, audit mode let them through"
+/// "in all 7 passed, 0 dropped; 2 would have been dropped, audit mode passed them"
 std::string frames_of(const control::Channel& channel) {
   if (!channel.carried_by.empty())
     return fmt::format("not counted: {} forwards it, and not this gateway",
@@ -149,8 +150,7 @@ std::string frames_of(const control::Channel& channel) {
   if (channel.crosses_no_gate) return "not counted: they cross no gate of this gateway";
   auto text = fmt::format("in all {} passed, {} dropped", channel.passed, channel.dropped);
   if (channel.would_drop != 0)
-    text += fmt::format("; {} would have been dropped, audit mode let them through",
-                        channel.would_drop);
+    text += fmt::format("; {} would have been dropped, audit mode passed them", channel.would_drop);
   if (channel.excess != 0) text += fmt::format("; {} were more than admitted", channel.excess);
   if (channel.would_exceed != 0)
     text += fmt::format(" ({} of these passed in audit mode)", channel.would_exceed);

@@ -151,7 +151,7 @@ std::string hop_hint(const System& system, const Row& row, const std::string& re
     return "each link has the " + provided +
            " that PerHop states: let it be better, take fewer links, or ask less";
   return "let " + place + " provide " + provided + " " + required +
-         " or better, ask less, or take another way";
+         " or better, ask less, or take another route";
 }
 
 /// The hint for FD frames on buses that state no data bit rate; it covers all such buses of the
@@ -485,7 +485,7 @@ void Explainer::add_capacity(const Verdict& v, const Row& row) {
   else
     f.text += ", where " + f.provided + " of " + rate(all) + " are left (" + rate(row.reserved) +
               " for other channels)";
-  f.hint = "send less, or less often, or move channels to another way";
+  f.hint = "send less, or less often, or move channels to another route";
 }
 
 }  // namespace mlcca::core

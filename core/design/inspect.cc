@@ -344,9 +344,9 @@ class Inspector {
       const auto [first, fresh] = alike.try_emplace(key, number);
       if (fresh || !said.insert(key).second) continue;
       add(FindingId::shared_limit, p.origin,
-          "publishers " + members_.publisher(first->second).name + " and " + p.name +
-              " of channel " + s_.channels[c].name + " look alike to the gates on network " +
-              s_.networks[p.place.index].name +
+          "gates on network " + s_.networks[p.place.index].name +
+              " cannot distinguish publishers " + members_.publisher(first->second).name + " and " +
+              p.name + " of channel " + s_.channels[c].name +
               ": what one sends too much is taken from what the other may send, and the silence of "
               "one is not reported while the other sends",
           p.station.is_wildcard()

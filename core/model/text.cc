@@ -213,13 +213,13 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
              " that is not described: its Unlisted would have to allow it";
     case Obstacle::sender_twice:
       return "events of the channel reach " + at() +
-             " over another way already: two senders of one identifier";
+             " by another route already: two senders of one identifier";
     case Obstacle::echo:
       if (v.obstacle_at.kind == Place::Kind::gateway)
         return "gateway " + at() +
                " could not distinguish these events from those that another gateway brings, and "
                "would carry both: they would arrive twice, or go round";
-      return "events of the publisher reach " + at() + " over another way already: they would " +
+      return "events of the publisher reach " + at() + " by another route already: they would " +
              "arrive twice";
     case Obstacle::cluster:
       return "waits for the store: other gateways use " + at() +

@@ -94,7 +94,7 @@ std::string DeliveryHealth::look_alikes_of(const core::GateState& rules,
   if (own == nullptr || own->watching.silence == 0) return {};
   const core::SharedRule* const both = rule_of(own->entry, shared);
   if (both == nullptr) return {};
-  return core::names_of(scene_.state->members(), both->publishers) + " look alike to the gate";
+  return "the gate cannot distinguish " + core::names_of(scene_.state->members(), both->publishers);
 }
 
 std::vector<std::string> DeliveryHealth::troubles_of(const core::Verdict& v,

@@ -58,7 +58,7 @@ struct Observed {
 ///   nothing has come for 4.2 s: 84 events are missing
 ///   12 frames on second-can in the last 40 s were more than was admitted
 ///   events come again, the latest 20 ms ago: not restored yet
-///   not supervised: a and b look alike to the gate
+///   not supervised: the gate cannot distinguish a and b
 ///   40 frames came in from second-can and none left to robot-can
 ///   40 frames came in from second-can since the latest left to robot-can: nothing forwards them
 ///   12 frames on second-can in the last 40 s named no known subject, the latest 124: does ...

@@ -251,8 +251,8 @@ std::string reroute_line(const core::State& state, const core::Verdict& v,
       out += (out.empty() ? "" : ", ") + core::name_of(system, hop);
     return out;
   };
-  return fmt::format("{} ({}) takes another way from {} to {}: {} instead of {}: {}", channel.name,
-                     core::format_subject(channel.subject),
+  return fmt::format("{} ({}) takes another route from {} to {}: {} instead of {}: {}",
+                     channel.name, core::format_subject(channel.subject),
                      core::name_of(system, state.members().publisher(v.publisher).place),
                      core::name_of(system, v.to), names(v.route), names(former_route),
                      why(state, v));

@@ -31,8 +31,8 @@ void set_not_supervised(control::Channel& channel, std::string why);
 /// A line such as "video (0x…) switched from set 1 to set 2 of 2, from laptop to awds: …".
 [[nodiscard]] std::string switch_line(const core::State& state, const core::Verdict& verdict,
                                       std::size_t former_set);
-/// A line such as "video (0x…) takes another way from laptop to field: lan, back-up, field instead
-/// of lan, main, field: …".
+/// A line such as "video (0x…) takes another route from laptop to field: lan, back-up, field
+/// instead of lan, main, field: …".
 [[nodiscard]] std::string reroute_line(const core::State& state, const core::Verdict& verdict,
                                        const core::Route& former_route);
 /// A line such as "emergency-switch (0xa4efeccc3210b497) refused from second-can to robot-can:

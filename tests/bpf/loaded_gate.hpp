@@ -20,7 +20,7 @@ namespace mlcca::test {
 inline constexpr std::uint32_t kIfindex = 7;  ///< of the gate under test
 inline constexpr std::uint32_t kOther = 9;    ///< another interface with a gate
 inline constexpr std::uint32_t kToken = 0xa5c30f1e;
-/// Mark of what only audit mode has let through an ingress gate.
+/// Mark of what only audit mode has passed at an ingress gate.
 inline constexpr std::uint32_t kReportedBefore = ~kToken ^ 1U;
 
 struct GateOptions {

@@ -169,7 +169,7 @@ Judgement refused(const World& world, gate_reason reason, std::uint32_t mark) {
   return {.outcome = {!world.audit, mark}, .reason = reason, .slot = {}, .bytes = 0};
 }
 
-/// At ingress: what audit mode lets through has a mark of its own.
+/// At ingress: what audit mode passes has a mark of its own.
 Judgement refused_in(const World& world, gate_reason reason) {
   return refused(world, reason, world.audit ? kReportedBefore : 0);
 }

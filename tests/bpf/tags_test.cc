@@ -69,9 +69,9 @@ class GateTags : public ::testing::Test {
     return s;
   }
   void receive(const Reply& r, Direction direction = Direction::ingress) {
-    for (const int half : {0, 1}) hear_half(r, half, direction);
+    for (const int half : {0, 1}) receive_half(r, half, direction);
   }
-  void hear_half(const Reply& r, int half, Direction direction = Direction::ingress) {
+  void receive_half(const Reply& r, int half, Direction direction = Direction::ingress) {
     gate_.run(direction, half_of(r, half), {.local = direction == Direction::egress});
   }
   [[nodiscard]] bool enters(std::uint16_t tag = kTag) {
@@ -112,22 +112,22 @@ TEST_F(GateTags, TheTagOfAnotherSubjectIsClosedBeforeItsFirstEvent) {
 }
 
 TEST_F(GateTags, OneHalfThatDiffersSuffices) {
-  hear_half({}, 0);
+  receive_half({}, 0);
   EXPECT_FALSE(enters());
   EXPECT_EQ(found().halves, 1);
   EXPECT_EQ(found().other, kDistance & 0xffffffff00000000U);
 }
 
 TEST_F(GateTags, AnEqualFirstHalfProvesNothing) {
-  hear_half({.subject = kSwitches}, 0);
+  receive_half({.subject = kSwitches}, 0);
   EXPECT_TRUE(enters());
-  hear_half({.subject = kSwitches}, 1);
+  receive_half({.subject = kSwitches}, 1);
   EXPECT_FALSE(enters());
   EXPECT_EQ(found().other, kSwitches);
 }
 
 TEST_F(GateTags, ASecondHalfAloneContradictsToo) {
-  hear_half({}, 1);
+  receive_half({}, 1);
   EXPECT_FALSE(enters());
   EXPECT_EQ(found().halves, 2);
   EXPECT_EQ(found().other, kDistance & 0xffffffffU);
@@ -142,10 +142,10 @@ TEST_F(GateTags, ASubjectThatIsDealtAnotherTagLosesItsOwn) {
 }
 
 TEST_F(GateTags, HalvesOfTwoRepliesAreNotJoined) {
-  hear_half({.subject = kSwitch, .tag = 0x3ffd}, 0);
-  hear_half({.subject = kSwitch, .tag = 0x3ffc}, 1);
+  receive_half({.subject = kSwitch, .tag = 0x3ffd}, 0);
+  receive_half({.subject = kSwitch, .tag = 0x3ffc}, 1);
   EXPECT_TRUE(enters()) << "another tag in each";
-  hear_half({.subject = kSwitch, .tag = 0x3ffd, .node = 0x7c}, 1);
+  receive_half({.subject = kSwitch, .tag = 0x3ffd, .node = 0x7c}, 1);
   EXPECT_TRUE(enters()) << "for another node";
 }
 
@@ -221,8 +221,8 @@ TEST_F(GateTags, AReplyThatIsNoBrokersClosesAndOpensNothing) {
   EXPECT_FALSE(enters());
   receive({.subject = kSwitch, .id = forged.id});
   EXPECT_FALSE(found().confirmed);
-  hear_half({.subject = kSwitch}, 0);
-  hear_half({.subject = kSwitch, .id = forged.id}, 1);
+  receive_half({.subject = kSwitch}, 0);
+  receive_half({.subject = kSwitch, .id = forged.id}, 1);
   EXPECT_FALSE(found().confirmed) << "half of it is";
   EXPECT_FALSE(stated_.found().empty());
 }
@@ -281,7 +281,7 @@ TEST_F(GateTags, OutlastTheDaemonAndEndWithTheStatement) {
 
 TEST_F(GateTags, ATagThatIsNotKnownIsLearnedFromAWholeReply) {
   stated_.state(std::vector<gates::StatedBinding>{{kSwitch, 0, false}, {GATE_SUBSCRIBE, 0, false}});
-  hear_half({.subject = kSwitch}, 1);
+  receive_half({.subject = kSwitch}, 1);
   EXPECT_EQ(found().dealt, 0);
   receive({.subject = kSwitch, .id = kEff | 0x1f5f4004});
   EXPECT_EQ(found().dealt, 0) << "no broker's";
@@ -315,7 +315,7 @@ TEST_F(GateTags, ATagThatIsDealtToAnotherBeforeItIsStatedIsTakenBack) {
 TEST_F(GateTags, OneHalfOfAnotherSubjectTakesItBackAsWell) {
   stated_.state(std::vector<gates::StatedBinding>{{.subject = kSwitch}});
   receive({.subject = kSwitch});
-  hear_half({}, 0);
+  receive_half({}, 0);
   EXPECT_EQ(found().dealt, 0);
 }
 

@@ -40,7 +40,7 @@ using fuzz::demand;
 
 constexpr int kAsked = 7;                   // interface
 constexpr std::uint64_t kStep = 1'000'000;  // ns that one call takes
-/// More calls than any limit of time or octets lets through.
+/// More calls than any limit of time or octets admits.
 constexpr std::size_t kMostCalls = 2'000'000;
 
 enum Fate : unsigned char {

@@ -56,12 +56,12 @@ TEST_F(AuditReport, ListsWhatWasRefusedAndWhatADescriptionWouldNeed) {
   const std::string expected = R"(AUDIT MODE: nothing is dropped; counted since 2023-11-14 22:13:20
 for 3 h nothing would have been dropped; the gates enforce after 1 d without
 
-INTERFACE  WAY  FRAME OR DELIVERY           SENDER                         WOULD DROP  DROPPED  FIRST                LATEST               WHY
-can0       in   123                                                              4210        7  2023-11-14 22:13:21  2023-11-15 22:13:20  unknown subject
-can1       in   0cf00417                    node 23                                 1           2023-11-14 22:13:22  2023-11-14 22:13:22  unknown subject
-eth0       in   0x4e6f626f64790000          192.0.2.7 (02:00:5e:10:00:01)           3           2023-11-14 22:13:23  2023-11-14 22:13:24  unknown subject
-can1       out  emergency-switch of switch                                         12           2023-11-14 22:13:25  2023-11-14 22:13:26  refused: Omission 2 required, field provides 5 (3 too many)
-eth0       in                                                                                2  2023-11-14 22:13:27  2023-11-14 22:13:28  malformed
+INTERFACE  DIRECTION  FRAME OR DELIVERY           SENDER                         WOULD DROP  DROPPED  FIRST                LATEST               REASON
+can0       in         123                                                              4210        7  2023-11-14 22:13:21  2023-11-15 22:13:20  unknown subject
+can1       in         0cf00417                    node 23                                 1           2023-11-14 22:13:22  2023-11-14 22:13:22  unknown subject
+eth0       in         0x4e6f626f64790000          192.0.2.7 (02:00:5e:10:00:01)           3           2023-11-14 22:13:23  2023-11-14 22:13:24  unknown subject
+can1       out        emergency-switch of switch                                         12           2023-11-14 22:13:25  2023-11-14 22:13:26  refused: Omission 2 required, field provides 5 (3 too many)
+eth0       in                                                                                      2  2023-11-14 22:13:27  2023-11-14 22:13:28  malformed
 31 further ones had fewer frames: they are in others
 malformed: no subject or sender can be read of these frames; a recording shows them, by tcpdump or candump
 

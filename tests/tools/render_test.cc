@@ -61,7 +61,7 @@ TEST_F(RenderTest, ExplainsWhatTheMediaGiveAndWhichSetIsInUse) {
   publisher    switch
   subscribers  motor-left, motor-right
   importance   9
-  frames       in all 12 passed, 0 dropped; 12 would have been dropped, audit mode let them through; 6 were more than admitted (5 of these passed in audit mode)
+  frames       in all 12 passed, 0 dropped; 12 would have been dropped, audit mode passed them; 6 were more than admitted (5 of these passed in audit mode)
 )");
 }
 

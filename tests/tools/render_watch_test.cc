@@ -13,9 +13,9 @@ TEST(RenderWatch, OfPublishersThatLookAlikeItShowsTheLatestEventOfAny) {
   channel.watch->shared = true;
   channel.watch->missing_now = false;
   const std::string text = explain(control::Channels{{channel}}, Color::no, true);
-  EXPECT_TRUE(
-      text.contains("  watched      only whether none of those that look alike sends; the "
-                    "latest event 200 ms ago\n"))
+  EXPECT_TRUE(text.contains(
+      "  watched      only whether none of those that the gate cannot distinguish sends; the "
+      "latest event 200 ms ago\n"))
       << text;
   EXPECT_FALSE(text.contains("  gaps  ")) << text;
 }

@@ -172,8 +172,8 @@ TEST(TopRatesTest, OfPublishersThatLookAlikeJitterAndLossOfOneAreNotKnown) {
   channel.watch->missing = 1;
   channel.watch->last_gap_ns = channel.watch->jitter_ns = 1'000'000;
   channel.watch->shared = true;
-  channel.not_supervised = "a and b look alike to the gate";
-  channel.troubles = {"not supervised: a and b look alike to the gate"};
+  channel.not_supervised = "the gate cannot distinguish a and b";
+  channel.troubles = {"not supervised: the gate cannot distinguish a and b"};
   const Row row = rows_by_subject(nullptr, sample(1, {channel})).at(0);
   EXPECT_FALSE(row.jitter);
   EXPECT_FALSE(row.loss);
@@ -444,7 +444,7 @@ TEST(TopLayoutTest, EightyColumnsShowAllOfThem) {
             (std::vector<std::string>{
                 "bridge of volksbot: enforce, open, 1 granted, 0 refused",
                 "by subject, sorted by rate, 1 row",
-                "CHANNEL          WAY             VERDICT RATE/s JITTER  LOSS DROP/s  RESV  USED",
+                "CHANNEL          ROUTE           VERDICT RATE/s JITTER  LOSS DROP/s  RESV  USED",
                 "emergency-switch second-can > r~ granted     20  1.2ms    0%      3    2% 99.5%",
             }));
 }

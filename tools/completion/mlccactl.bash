@@ -106,7 +106,7 @@ _mlccactl() {
 		return
 		;;
 	--sort)
-		mapfile -t COMPREPLY < <(compgen -W "name way verdict rate jitter loss drops reserved used" -- "$cur")
+		mapfile -t COMPREPLY < <(compgen -W "name route verdict rate jitter loss drops reserved used" -- "$cur")
 		return
 		;;
 	--can)

@@ -120,7 +120,7 @@ void add_deliveries(const control::Channels& channels, const Most& most, LeftOut
   Family excess("mlcca_delivery_frames_excess_total", "counter",
                 "Frames in excess of what was admitted, dropped or not.");
   Family would_drop("mlcca_delivery_frames_would_drop_total", "counter",
-                    "Frames that audit mode let through.");
+                    "Frames that audit mode passed.");
   Watches watches;
   Responses responses;
   for (const auto& d : deliveries_of(channels, most.deliveries, left_out["deliveries"])) {

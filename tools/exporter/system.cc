@@ -81,7 +81,7 @@ struct Frames {
   Family dropped{"mlcca_interface_frames_dropped_total", "counter",
                  "Frames that the gate dropped, by reason."};
   Family would_drop{"mlcca_interface_frames_would_drop_total", "counter",
-                    "Frames that audit mode let through, by the reason for which they would be "
+                    "Frames that audit mode passed, by the reason for which they would be "
                     "dropped."};
 
   void add(const Labels& interface, const char* direction, const control::Traffic& traffic) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
+#include "tools/learn/remarks.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -12,7 +14,6 @@
 #include "core/profiles/profile.hpp"
 #include "tools/elements.hpp"
 #include "tools/learn/channels.hpp"
-#include "tools/learn/remarks.hpp"
 
 namespace mlcca::learn {
 namespace {
@@ -143,8 +144,8 @@ class Remarks {
     });
     if (!all.empty())
       out_.push_back(fmt::format(
-          "{}: {} paused while others went on: the draft has {} cycle, so {} subscribers are told "
-          "when {} {}",
+          "{}: {} paused while others went on: the draft has {} cycle, so {} subscribers get an "
+          "exception when {} {}",
           names_[interface], listed(all), all.size() == 1 ? "its" : "their",
           all.size() == 1 ? "its" : "their", all.size() == 1 ? "it" : "they",
           all.size() == 1 ? "pauses" : "pause"));

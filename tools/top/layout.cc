@@ -21,7 +21,7 @@ struct Title {
 /// Titles and least widths in the order of Field. The first two columns get the spare space of a
 /// wide screen.
 constexpr std::array<Title, kFields> kTitles = {{{"CHANNEL", "NETWORK", 16, Align::left},
-                                                 {"WAY", "GRANTED", 15, Align::left},
+                                                 {"ROUTE", "GRANTED", 15, Align::left},
                                                  {"VERDICT", "STATE", 7, Align::left},
                                                  {"RATE/s", "RATE/s", 6, Align::right},
                                                  {"JITTER", "JITTER", 6, Align::right},
@@ -54,8 +54,8 @@ constexpr std::array<std::string_view, 17> kHelp = {
     "JITTER     furthest that a gap between two events was from the period",
     "LOSS       events that did not come",
     "DROP/s     frames that the gate dropped",
-    "WOULD      in audit mode: frames a second that it would have dropped, and let through",
-    "RESV       reserved, of the resource on the way that it takes the most of",
+    "WOULD      in audit mode: frames a second that it would have dropped, and passed",
+    "RESV       reserved, of the resource on the route that it takes the most of",
     "USED       of what is reserved, by the events that passed",
     "-          unknown, or not measured",
     "           any key leaves this help"};

@@ -12,7 +12,7 @@ namespace mlcca::tools::top {
 namespace {
 
 constexpr std::array<std::string_view, kFields> kNames = {
-    "name", "way", "verdict", "rate", "jitter", "loss", "drops", "reserved", "used"};
+    "name", "route", "verdict", "rate", "jitter", "loss", "drops", "reserved", "used"};
 
 constexpr char kEscape = '\x1b';
 constexpr char kControlU = '\x15';

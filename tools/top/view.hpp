@@ -14,10 +14,10 @@ namespace mlcca::tools::top {
 enum class Field : std::uint8_t { name, place, verdict, rate, jitter, loss, drops, reserved, used };
 inline constexpr std::size_t kFields = 9;
 
-/// The name of a field as --sort accepts it: "name", "way", ….
+/// The name of a field as --sort accepts it: "name", "route", ….
 [[nodiscard]] std::string_view name_of(Field field);
 [[nodiscard]] std::optional<Field> field_named(std::string_view name);
-/// All names: "name, way, …".
+/// All names: "name, route, …".
 [[nodiscard]] std::string field_names();
 
 /// The state of the screen that the user controls.

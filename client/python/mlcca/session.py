@@ -221,7 +221,7 @@ class Session:
         self._in = bytearray()
         self._last_id = 0
         self._last_number = 0
-        self._whole: dict[int, control_pb2.Reply] = {}
+        self._partial: dict[int, control_pb2.Reply] = {}
 
     def add(self, part: Part) -> None:
         """Has the channel announced whenever a connection is made."""
@@ -256,7 +256,7 @@ class Session:
     def lost(self, why: str) -> None:
         self.out.clear()
         self._in.clear()
-        self._whole.clear()
+        self._partial.clear()
         self._supervises = False
         for part in self.parts:
             part.asked, part.outdated, part.failed = 0, False, False
@@ -377,16 +377,16 @@ class Session:
         if reply.id == 0:
             self._knows_pings = self._knows_pings and self._ping == 0
             raise ProtocolError(reply.error.message or "mlccad sent a reply without a request")
-        whole = self._whole.pop(reply.id, None)
-        if whole is not None and not reply.HasField("error"):
+        partial = self._partial.pop(reply.id, None)
+        if partial is not None and not reply.HasField("error"):
             more = reply.more
-            whole.MergeFrom(reply)
-            whole.more = more
-            reply = whole
+            partial.MergeFrom(reply)
+            partial.more = more
+            reply = partial
         if len(reply.channels.channels) > MOST_ROWS:
             raise ProtocolError("mlccad sent an answer without end")
         if reply.more:
-            self._whole[reply.id] = reply
+            self._partial[reply.id] = reply
             return
         for part in self.parts:
             if part.asked == reply.id:

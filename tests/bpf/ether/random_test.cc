@@ -237,7 +237,7 @@ class Round {
       counted.bytes += want.bytes;
     } else {
       ++(world_.audit ? counted.would_drop : counted.dropped);
-      counted.last_reason = want.reason;
+      counted.last_reason = gates::reason_of(want.reason);
     }
   }
 

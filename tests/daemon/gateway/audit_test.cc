@@ -215,7 +215,7 @@ TEST_F(AuditOnTheBench, ExcessIsAFindingWhereItIsDropped) {
 }
 
 TEST_F(AuditOnTheBench, FramesThatNobodyCanReadAreFoundByTheirReason) {
-  bench_.gates().refused["can1"] = {{"malformed", true, {3, 0}}};
+  bench_.gates().refused["can1"] = {{core::FrameReason::malformed, true, {3, 0}}};
   pass(kSecond);
   const auto findings = audit().findings;
   ASSERT_EQ(findings.size(), 1U);
@@ -249,7 +249,7 @@ TEST_F(AuditOnTheBench, FramesOfKindsThatNoGateCountsAreARowOfTheirOwn) {
   EXPECT_FALSE(audit().findings[0].at_least) << "all of them are counted";
   see("can0", 0x123, 2);
   bench_.gates().unknown["can0"].would_drop += 500;
-  bench_.gates().refused["can1"] = {{"malformed", true, {3, 0}}};
+  bench_.gates().refused["can1"] = {{core::FrameReason::malformed, true, {3, 0}}};
   pass(kSecond);
   const auto found = audit();
   ASSERT_EQ(found.findings.size(), 3U);
@@ -469,7 +469,7 @@ TEST_F(AuditOnTheBench, WhatIsKeptIsGivenBackWhole) {
   see("can0", 0x123, 20);
   pass(kSecond);
   bench_.gates().counted[1] = {.dropped = 6, .last_reason = core::FrameReason::length};
-  bench_.gates().refused["can1"] = {{"malformed", true, {3, 0}}};
+  bench_.gates().refused["can1"] = {{core::FrameReason::malformed, true, {3, 0}}};
   pass(kSecond);
   AuditLog first(bench_.daemon().scene(), bench_.gates(), bench_.clock);
   first.restore(audit());

@@ -120,12 +120,12 @@ TEST(Health, UnknownFramesAreReportedWhereNothingComes) {
 }
 
 TEST(Health, WhoseSilenceNothingReportsIsNotHealthy) {
-  Observed seen{.watch = heart_beat(), .not_supervised = "a and b look alike to the gate"};
-  EXPECT_EQ(troubles(seen), Lines{"not supervised: a and b look alike to the gate"});
+  Observed seen{.watch = heart_beat(), .not_supervised = "the gate cannot distinguish a and b"};
+  EXPECT_EQ(troubles(seen), Lines{"not supervised: the gate cannot distinguish a and b"});
   seen.watch->missing_now = true;
   seen.watch->since_last_ns = 4'200 * kMillisecond;
   EXPECT_EQ(troubles(seen), (Lines{"nothing has come for 4.2 s: 84 events are missing",
-                                   "not supervised: a and b look alike to the gate"}));
+                                   "not supervised: the gate cannot distinguish a and b"}));
 }
 
 TEST(Health, DropsAreReportedWithTheirPlace) {

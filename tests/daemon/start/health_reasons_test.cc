@@ -112,7 +112,7 @@ TEST_F(HealthReasons, PublishersThatLookAlikeAreReportedAsNotSupervised) {
   Gateway gateway(look_alikes(false));
   Process daemon(gateway.command(), gateway.path("log"));
   ASSERT_TRUE(daemon.ready()) << gateway.log();
-  const std::string why = "p-hb and p-hb2 look alike to the gate";
+  const std::string why = "the gate cannot distinguish p-hb and p-hb2";
   EXPECT_TRUE(becomes([&] { return check(gateway).contains("not supervised: " + why); }))
       << check(gateway);
   EXPECT_EQ(check(gateway).find("DEGRADED"), 0U) << check(gateway);
@@ -140,11 +140,14 @@ TEST_F(HealthReasons, PublishersThatLookAlikeAreReportedAsNotSupervised) {
   EXPECT_TRUE(newcomer("query", "a").contains("Omission 0 + 1")) << newcomer("query", "a");
   newcomer("admit", "a");
   EXPECT_FALSE(check(gateway).contains("not supervised")) << check(gateway);
-  EXPECT_TRUE(newcomer("query", "b").contains("reaction     not known: a and b look alike"))
+  EXPECT_TRUE(newcomer("query", "b")
+                  .contains("reaction     not known: the gate cannot distinguish a and b"))
       << newcomer("query", "b");
-  EXPECT_TRUE(newcomer("admit", "b").contains("reaction     not known: a and b look alike"));
-  EXPECT_TRUE(becomes([&] { return check(gateway).contains("a and b look alike to the gate"); }))
-      << check(gateway);
+  EXPECT_TRUE(newcomer("admit", "b")
+                  .contains("reaction     not known: the gate cannot distinguish a and b"));
+  EXPECT_TRUE(becomes([&] {
+    return check(gateway).contains("the gate cannot distinguish a and b");
+  })) << check(gateway);
 }
 
 }  // namespace

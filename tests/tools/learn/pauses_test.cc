@@ -106,7 +106,7 @@ TEST(Pauses, AreCountedAndSaidAndReportedByTheGate) {
       << draft.xml;
   EXPECT_TRUE(says(draft,
                    "can0: 0x200 paused while others went on: the draft has its cycle, so "
-                   "its subscribers are told when it pauses"))
+                   "its subscribers get an exception when it pauses"))
       << draft.left_out.size();
   Gate gate(draft);
   for (const Sent& one : sent) gate.passes(one);

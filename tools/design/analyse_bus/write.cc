@@ -216,7 +216,7 @@ std::string assumed_text(const AnalysedBus& analysed) {
 std::string deadlines_of(const AnalysedBus& analysed) {
   const auto& all = analysed.bus.messages;
   if (!all.empty() && std::ranges::none_of(all, [](const auto& m) { return m.standing.counted; }))
-    return "nothing is let through";
+    return "no message is admitted";
   if (analysed.late) return "a deadline can be missed";
   if (!analysed.bus.sure) return "whether every deadline is met is not known";
   return "every deadline is met";

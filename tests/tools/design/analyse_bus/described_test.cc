@@ -53,7 +53,7 @@ TEST_F(AnalyseBusTest, WhatIsNotStatedOfTheWayIsReported) {
   const auto path = file("open.xml", two_buses(traffic, "<Bus bitrate=\"250000\"/>", ""));
   const auto done = analyse(path);
   EXPECT_EQ(done.status, 1);
-  EXPECT_NE(done.out.find("nothing is let through, but mlccactl check refuses 1 message"),
+  EXPECT_NE(done.out.find("no message is admitted, but mlccactl check refuses 1 message"),
             std::string::npos)
       << done.out;
   EXPECT_NE(done.out.find("how long bridge delays events of wheel is not known"), std::string::npos)

@@ -180,7 +180,7 @@ TEST_F(TextTest, SaysEachFindingOnALineThatAnEditorFollows) {
             name +
                 ":5: error MLCCA021: speed@air to speed@air: Omission 2 required by speed@air, "
                 "air provides 3 (1 too many)\n"
-                "    hint: let air provide Omission 2 or better, ask less, or take another way\n"
+                "    hint: let air provide Omission 2 or better, ask less, or take another route\n"
                 "test: 1 channel: 0 fit, 0 decided at run time, 1 do not fit\n"
                 "1 error, 0 warnings, 0 notes\n");
 }
