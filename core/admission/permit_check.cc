@@ -12,7 +12,8 @@
 
 namespace mlcca::core {
 
-std::optional<Place> unpermitted(const Situation& s, const Ledger& ledger, const Verdict& v) {
+std::optional<Place> unpermitted(const Situation& s, const Ledger& ledger, const Verdict& v,
+                                 std::optional<std::uint64_t> without) {
   if (s.permits == nullptr) return std::nullopt;
   const auto hops = hops_of(v.route);
   for (std::size_t i = 0; i < hops.size(); ++i) {
@@ -25,7 +26,7 @@ std::optional<Place> unpermitted(const Situation& s, const Ledger& ledger, const
                            .message = ledger.message_of(flow),
                            .paths = paths,
                            .elected = has_another_way(s.topology, s.members, v)};
-    if (!s.permits->allow(use)) return hops[i];
+    if (!s.permits->allow(use, without)) return hops[i];
   }
   return std::nullopt;
 }
@@ -58,13 +59,14 @@ bool is_left_to_another(const Situation& s, const Verdict& v) {
 
 /// The first other gateway on the route that has agreed to none of the admissions.
 std::optional<Place> disagreeing(const Situation& s, const Verdict& v,
-                                 const std::vector<AdmissionId>& admissions) {
+                                 const std::vector<AdmissionId>& admissions,
+                                 std::optional<std::uint64_t> without) {
   const Permits& permits = *s.permits;
   std::optional<Place> first;
   for (const AdmissionId id : admissions) {
     const auto lacking = std::ranges::find_if(v.route, [&](Place place) {
       return place.kind == Place::Kind::gateway && place.index != permits.self() &&
-             !permits.is_agreed(id, place.index);
+             !permits.is_agreed(id, place.index, without);
     });
     if (lacking == v.route.end()) return std::nullopt;
     if (!first) first = *lacking;
@@ -74,10 +76,11 @@ std::optional<Place> disagreeing(const Situation& s, const Verdict& v,
 
 }  // namespace
 
-std::optional<std::pair<Obstacle, Place>> disagreement(const Situation& s, const Verdict& v) {
+std::optional<std::pair<Obstacle, Place>> disagreement(const Situation& s, const Verdict& v,
+                                                       std::optional<std::uint64_t> without) {
   if (s.permits == nullptr || !s.permits->needs_agreements()) return std::nullopt;
   const std::vector<AdmissionId> admissions = admissions_to_agree(s.members, v);
-  const auto gateway = disagreeing(s, v, admissions);
+  const auto gateway = disagreeing(s, v, admissions, without);
   if (!gateway || is_left_to_another(s, v)) return std::nullopt;
   if (s.permits->is_open()) return std::pair(Obstacle::disagreed, *gateway);
   // Another gateway may carry it all the same: what is missing is the store.

@@ -3,6 +3,7 @@
 // them.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <utility>
@@ -17,9 +18,11 @@
 namespace mlcca::core {
 
 /// The first shared network of the verdict's route on which the gateway may not hold what its flow
-/// has in the ledger; nullopt if there is none. Always nullopt without permits.
+/// has in the ledger; nullopt if there is none. Always nullopt without permits. `without`: as if
+/// that reservation were not there.
 [[nodiscard]] std::optional<Place> unpermitted(const Situation& situation, const Ledger& ledger,
-                                               const Verdict& verdict);
+                                               const Verdict& verdict,
+                                               std::optional<std::uint64_t> without = std::nullopt);
 
 /// The admissions of a delivery to one of which other gateways on its route have to agree. That of
 /// the publisher is one for its own subscriber and for those of the description. Empty where the
@@ -29,9 +32,10 @@ namespace mlcca::core {
 
 /// Why other gateways on the verdict's route do not carry it, where they have to agree: the first
 /// one that has not, or a shared network while nothing that was agreed counts. nullopt if all have
-/// agreed to one of its admissions.
-[[nodiscard]] std::optional<std::pair<Obstacle, Place>> disagreement(const Situation& situation,
-                                                                     const Verdict& verdict);
+/// agreed to one of its admissions. `without`: as if that reservation were not there.
+[[nodiscard]] std::optional<std::pair<Obstacle, Place>> disagreement(
+    const Situation& situation, const Verdict& verdict,
+    std::optional<std::uint64_t> without = std::nullopt);
 
 /// The first of the networks on which nothing can be reserved at present, with the reason.
 [[nodiscard]] std::optional<std::pair<Obstacle, Place>> bar_on(const Wish& wish,

@@ -76,8 +76,13 @@ class Permits {
   /// admissions. The description is their agreement to one of which both ends are described.
   void need_agreements() { needs_agreements_ = true; }
   [[nodiscard]] bool needs_agreements() const { return needs_agreements_; }
-  [[nodiscard]] bool is_agreed(AdmissionId admission, std::size_t gateway) const {
-    return open_ && agreed_.contains({admission, gateway});
+  /// `without`: as if that reservation were not there.
+  [[nodiscard]] bool is_agreed(AdmissionId admission, std::size_t gateway,
+                               std::optional<std::uint64_t> without = std::nullopt) const {
+    const auto by = agreed_.find({admission, gateway});
+    return open_ && by != agreed_.end() &&
+           std::ranges::any_of(by->second,
+                               [without](std::uint64_t number) { return number != without; });
   }
   /// Whether it is for another gateway to know who has agreed to what does not lead over this one.
   [[nodiscard]] bool is_left_to_another(AdmissionId admission) const {

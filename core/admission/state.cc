@@ -435,9 +435,9 @@ std::map<std::size_t, Obstacle> State::barred_to_wishes(std::size_t channel) {
   return barred;
 }
 
-bool State::is_permitted(const Verdict& v) const {
+bool State::permitted(const Verdict& v, std::optional<std::uint64_t> without) const {
   const Situation now = situation();
-  return !unpermitted(now, ledger_, v) && !disagreement(now, v);
+  return !unpermitted(now, ledger_, v, without) && !disagreement(now, v, without);
 }
 
 std::vector<std::size_t> State::wishes() const {

@@ -203,7 +203,11 @@ class State {
     return {*this, Admission{0, channel, {}, {}}, Proposal::Kind::wish};
   }
   /// Whether a delivery of a proposal may be used with what is reserved and agreed to now.
-  [[nodiscard]] bool is_permitted(const Verdict& verdict) const;
+  [[nodiscard]] bool is_permitted(const Verdict& verdict) const { return permitted(verdict, {}); }
+  /// The same as if that reservation were not there.
+  [[nodiscard]] bool is_permitted_without(const Verdict& verdict, std::uint64_t reservation) const {
+    return permitted(verdict, reservation);
+  }
   /// Channels that this gateway has to do with, and that are given less than what would fit,
   /// because it is not reserved, or other gateways have not agreed to it.
   [[nodiscard]] std::vector<std::size_t> wishes() const;
@@ -260,6 +264,7 @@ class State {
     s.wished = &wished_;
     return s;
   }
+  [[nodiscard]] bool permitted(const Verdict& verdict, std::optional<std::uint64_t> without) const;
   [[nodiscard]] Others others_on(std::size_t network, const MeshView* view) const {
     return promised_beside(situation(), network, view);
   }

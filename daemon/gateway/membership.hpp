@@ -142,6 +142,10 @@ class Membership final : private core::Holdings {
   [[nodiscard]] const core::cluster::Baseline& baseline() const {
     return session_.networks->baseline();
   }
+  /// See Wishes::add_subscribers().
+  void add_subscribers(const core::Proposal& wish, cluster::StoredRequest& to) const {
+    wishes_.add_subscribers(wish, to);
+  }
   /// See Wishes::add_publishers().
   void add_publishers(const core::cluster::Footprint& footprint, cluster::StoredRequest& to) const {
     wishes_.add_publishers(footprint, to);

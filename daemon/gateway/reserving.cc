@@ -11,10 +11,10 @@
 namespace mlcca {
 namespace {
 
-std::vector<core::AdmissionId> ids_of(const cluster::StoredRequest& asked) {
+std::vector<core::AdmissionId> ids_of(const std::vector<control::Request>& requests) {
   std::vector<core::AdmissionId> ids;
-  ids.reserve(asked.requests.size());
-  for (const control::Request& request : asked.requests) ids.push_back(request.id);
+  ids.reserve(requests.size());
+  for (const control::Request& request : requests) ids.push_back(request.id);
   return ids;
 }
 
@@ -132,6 +132,7 @@ void Reserving::refuse_all(const std::string& why, const std::string& to_do) {
 /// Ends the use of a reservation. Others have it after the gates have closed and the store says so.
 void Reserving::give_back(Number number) {
   held_.erase(number);
+  outdated_.erase(number);
   agreements_changed_ = true;
   if (const auto* const there = parts_.networks.footprint(number))
     parts_.networks.count(number, *there, parts_.networks.permits().self());
@@ -150,16 +151,40 @@ void Reserving::release_closed(core::cluster::Member& member, Value now) {
 void Reserving::admissions_gone(const std::vector<core::AdmissionId>& gone) {
   // What counted together with their publishers has to be counted separately now.
   parts_.networks.touch_all();
-  for (auto& [number, held] : held_) {
-    if (held.admissions.empty()) continue;
-    std::erase_if(held.admissions,
-                  [&](core::AdmissionId id) { return std::ranges::find(gone, id) != gone.end(); });
-    unused_ = unused_ || held.admissions.empty();
-  }
+  for (auto& [number, held] : held_) leave(number, held, gone);
+  for (Open& open : jobs_)
+    if (open.asked) open.gone.insert(open.gone.end(), gone.begin(), gone.end());
+}
+
+/// These admissions have ended, which may be named by that reservation.
+void Reserving::leave(Number number, Held& held, const std::vector<core::AdmissionId>& gone) {
+  for (auto* const ids : {&held.admissions, &held.also})
+    if (std::erase_if(*ids, [&](core::AdmissionId id) {
+          return std::ranges::find(gone, id) != gone.end();
+        }) != 0) {
+      outdated_.insert(number);
+      unused_ = true;
+    }
+}
+
+/// `gone`: admissions that have ended since that was asked for.
+void Reserving::hold(Number number, const core::cluster::Footprint& footprint,
+                     const cluster::StoredRequest& asked,
+                     const std::vector<core::AdmissionId>& gone) {
+  Held held{.channel = asked.channel,
+            .admissions = ids_of(asked.requests),
+            .also = ids_of(asked.also),
+            .on_behalf = asked.on_behalf,
+            .for_another = !asked.for_gateway.empty()};
+  parts_.networks.hold(number, footprint, held.admissions);
+  leave(number, held, gone);
+  held_.insert_or_assign(number, std::move(held));
+  agreements_changed_ = true;
 }
 
 void Reserving::begin(Open& open, core::cluster::Member& member, Value now) {
   open.asked = true;
+  open.gone.clear();
   parts_.networks.count(open.number, open.wish.footprint, member.self());
   parts_.networks.leave_out(open.number);
   member.reserve({.id = open.number,
@@ -172,11 +197,7 @@ void Reserving::begin(Open& open, core::cluster::Member& member, Value now) {
 }
 
 void Reserving::put_in_force(const Open& open) {
-  held_.insert_or_assign(open.number, Held{.channel = open.wish.asked.channel,
-                                           .admissions = ids_of(open.wish.asked),
-                                           .on_behalf = open.wish.asked.on_behalf});
-  agreements_changed_ = true;
-  parts_.networks.hold(open.number, open.wish.footprint, ids_of(open.wish.asked));
+  hold(open.number, open.wish.footprint, open.wish.asked, open.gone);
   // The publisher of the channel may have been admitted together with it.
   parts_.networks.leave_out(open.number);
   static_cast<void>(parts_.bring_in_line());
@@ -257,15 +278,12 @@ void Reserving::on(const core::cluster::Found& event, const core::cluster::Membe
     give_back(event.id);
     return;
   }
-  held_.emplace(
-      event.id,
-      Held{.channel = asked->channel, .admissions = ids_of(*asked), .on_behalf = asked->on_behalf});
-  agreements_changed_ = true;
-  parts_.networks.hold(event.id, *footprint, ids_of(*asked));
+  hold(event.id, *footprint, *asked, {});
 }
 
 void Reserving::lost() {
   agreements_changed_ = true;
+  outdated_.clear();
   for (const auto& [number, held] : std::exchange(held_, {})) parts_.networks.drop(number);
   for (const Number number : std::exchange(leaving_, {})) parts_.networks.drop(number);
   for (const Number number : std::exchange(to_release_, {})) parts_.networks.drop(number);
@@ -324,8 +342,14 @@ void Reserving::tidy() {
   if (!parts_.networks.permits().is_open()) return;
   std::vector<Number> over;
   for (const auto& [number, held] : held_)
-    if (held.admissions.empty() && !parts_.needs(held.channel, number)) over.push_back(number);
+    if (is_over(number, held)) over.push_back(number);
   for (const Number number : over) give_back(number);
+}
+
+/// What was made for another gateway ends when that one does not ask for it any more.
+bool Reserving::is_over(Number number, const Held& held) const {
+  const bool may_be = held.admissions.empty() || (outdated_.contains(number) && !held.for_another);
+  return may_be && !parts_.needs(held.channel, number);
 }
 
 Reserving::Turn Reserving::turn_of(const Job& job) {

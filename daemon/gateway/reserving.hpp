@@ -9,6 +9,7 @@
 #include <list>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <unordered_set>
 #include <utility>
@@ -55,7 +56,7 @@ class Reserving {
     /// Brings gates and state in line with changes of the networks. False if the kernel has
     /// refused, so that what is to be closed may be open.
     std::function<bool()> bring_in_line;
-    /// Whether something that is in use of that channel needs that reservation.
+    /// Whether something of that channel that is granted now needs that reservation.
     std::function<bool(const std::string& channel, Number number)> needs;
     /// Called when what was reserved for these admissions is withdrawn. `ended`: another gateway
     /// had made them for this one, and will not make them again.
@@ -93,7 +94,8 @@ class Reserving {
   [[nodiscard]] bool has_own() const;
   /// Ends the jobs of a session.
   void session_closed(std::uint64_t session);
-  /// Gives back what was reserved for these admissions, unless something else uses it.
+  /// These admissions have ended. What was reserved for them, or counted with their publishers, is
+  /// given back unless something else uses it.
   void admissions_gone(const std::vector<core::AdmissionId>& gone);
   /// `to_do`: what users can do, for the end of the text.
   void refuse_all(const std::string& why, const std::string& to_do = {});
@@ -114,7 +116,7 @@ class Reserving {
   /// Gives back what is closed, refuses what has waited for too long, and begins the next job. True
   /// if the next job was begun or ended.
   bool step(core::cluster::Member& member, Value now);
-  /// Gives back what was reserved for a described channel, or for admissions that have ended, if
+  /// Gives back what was reserved for a described channel, or with admissions that have ended, if
   /// nothing needs it any more.
   void tidy();
   /// When the next job will have waited for too long; nullopt if none waits.
@@ -123,7 +125,9 @@ class Reserving {
   struct Held {
     std::string channel;
     std::vector<core::AdmissionId> admissions;  ///< empty: for the channel as it is described
-    bool on_behalf = false;  ///< another gateway has made the admission for this one
+    std::vector<core::AdmissionId> also;        ///< others, whose publishers count in it
+    bool on_behalf = false;    ///< another gateway has made the admission for this one
+    bool for_another = false;  ///< this gateway has made the admission for another one
   };
   [[nodiscard]] const std::map<Number, Held>& held() const { return held_; }
   /// The admissions that another gateway has made for this one, and for which something is held.
@@ -143,6 +147,7 @@ class Reserving {
     bool abandoned = false;
     std::string withdrawn{};  ///< why the store has withdrawn it; empty: it has not
     Wish wish{};
+    std::vector<core::AdmissionId> gone{};  ///< what has ended since that was decided
   };
   using Jobs = std::list<Open>;
   /// Those who take turns: each user, and all other gateways together.
@@ -153,6 +158,10 @@ class Reserving {
   [[nodiscard]] Jobs::iterator find(Number number);
   [[nodiscard]] Jobs::iterator next_turn();
   void note_turn(const Job& job);
+  [[nodiscard]] bool is_over(Number number, const Held& held) const;
+  void hold(Number number, const core::cluster::Footprint& footprint,
+            const cluster::StoredRequest& asked, const std::vector<core::AdmissionId>& gone);
+  void leave(Number number, Held& held, const std::vector<core::AdmissionId>& gone);
   void give_back(Number number);
   void release_closed(core::cluster::Member& member, Value now);
   void begin(Open& open, core::cluster::Member& member, Value now);
@@ -162,6 +171,8 @@ class Reserving {
   Number next_;
   Jobs jobs_;
   std::map<Number, Held> held_;
+  /// Of those that are held: an admission has ended that they name in the store.
+  std::set<Number> outdated_;
   std::optional<Turn> latest_;  ///< whose turn was the latest, except that of this gateway
   std::optional<std::size_t> latest_gateway_;  ///< of the other gateways
   bool latest_own_ = false;                    ///< the latest turn was one of this gateway itself

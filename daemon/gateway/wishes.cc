@@ -164,6 +164,22 @@ cluster::StoredRequest Wishes::asked_of(const std::string& channel,
   return asked;
 }
 
+void Wishes::add_subscribers(const core::Proposal& wish, cluster::StoredRequest& to) const {
+  const core::Permits& permits = parts_.session.networks->permits();
+  AskedRequests all(parts_.recorder);
+  for (const core::Verdict* const v : wish.verdicts()) {
+    const auto to_agree = core::admissions_to_agree(wish.state().members(), *v);
+    const bool is_agreed = std::ranges::any_of(to_agree, [&](core::AdmissionId id) {
+      return std::ranges::all_of(v->route, [&](core::Place place) {
+        return place.kind != core::Place::Kind::gateway || place.index == permits.self() ||
+               permits.is_agreed(id, place.index);
+      });
+    });
+    if (is_agreed) continue;
+    for (const core::AdmissionId id : to_agree) all.add(id, true, to.requests);
+  }
+}
+
 void Wishes::add_publishers(const core::cluster::Footprint& footprint,
                             cluster::StoredRequest& to) const {
   const auto has = [](const std::vector<control::Request>& all, core::AdmissionId id) {
@@ -191,26 +207,11 @@ bool Wishes::is_known(const cluster::StoredRequest& asked) const {
          std::ranges::all_of(asked.requests, known) && std::ranges::all_of(asked.also, known);
 }
 
-/// Whether the channel uses something that only this reservation allows.
 bool Wishes::needs(const std::string& channel, SharedNetworks::Number number) const {
   const auto there = state().find_channel(channel);
   if (!there) return false;
-  const auto used = core::cluster::footprint_of(
-      state(), *there, parts_.session.networks->baseline(), parts_.session.self);
-  return std::ranges::any_of(used.parts, [&](const core::cluster::Part& part) {
-    return std::ranges::any_of(part.rates, [&](const core::cluster::RatePart& rate) {
-      const auto bus = std::ranges::find(part.bus, rate.source, &core::cluster::BusPart::source);
-      std::vector<core::cluster::PathPart> paths;
-      for (const auto& path : part.paths)
-        if (path.source == rate.source) paths.push_back(path);
-      return !parts_.session.networks->permits().allow(
-          {.network = part.network,
-           .source = rate.source,
-           .bytes_per_second = rate.bytes_per_second,
-           .message = bus == part.bus.end() ? nullptr : &bus->message,
-           .paths = paths},
-          number);
-    });
+  return std::ranges::any_of(state().decisions()[*there].verdicts, [&](const core::Verdict& v) {
+    return v.granted && !state().is_permitted_without(v, number);
   });
 }
 

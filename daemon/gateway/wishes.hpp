@@ -41,12 +41,17 @@ class Wishes {
   /// To be called now and then.
   void forget_past_pauses();
 
+  /// Adds to `to` the admissions here that the deliveries of a newcomer need beside its own,
+  /// because other gateways on the way have not agreed to any of them: subscribers that were
+  /// without a publisher. To be called before add_publishers().
+  void add_subscribers(const core::Proposal& wish, cluster::StoredRequest& to) const;
   /// Adds to `to` the admissions here that have brought the publishers that `footprint` counts.
   /// Other gateways need them to decide on it.
   void add_publishers(const core::cluster::Footprint& footprint, cluster::StoredRequest& to) const;
   /// Whether what the store has as asked for by this gateway is what it has admitted.
   [[nodiscard]] bool is_known(const cluster::StoredRequest& asked) const;
-  /// Whether the channel uses something that only this reservation allows.
+  /// Whether a granted delivery of the channel may be used only with this reservation: no other one
+  /// has what it takes, or the agreement of the gateways on its way.
   [[nodiscard]] bool needs(const std::string& channel, SharedNetworks::Number number) const;
 
  private:

@@ -116,6 +116,7 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
     const auto& channel = state.system().channels[asked->channel];
     cluster::StoredRequest for_others{.channel = channel.name,
                                       .requests = {{.id = *id_, .body = request_}}};
+    context_.membership->add_subscribers(*wish, for_others);
     context_.membership->add_publishers(footprint, for_others);
     return Reserving::Wish{.footprint = std::move(footprint),
                            .publisher = request_.publisher,
