@@ -2,8 +2,10 @@
 #include "relay/afp.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <ranges>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace mlcca::relay::afp {
@@ -22,6 +24,15 @@ std::size_t header_of(const Form& form, std::size_t left) {
 }
 std::size_t room_of(const Form& form, std::size_t left) {
   return form.payload - header_of(form, left);
+}
+
+std::uint32_t hash_of(Octets data) {
+  constexpr unsigned half = 32;
+  const std::string_view text(
+      reinterpret_cast<const char*>(data.data()),  // NOLINT(*-reinterpret-cast)
+      data.size());
+  const std::uint64_t hash = std::hash<std::string_view>{}(text);
+  return static_cast<std::uint32_t>(hash ^ hash >> half);
 }
 
 std::size_t fragments_for(const Form& form, std::size_t octets) {
@@ -107,6 +118,15 @@ std::optional<Reassembly::Fragment> Reassembly::parse(Octets fragment) const {
   return out;
 }
 
+/// What is remembered of the fragments of an event, all of which are there.
+std::vector<Reassembly::Print> Reassembly::prints_of(const Begun& begun) {
+  std::vector<Print> out;
+  if (!begun.last || begun.fragments.size() != *begun.last + 1) return out;
+  for (const auto& [left, data] : begun.fragments)
+    out.push_back({.hash = hash_of(data), .known = true});
+  return out;
+}
+
 std::optional<Event> Reassembly::take(Source source, Octets fragment, std::uint64_t now) {
   expire(now);
   const auto parsed = parse(fragment);
@@ -138,34 +158,77 @@ std::optional<Event> Reassembly::take_in_order(Source source, const Fragment& fr
 std::optional<Event> Reassembly::take_numbered(Source source, const Fragment& fragment,
                                                std::uint64_t now) {
   const Key key{.source = source, .number = fragment.number};
-  if (done_.contains(key)) {
-    ++losses_.duplicates;
-    return std::nullopt;
+  if (const auto done = done_.find(key); done != done_.end()) {
+    if (take_duplicate(key, done->second, fragment)) return std::nullopt;
+    start_again(source);
   }
   auto event = begun_.find(key);
   if (is_overtaken(key)) {
     ++losses_.late;
     if (event != begun_.end()) forget(event);
-    remember(key, now);  // so that its other fragments begin no event
+    remember(key, {.at = now, .prints = {}});  // so that its other fragments begin no event
+    static_cast<void>(take_duplicate(key, done_.at(key), fragment));
     return std::nullopt;
+  }
+  if (event != begun_.end()) {
+    const auto same = event->second.fragments.find(fragment.left);
+    if (same != event->second.fragments.end()) {
+      if (std::ranges::equal(same->second, fragment.data)) {
+        ++losses_.duplicates;
+        return std::nullopt;
+      }
+      start_again(source);
+      event = begun_.end();
+    }
   }
   if (event == begun_.end()) event = begin(key, now);
-  if (event->second.fragments.contains(fragment.left)) {
-    ++losses_.duplicates;
-    return std::nullopt;
-  }
   if (!keep(event, fragment)) return std::nullopt;
+  Done done{.at = now, .prints = prints_of(event->second), .complete = true};
   auto completed = complete(event);
-  if (completed) remember(key, now);
+  if (completed) remember(key, std::move(done));
   return completed;
 }
 
-void Reassembly::remember(const Key& key, std::uint64_t now) {
-  done_.emplace(key, now);
+void Reassembly::remember(const Key& key, Done done) {
+  done_.emplace(key, std::move(done));
   done_order_.push_back(key);
   if (done_.size() <= limits_.remembered) return;
   done_.erase(done_order_.front());
   done_order_.pop_front();
+}
+
+/// A network that doubles frames does it soon. If all of an event comes again behind later ones of
+/// its sender, or behind another one of which this was found, the sender may have started again and
+/// sent the same. It is not taken for a new event, since it may be an old one, but it is counted.
+bool Reassembly::take_duplicate(const Key& key, Done& done, const Fragment& fragment) {
+  if (done.prints.size() <= fragment.left) {
+    if (done.complete) return false;
+    done.prints.resize(fragment.left + 1);
+  }
+  Print& print = done.prints[fragment.left];
+  const std::uint32_t hash = hash_of(fragment.data);
+  if (print.known && print.hash != hash) return false;
+  const bool is_first = !std::exchange(print.known, true);
+  print.hash = hash;
+  if (is_first) return true;
+  ++losses_.duplicates;
+  print.again = true;
+  if (!done.complete || !std::ranges::all_of(done.prints, &Print::again)) return true;
+  for (Print& one : done.prints) one.again = false;
+  const auto before = done_.find({.source = key.source, .number = key.number - 1});
+  if (!is_overtaken(key) && (before == done_.end() || !before->second.repeated)) return true;
+  done.repeated = true;
+  ++losses_.repeated;
+  return true;
+}
+
+void Reassembly::start_again(Source source) {
+  for (auto it = begun_.begin(); it != begun_.end();) {
+    const auto event = it++;
+    if (event->first.source == source) give_up(event, losses_.incomplete);
+  }
+  std::erase_if(done_, [source](const auto& one) { return one.first.source == source; });
+  std::erase_if(done_order_, [source](const Key& key) { return key.source == source; });
 }
 
 /// Event numbers wrap around: 0 follows the highest number.
@@ -254,7 +317,7 @@ void Reassembly::expire(std::uint64_t now) {
     const auto event = it++;
     if (is_old(event->second.since)) give_up(event, losses_.incomplete);
   }
-  while (!done_order_.empty() && is_old(done_.at(done_order_.front()))) {
+  while (!done_order_.empty() && is_old(done_.at(done_order_.front()).at)) {
     done_.erase(done_order_.front());
     done_order_.pop_front();
   }

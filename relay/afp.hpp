@@ -80,6 +80,8 @@ struct Losses {
   std::uint64_t crowded = 0;     ///< events given up because too many were incomplete
   std::uint64_t late = 0;        ///< events discarded because a later event of the same source was
                                  ///< complete before
+  std::uint64_t repeated = 0;  ///< events discarded because all of their fragments came again after
+                               ///< later events of the same source: it may have started again
   auto operator<=>(const Losses&) const = default;
 };
 
@@ -99,7 +101,7 @@ class Reassembly {
     /// Octets of all incomplete events, including kPerFragment for each fragment.
     std::size_t octets = std::size_t{1} << 20;
     std::size_t remembered = 1024;  ///< numbers of complete events, by which duplicates are
-                                    ///< recognised
+                                    ///< recognised, each with 8 octets for each of its fragments
     std::uint64_t lifetime_ns =
         3'000'000'000;  ///< how long an incomplete event or a number is kept
   };
@@ -108,7 +110,8 @@ class Reassembly {
   Reassembly(const Form& form, const Limits& limits) : form_(form), limits_(limits) {}
 
   /// An event with a number up to this much lower than that of a complete event of the source is
-  /// late and discarded. A number with a greater distance is of a sender that has started again.
+  /// late and discarded. A number with a greater distance is of a sender that has started again,
+  /// and so is a fragment whose data differ from those that came before with the same number.
   static constexpr std::uint32_t kOvertakes = 1024;
 
   /// Takes one fragment, and returns the event if the fragment completes it. An event is not
@@ -146,6 +149,19 @@ class Reassembly {
     std::uint64_t since = 0;
   };
   using All = std::map<Key, Begun>;
+  /// What is remembered of a fragment that was received.
+  struct Print {
+    std::uint32_t hash = 0;  ///< of its data
+    bool known = false;
+    bool again = false;  ///< it has come once more since
+  };
+  /// An event that is over.
+  struct Done {
+    std::uint64_t at = 0;       ///< when it was complete, or known to be late
+    std::vector<Print> prints;  ///< by the number of fragments behind each
+    bool complete = false;
+    bool repeated = false;  ///< it was counted as such
+  };
 
   [[nodiscard]] std::optional<Fragment> parse(Octets fragment) const;
   std::optional<Event> take_in_order(Source source, const Fragment& fragment, std::uint64_t now);
@@ -154,7 +170,13 @@ class Reassembly {
   /// is given up then.
   bool keep(All::iterator event, const Fragment& fragment);
   std::optional<Event> complete(All::iterator event);
-  void remember(const Key& key, std::uint64_t now);
+  [[nodiscard]] static std::vector<Print> prints_of(const Begun& begun);
+  void remember(const Key& key, Done done);
+  /// Takes a fragment of an event that is over. Returns false if it is of another event, because
+  /// the sender has started again.
+  bool take_duplicate(const Key& key, Done& done, const Fragment& fragment);
+  /// Forgets everything of a source that has started again.
+  void start_again(Source source);
   [[nodiscard]] bool is_overtaken(const Key& key) const;
   All::iterator begin(const Key& key, std::uint64_t now);
   void give_up(All::iterator event, std::uint64_t& why);
@@ -169,8 +191,8 @@ class Reassembly {
   Limits limits_;
   All begun_;
   std::size_t octets_ = 0;
-  std::map<Key, std::uint64_t> done_;  ///< when the event was complete
-  std::list<Key> done_order_;          ///< oldest first
+  std::map<Key, Done> done_;
+  std::list<Key> done_order_;  ///< oldest first
   Losses losses_;
 };
 

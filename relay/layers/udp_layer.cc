@@ -154,7 +154,7 @@ Losses UdpLayer::losses() const {
   Losses out = losses_;
   const afp::Losses& of_fragments = fragments_.losses();
   out.malformed += of_fragments.malformed;
-  out.incomplete += of_fragments.incomplete + of_fragments.late;
+  out.incomplete += of_fragments.incomplete + of_fragments.late + of_fragments.repeated;
   out.crowded += of_fragments.crowded;
   out.in_socket = socket_->dropped();
   return out;

@@ -242,6 +242,96 @@ TEST(Afp, ALateDuplicateOfAnEventIsNoEventForThreeSeconds) {
   EXPECT_TRUE(reassembly.take(1, fragments[0], 3 * kSecond));
 }
 
+// --- a sender that starts again, with the same numbers, as FAMOUSO's own -------------------------
+
+/// An event with these bytes.
+Event filled(std::size_t size, std::uint8_t with) { return Event(size, with); }
+
+TEST(Afp, ASenderThatStartsAgainIsKnownByItsData) {
+  Reassembly reassembly(kUdp);
+  for (std::uint32_t number = 0; number < 5; ++number) {
+    const Event event = filled(20'000, static_cast<std::uint8_t>(number));
+    EXPECT_EQ(put_together(reassembly, cut(kUdp, event, number)), event);
+  }
+  for (std::uint32_t number = 0; number < 5; ++number) {
+    const Event event = filled(20'000, static_cast<std::uint8_t>(100 + number));
+    EXPECT_EQ(put_together(reassembly, cut(kUdp, event, number)), event) << number;
+  }
+  EXPECT_EQ(reassembly.losses(), Losses{});
+}
+
+TEST(Afp, ASenderThatStartsAgainWithALongerEventIsKnown) {
+  Reassembly reassembly(kUdp);
+  const Event event = filled(9'000, 1);
+  EXPECT_EQ(put_together(reassembly, cut(kUdp, event, 0)), event);
+  const Event longer = filled(50'000, 1);
+  EXPECT_EQ(put_together(reassembly, cut(kUdp, longer, 0)), longer);
+  EXPECT_EQ(reassembly.losses(), Losses{});
+}
+
+/// It ended in the middle of an event, of which nothing may be mixed with that of the next one.
+TEST(Afp, AnEventThatASenderBeganBeforeItStartedAgainIsLostAndCounted) {
+  Reassembly reassembly(kUdp);
+  const auto before = cut(kUdp, filled(20'000, 1), 0);
+  EXPECT_FALSE(reassembly.take(1, before[0], 0));
+  EXPECT_FALSE(reassembly.take(1, before[1], 0));
+  const Event event = filled(20'000, 2);
+  EXPECT_EQ(put_together(reassembly, cut(kUdp, event, 0)), event);
+  EXPECT_EQ(reassembly.losses().incomplete, 1U);
+  EXPECT_EQ(reassembly.begun(), 0U);
+}
+
+/// The same events could be old ones, so they do not come twice; but they are counted.
+TEST(Afp, TheSameEventsOfASenderThatStartsAgainAreCounted) {
+  Reassembly reassembly(kUdp);
+  const Event event = filled(20'000, 1);
+  for (std::uint32_t number = 0; number < 5; ++number)
+    EXPECT_EQ(put_together(reassembly, cut(kUdp, event, number)), event);
+  for (std::uint32_t number = 0; number < 5; ++number)
+    EXPECT_FALSE(put_together(reassembly, cut(kUdp, event, number)));
+  EXPECT_EQ(reassembly.losses().repeated, 5U);
+  EXPECT_EQ(put_together(reassembly, cut(kUdp, event, 5)), event);
+  EXPECT_EQ(reassembly.losses().repeated, 5U);
+}
+
+TEST(Afp, WhatANetworkDoublesIsNoLoss) {
+  Reassembly reassembly(kUdp);
+  for (std::uint32_t number = 0; number < 5; ++number) {
+    const Event event = filled(20'000, static_cast<std::uint8_t>(number % 2));
+    const auto fragments = cut(kUdp, event, number);
+    EXPECT_EQ(put_together(reassembly, fragments), event);
+    EXPECT_FALSE(put_together(reassembly, fragments));
+  }
+  EXPECT_EQ(reassembly.losses().repeated, 0U);
+  EXPECT_EQ(reassembly.losses().duplicates, 15U);
+}
+
+TEST(Afp, ASenderThatStartsAgainBelowWhatIsRememberedIsLateAndKnownSoon) {
+  Reassembly reassembly(kUdp);
+  for (const std::uint32_t number : {100U, 101U}) {
+    const Event event = filled(9'000, 1);
+    EXPECT_EQ(put_together(reassembly, cut(kUdp, event, number)), event);
+  }
+  for (std::uint8_t run = 0; run < 2; ++run)
+    EXPECT_FALSE(put_together(reassembly, cut(kUdp, filled(9'000, run), run)));
+  EXPECT_EQ(reassembly.losses().late, 2U);
+  const Event event = filled(9'000, 9);
+  EXPECT_EQ(put_together(reassembly, cut(kUdp, event, 0)), event) << "it has started once more";
+  EXPECT_EQ(put_together(reassembly, cut(kUdp, event, 1)), event);
+}
+
+TEST(Afp, OtherSourcesAreNotConcerned) {
+  Reassembly reassembly(kUdp);
+  const auto fragments = cut(kUdp, filled(9'000, 1), 0);
+  EXPECT_TRUE(put_together(reassembly, fragments, 2));
+  EXPECT_FALSE(reassembly.take(3, fragments[0], 0));
+  EXPECT_TRUE(put_together(reassembly, fragments, 1));
+  EXPECT_TRUE(put_together(reassembly, cut(kUdp, filled(9'000, 2), 0), 1));
+  EXPECT_FALSE(put_together(reassembly, fragments, 2)) << "a duplicate";
+  EXPECT_TRUE(reassembly.take(3, fragments[1], 0));
+  EXPECT_EQ(reassembly.losses().incomplete, 0U);
+}
+
 TEST(Afp, WhatIsNoFragmentIsCounted) {
   Reassembly can(kCan);
   const std::vector<Event> none_on_can = {

@@ -4,7 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace mlcca::relay {
@@ -53,6 +57,56 @@ TEST(UdpLayerTest, ADatagramIsSubjectFlagAndData) {
   EXPECT_TRUE(parse_datagram(octets)->data.empty());
   octets.resize(8);
   EXPECT_FALSE(parse_datagram(octets)) << "FAMOUSO's own receiver crashes at it";
+}
+
+/// A socket that has received datagrams, each from the same address.
+class ReceivedDatagrams : public UdpSocket {
+ public:
+  explicit ReceivedDatagrams(std::vector<std::vector<std::uint8_t>> datagrams)
+      : datagrams_(std::move(datagrams)) {}
+  [[nodiscard]] int fd() const override { return -1; }
+  [[nodiscard]] Result<void> join(std::uint32_t /*group*/) override { return {}; }
+  void leave(std::uint32_t /*group*/) override {}
+  Got receive(Datagram& to) override {
+    if (next_ == datagrams_.size()) return Got::nothing;
+    to = {.octets = datagrams_[next_++], .from = 0x0a000001, .unix_ns = 1};
+    return Got::datagram;
+  }
+  [[nodiscard]] bool pending() const override { return next_ != datagrams_.size(); }
+  void read_errors() override {}
+  Sent send(std::uint32_t /*to*/, Octets /*header*/, Octets /*data*/) override {
+    return Sent::failed;
+  }
+  [[nodiscard]] std::uint32_t own_address() const override { return 0; }
+  [[nodiscard]] std::uint64_t dropped() const override { return 0; }
+
+ private:
+  std::vector<std::vector<std::uint8_t>> datagrams_;
+  std::size_t next_ = 0;
+};
+
+/// FAMOUSO's own programs number their events from 0 whenever they start.
+TEST(UdpLayerTest, OfASenderThatStartsAgainEveryEventComesOrIsCounted) {
+  const std::uint64_t subject = subject_of("Velocity");
+  const auto header = datagram_header(subject, true);
+  std::vector<std::vector<std::uint8_t>> datagrams;
+  constexpr std::uint32_t events = 4;
+  for (std::uint8_t run = 0; run < 3; ++run)
+    for (std::uint32_t number = 0; number < events; ++number) {
+      // The last run sends what the one before has sent.
+      const std::vector<std::uint8_t> event(10'000, std::min<std::uint8_t>(run, 1));
+      auto fragments = afp::Fragments::of(afp::kUdp, event, number).value();
+      while (const auto fragment = fragments.next()) {
+        datagrams.emplace_back(header.begin(), header.end());
+        datagrams.back().insert(datagrams.back().end(), fragment->begin(), fragment->end());
+      }
+    }
+  UdpLayer layer(std::make_unique<ReceivedDatagrams>(std::move(datagrams)), false);
+  ASSERT_TRUE(layer.follow(1, {}, subject, 20'000));
+  std::uint64_t came = 0;
+  EXPECT_TRUE(layer.receive(1'000, [&came](const Layer::Arrival&) { ++came; }));
+  EXPECT_EQ(came, 2 * events);
+  EXPECT_EQ(layer.losses().all(), events);
 }
 
 }  // namespace
