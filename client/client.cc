@@ -125,7 +125,7 @@ std::shared_ptr<const Answer> Channel::answer() const { return part_->answer.get
 Published Channel::send(const void* data, std::size_t size) {
   const auto connection = part_->connection.lock();
   if (!connection) return Published::not_granted;
-  return connection->data().publish(*part_, {static_cast<const std::uint8_t*>(data), size});
+  return connection->data().publish(part_, {static_cast<const std::uint8_t*>(data), size});
 }
 
 void Channel::receive(std::function<void(const Event&)> handler) {

@@ -133,16 +133,18 @@ void Client::Connection::lose(const std::string& why, Try after) {
   retry_later(after);
   start_timer(supervision_, milliseconds(0));
   ping_ = 0;
-  hangs_ = false;
+  hangs_ = stops_ = false;
   for (const PartOf& part : parts()) {
     part->asked = 0;
     part->outdated = part->failed = false;
   }
-  note_gone(why);
+  note_gone(why, Clock::now());
 }
 
-void Client::Connection::note_gone(const std::string& why) {
+void Client::Connection::note_gone(const std::string& why, Clock::time_point since) {
   for (const PartOf& part : parts()) {
+    data_.lose_daemon(part, static_cast<std::uint64_t>(
+                                std::chrono::nanoseconds(since.time_since_epoch()).count()));
     const State before = part->answer.state();
     part->lost = true;
     part->answer = KeptAnswer(no_daemon(why));
@@ -178,7 +180,8 @@ void Client::Connection::supervise() {
   if (ping_ != 0 && now >= due) {
     hangs_ = true;
     note_gone("mlccad does not answer: nothing has come from it for " +
-              std::to_string(options_.answers_within.count()) + " ms");
+                  std::to_string(options_.answers_within.count()) + " ms",
+              heard_);
     return;
   }
   start_timer(supervision_, std::chrono::ceil<milliseconds>(due - now));
@@ -323,10 +326,15 @@ void Client::Connection::run(milliseconds time) {
   std::array<epoll_event, 16> ready{};
   const int count = ::epoll_wait(epoll_.get(), ready.data(), ready.size(),
                                  data_.has_waiting() ? 0 : for_poll(time));
-  bool other = false;
-  for (const epoll_event& one : std::span(ready).first(count < 0 ? 0 : count))
-    if (!data_.receive(one.data.fd)) other = true;
+  const auto all = std::span(ready).first(count < 0 ? 0 : count);
+  // What the daemon says comes first: it may have ended what is granted. If the array is full, it
+  // may be among what is left.
+  const bool is_full = all.size() == ready.size();
+  const bool other =
+      is_full || std::ranges::any_of(all, [&](const auto& one) { return is_own(one.data.fd); });
   if (other) turn();
+  for (const epoll_event& one : all)
+    if (!is_own(one.data.fd)) static_cast<void>(data_.receive(one.data.fd));
   const auto happened = data_.take_happened();
   for (const auto& [part, event] : happened) on_happened(part, event);
   if (!happened.empty()) wake();
@@ -413,6 +421,7 @@ void Client::Connection::on_answer(const PartOf& part, const control::Reply& rep
 /// channel is announced again, so that the daemon learns it.
 void Client::Connection::carry(const PartOf& part, const control::Reply& reply) {
   const auto done = data_.use(part, reply);
+  if (stops_) data_.close_local(part);
   const std::string problem = done ? "" : done.error().text;
   if (part->local && part->request.local != part->local->address() &&
       std::holds_alternative<control::Channels>(reply.body))
@@ -428,6 +437,10 @@ void Client::Connection::carry(const PartOf& part, const control::Reply& reply) 
 }
 
 void Client::Connection::on_event(const control::Event& event) {
+  if (event.kind == "stopped") {
+    stops_ = true;
+    for (const PartOf& part : parts()) data_.close_local(part);
+  }
   const Meaning meaning = meaning_of(event);
   const auto is_of = [&event](const Channel::Part& part) {
     // Without a delivery only the channel's name is known.
@@ -447,9 +460,17 @@ void Client::Connection::on_event(const PartOf& part, const control::Event& even
   } else if (meaning == Meaning::happened) {
     if (event.subject == 0 || part->concerns(event)) on_happened(part, event);
   } else {
-    if (meaning == Meaning::withdrawn) part->withdraw(event);
+    if (meaning == Meaning::withdrawn) withdraw(part, event);
     ask_again(part);
   }
+}
+
+/// No gate is between programs on the gateway, so the library ends their events before the daemon
+/// answers: it may be unable to.
+void Client::Connection::withdraw(const PartOf& part, const control::Event& event) {
+  const bool had_local = part->is_granted_here();
+  part->withdraw(event);
+  if (had_local && !part->is_granted_here()) data_.close_local(part);
 }
 
 void Client::Connection::on_happened(const PartOf& part, const control::Event& event) {

@@ -53,12 +53,16 @@ class Client::Connection {
     std::size_t rows = 0;
   };
 
+  [[nodiscard]] bool is_own(int fd) const {
+    return fd == socket_.get() || fd == timer_.get() || fd == supervision_.get() ||
+           fd == noticed_.get();
+  }
   /// Why a connection is made: only attempts by the timer double the delay before the next one.
   enum class Try : std::uint8_t { planned, asked_for };
   void connect(Try why);
   void lose(const std::string& why, Try after = Try::planned);
   void retry_later(Try after);
-  void note_gone(const std::string& why);
+  void note_gone(const std::string& why, Clock::time_point since);
   void hear();
   void supervise();
   [[nodiscard]] bool is_supervised() const { return options_.answers_within.count() > 0; }
@@ -70,6 +74,7 @@ class Client::Connection {
   void on_reply(control::Reply reply);
   void on_event(const control::Event& event);
   void on_event(const PartOf& part, const control::Event& event, Meaning meaning);
+  void withdraw(const PartOf& part, const control::Event& event);
   void on_happened(const PartOf& part, const control::Event& event);
   void on_answer(const PartOf& part, const control::Reply& reply);
   void carry(const PartOf& part, const control::Reply& reply);
@@ -99,6 +104,7 @@ class Client::Connection {
   /// When the latest octets came from the daemon, and when the ping was sent.
   Clock::time_point heard_;
   Clock::time_point pinged_;
+  bool stops_ = false;       ///< it has said on this connection that it stops
   bool hangs_ = false;       ///< it has not answered the ping in time
   bool knows_pings_ = true;  ///< false: an older daemon, which closes the connection instead
   /// Pending requests by their ids.

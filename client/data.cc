@@ -15,6 +15,7 @@
 
 #include "base/clock.hpp"
 #include "base/timer.hpp"
+#include "mlcca/arithmetic.hpp"
 
 namespace mlcca::client {
 namespace {
@@ -27,10 +28,18 @@ constexpr std::size_t kMostEvents = 64;
 /// Events from programs on the gateway that are read before `missing` may be reported.
 constexpr std::size_t kMostBefore = 1024;
 constexpr std::chrono::seconds kExpiry(1);
+/// How long (ns) events are at most sent to a receiver that the daemon does not state.
+constexpr std::uint64_t kMostKept = 3'600'000'000'000;
 
 std::chrono::system_clock::time_point time_of(std::uint64_t unix_ns) {
   using Time = std::chrono::system_clock::time_point;
   return Time(std::chrono::duration_cast<Time::duration>(std::chrono::nanoseconds(unix_ns)));
+}
+
+std::string text_of_time(std::uint64_t ns) {
+  constexpr std::uint64_t milli = 1'000'000;
+  constexpr std::uint64_t second = 1'000 * milli;
+  return ns % second == 0 ? std::to_string(ns / second) + " s" : std::to_string(ns / milli) + " ms";
 }
 
 bool is_local(const SharedEndpoint& endpoint) { return !endpoint->local.empty(); }
@@ -217,11 +226,13 @@ void Client::Data::renew(std::uint32_t ifindex) {
 }
 
 Result<void> Client::Data::use(const PartOf& part, const control::Reply& reply) {
+  part->open_until = Channel::Part::kOpen;
   const auto* channels = std::get_if<control::Channels>(&reply.body);
   if (channels == nullptr) {
     hold_publishers(part, {});
     return use_endpoints(part, {});
   }
+  if (channels->grace_ns != 0) grace_ns_ = channels->grace_ns;
   if (!channels->channels.empty()) {
     part->subject = channels->channels.front().subject;
     share_receiver(part);
@@ -255,6 +266,7 @@ Result<void> Client::Data::use_endpoints(const PartOf& part,
   std::vector<SharedEndpoint> endpoints;
   endpoints.reserve(stated.size());
   for (control::Endpoint& one : stated) endpoints.push_back(endpoints_.share(std::move(one)));
+  if (publishes) keep_former(part, endpoints);
   leave(part);
   std::erase_if(publishers_,
                 [&](const auto& other) { return other.expired() || is_same(other, part); });
@@ -292,6 +304,43 @@ void Client::Data::use_local(const PartOf& part, const std::vector<SharedEndpoin
   }
 }
 
+std::vector<Client::Data::Kept>::iterator Client::Data::kept(
+    const std::weak_ptr<Channel::Part>& part, const SharedEndpoint& endpoint) {
+  return std::ranges::find_if(
+      kept_, [&](const Kept& one) { return one.endpoint == endpoint && is_same(one.part, part); });
+}
+
+/// Adds the former receivers of a publisher that the daemon does not state, if the publisher is
+/// still granted on the gateway and something receives there. After a restart of the daemon, their
+/// programs may not have announced them yet.
+void Client::Data::keep_former(const PartOf& part, std::vector<SharedEndpoint>& endpoints) {
+  std::vector<Kept> before;
+  std::erase_if(kept_, [&](Kept& one) {
+    if (!one.part.expired() && !is_same(one.part, part)) return false;
+    if (!one.part.expired()) before.push_back(std::move(one));
+    return true;
+  });
+  if (part->local_publishers.empty()) return;
+  std::set<LocalSenders::Receiver> stated;
+  for (const SharedEndpoint& endpoint : endpoints)
+    if (is_local(endpoint)) stated.insert(LocalSenders::receiver_of(*endpoint));
+  const std::uint64_t until = add_saturating(monotonic_ns(), std::min(grace_ns_, kMostKept));
+  for (const SharedEndpoint& former : part->endpoints) {
+    if (!is_local(former) || stated.contains(LocalSenders::receiver_of(*former))) continue;
+    if (own_at(former->local) == nullptr && !senders_.reaches(*former, part->subject)) continue;
+    const auto known = std::ranges::find(before, former, &Kept::endpoint);
+    kept_.push_back({part, former, known == before.end() ? until : known->until});
+    endpoints.push_back(former);
+  }
+}
+
+void Client::Data::forget_kept(const PartOf& part, const SharedEndpoint& endpoint) {
+  const auto one = kept(part, endpoint);
+  if (one == kept_.end()) return;
+  std::erase(part->endpoints, endpoint);
+  kept_.erase(one);
+}
+
 Result<void> Client::Data::close_unused_senders() {
   std::set<LocalSenders::Receiver> used;
   for (const auto& weak : publishers_)
@@ -306,40 +355,76 @@ Result<void> Client::Data::close_unused_senders() {
 
 // --- events --------------------------------------------------------------------------------------
 
-Published Client::Data::publish(const Channel::Part& part, Octets event) {
+Published Client::Data::publish(const PartOf& part, Octets event) {
   if (event.size() > kMostLocalBytes) return Published::too_long;
-  if (part.endpoints.empty()) return Published::not_granted;
   std::size_t sent = 0;
+  std::size_t lost = 0;
   bool too_long = false;
-  for (const SharedEndpoint& endpoint : part.endpoints) {
-    const Sent how = send_to(*endpoint, part.subject, event);
-    too_long = too_long || how == Sent::too_long;
-    if (how == Sent::sent) ++sent;
+  std::vector<SharedEndpoint> gone;
+  for (const SharedEndpoint& endpoint : part->endpoints) {
+    const Passed passed = send_to(part, endpoint, event);
+    too_long = too_long || passed == Passed::too_long;
+    if (passed == Passed::sent) ++sent;
+    if (passed == Passed::lost || passed == Passed::too_long) ++lost;
+    if (passed == Passed::gone) gone.push_back(endpoint);
   }
-  if (sent == part.endpoints.size()) return Published::sent;
+  for (const SharedEndpoint& endpoint : gone)
+    if (kept(part, endpoint) == kept_.end())
+      ++lost;
+    else
+      forget_kept(part, endpoint);
+  if (lost == 0) return sent == 0 ? Published::not_granted : Published::sent;
   if (sent != 0) return Published::partly;
   return too_long ? Published::too_long : Published::lost;
 }
 
-Sent Client::Data::send_to(const control::Endpoint& endpoint, std::uint64_t subject, Octets event) {
-  if (!endpoint.local.empty()) {
-    if (endpoint.frame_bytes != 0 && event.size() > endpoint.frame_bytes) return Sent::too_long;
-    return send_local(endpoint, subject, event) ? Sent::sent : Sent::dropped;
-  }
-  const auto layer = layer_of(endpoint);
-  if (!layer) return Sent::failed;
-  const Sent how = (*layer)->send(endpoint, subject, event);
+Client::Data::Passed Client::Data::send_to(const PartOf& part, const SharedEndpoint& endpoint,
+                                           Octets event) {
+  if (is_local(endpoint)) return send_local(part, endpoint, event);
+  const auto layer = layer_of(*endpoint);
+  if (!layer) return Passed::lost;
+  const Sent how = (*layer)->send(*endpoint, part->subject, event);
   // The interface has gone, but it may exist again with the same index.
-  if (how == Sent::failed) renew(endpoint.ifindex);
-  return how;
+  if (how == Sent::failed) renew(endpoint->ifindex);
+  if (how == Sent::sent) return Passed::sent;
+  return how == Sent::too_long ? Passed::too_long : Passed::lost;
 }
 
-/// Returns false if the event is lost to that receiver.
-bool Client::Data::send_local(const control::Endpoint& to, std::uint64_t subject, Octets event) {
+/// The receiver of this program at an address; null if it is one of another program.
+LocalReceiver* Client::Data::own_at(const std::string& address) {
   const auto own = std::ranges::find_if(
-      receivers_, [&](const auto& one) { return one.second->address() == to.local; });
-  return own == receivers_.end() ? senders_.send(to, subject, event)
-                                 : own->second->send_to_itself(subject, event);
+      receivers_, [&](const auto& one) { return one.second->address() == address; });
+  return own == receivers_.end() ? nullptr : own->second.get();
+}
+
+/// Counts an event that must not be sent to a receiver, so that the receiver knows of it. Nullopt:
+/// it may be sent.
+std::optional<Client::Data::Passed> Client::Data::withhold(const PartOf& part,
+                                                           const SharedEndpoint& endpoint,
+                                                           LocalReceiver* own) {
+  const auto former = kept_.empty() ? kept_.end() : kept(part, endpoint);
+  const bool is_former = former != kept_.end();
+  if (part->open_until == Channel::Part::kOpen && !is_former) return std::nullopt;
+  const std::uint64_t now = monotonic_ns();
+  const bool is_due = is_former && now >= former->until;
+  if (now < part->open_until && !is_due) return std::nullopt;
+  if (own != nullptr)
+    own->lose_to_itself();
+  else if (senders_.withhold(*endpoint, part->subject) == LocalSender::Sent::gone)
+    return Passed::gone;
+  return is_former ? Passed::not_granted : Passed::lost;
+}
+
+Client::Data::Passed Client::Data::send_local(const PartOf& part, const SharedEndpoint& endpoint,
+                                              Octets event) {
+  if (endpoint->frame_bytes != 0 && event.size() > endpoint->frame_bytes) return Passed::too_long;
+  const std::uint64_t subject = part->subject;
+  LocalReceiver* const own = own_at(endpoint->local);
+  if (const auto withheld = withhold(part, endpoint, own)) return *withheld;
+  if (own != nullptr) return own->send_to_itself(subject, event) ? Passed::sent : Passed::lost;
+  const auto sent = senders_.send(*endpoint, subject, event);
+  if (sent == LocalSender::Sent::gone) return Passed::gone;
+  return sent == LocalSender::Sent::sent ? Passed::sent : Passed::lost;
 }
 
 std::size_t Client::Data::receive_local(LocalReceiver& receiver, std::size_t most) {
@@ -353,15 +438,18 @@ std::size_t Client::Data::receive_local(LocalReceiver& receiver, std::size_t mos
 void Client::Data::take_local(const LocalReceiver& receiver, const LocalEvent& event) {
   const std::uint64_t when = event.unix_ns == 0 ? unix_ns() : event.unix_ns;
   const std::uint64_t now = monotonic_ns();
-  bool is_known = false;
+  std::optional<std::uint64_t> lost;
   for (Local& one : locals_) {
     const auto part = one.part.lock();
     if (!part || part->local.get() != &receiver || part->subject != event.subject ||
         one.source.granted().user != event.from)
       continue;
-    is_known = true;
-    one.source.miss(event.missed, now);
-    if (!event.is_notice) {
+    const bool is_closed = now >= part->open_until;
+    const std::uint64_t missed = event.missed + (is_closed && !event.is_notice ? 1 : 0);
+    one.source.miss(missed, now);
+    lost = std::max(lost.value_or(0), missed);
+    part->lost_events += missed;
+    if (!event.is_notice && !is_closed) {
       if (one.source.takes(event.octets.size(), when, now)) {
         arrived_.push_back({one.part, {}, {event.octets.begin(), event.octets.end()}, when});
       } else {
@@ -369,10 +457,9 @@ void Client::Data::take_local(const LocalReceiver& receiver, const LocalEvent& e
         ++part->lost_events;
       }
     }
-    part->lost_events += event.missed;
     if (const auto due = one.source.due()) supervise_at(*due, now);
   }
-  if (is_known) other_losses_ += event.missed;
+  other_losses_ += lost.value_or(0);
 }
 
 /// Sets the timer for `due` unless it expires earlier. It may expire too early, because events have
@@ -401,6 +488,43 @@ void Client::Data::supervise() {
     }
     if (const auto due = one.source.due()) supervise_at(*due, now);
   }
+  report_lapses(now);
+}
+
+// --- a daemon that is gone -----------------------------------------------------------------------
+
+void Client::Data::lose_daemon(const PartOf& part, std::uint64_t since) {
+  const std::uint64_t at = add_saturating(since, grace_ns_);
+  if (part->endpoints.empty() || at >= part->open_until) return;
+  part->open_until = at;
+  if (std::ranges::none_of(lapses_, [&](const auto& one) { return is_same(one, part); }))
+    lapses_.emplace_back(part);
+  supervise_at(at, monotonic_ns());
+}
+
+void Client::Data::close_local(const PartOf& part) {
+  part->open_until = 0;
+  std::erase_if(lapses_, [&](const auto& one) { return is_same(one, part); });
+}
+
+/// The gates of the kernel close at the same time.
+void Client::Data::report_lapses(std::uint64_t now) {
+  std::erase_if(lapses_, [&](const std::weak_ptr<Channel::Part>& weak) {
+    const auto part = weak.lock();
+    if (!part || part->open_until == Channel::Part::kOpen) return true;
+    if (now < part->open_until) {
+      supervise_at(part->open_until, now);
+      return false;
+    }
+    control::Event event;
+    event.kind = "lapsed";
+    event.subject = part->subject;
+    event.message =
+        "mlccad has not answered for its grace, " + text_of_time(grace_ns_) +
+        ": the gates close, and events between programs on this gateway are not delivered";
+    happened_.push_back({part, std::move(event)});
+    return true;
+  });
 }
 
 std::vector<Client::Data::Happened> Client::Data::take_happened() {

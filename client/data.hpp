@@ -41,7 +41,14 @@ class Client::Data {
   /// Makes the channel send and receive by the endpoints of this reply; an error has none. Fails
   /// with a text if one of them cannot be used; the others are in use nevertheless.
   [[nodiscard]] Result<void> use(const PartOf& part, const control::Reply& reply);
-  [[nodiscard]] Published publish(const Channel::Part& part, Octets event);
+  /// The daemon is gone since `since` (CLOCK_MONOTONIC, ns). The channel's events between programs
+  /// on the gateway, which pass no gate, end to be granted after the grace that the daemon has
+  /// stated, unless use() gets an answer before. Then take_happened() reports it as `lapsed`.
+  void lose_daemon(const PartOf& part, std::uint64_t since);
+  /// The daemon stops, or withdraws the channel's deliveries on the gateway: these events are not
+  /// granted any more until use() gets an answer.
+  void close_local(const PartOf& part);
+  [[nodiscard]] Published publish(const PartOf& part, Octets event);
   /// Receives what is pending on `fd`, up to a bounded number of events. Returns false if the
   /// descriptor does not belong to this object.
   [[nodiscard]] bool receive(int fd);
@@ -78,6 +85,23 @@ class Client::Data {
     LocalSource source;
   };
 
+  /// A receiver of a publisher that a daemon has stated before, and the present one has not. Its
+  /// program may not have found that daemon yet.
+  struct Kept {
+    std::weak_ptr<Channel::Part> part;
+    SharedEndpoint endpoint;
+    std::uint64_t until = 0;  ///< events are sent to it until then, CLOCK_MONOTONIC in ns; later it
+                              ///< is only told how many there were
+  };
+  /// What became of an event at one endpoint.
+  enum class Passed : std::uint8_t {
+    sent,
+    lost,
+    too_long,
+    not_granted,
+    gone,  ///< nothing receives at this local endpoint any more
+  };
+
   /// An event that waits for its handler. It is a copy, because handlers may destroy channels and
   /// close sockets.
   struct Arrived {
@@ -86,6 +110,9 @@ class Client::Data {
     std::vector<std::uint8_t> octets;
     std::uint64_t unix_ns = 0;
   };
+
+  /// The grace (ns) of a daemon that states none: the default of mlccad.
+  static constexpr std::uint64_t kGrace = 10'000'000'000;
 
   [[nodiscard]] bool watch(int fd) const;
   [[nodiscard]] bool holds_parts() const;
@@ -105,8 +132,15 @@ class Client::Data {
   void leave_expired();
   std::vector<Following> close(std::uint32_t ifindex);
   void renew(std::uint32_t ifindex);
-  relay::Sent send_to(const control::Endpoint& endpoint, std::uint64_t subject, Octets event);
-  [[nodiscard]] bool send_local(const control::Endpoint& to, std::uint64_t subject, Octets event);
+  Passed send_to(const PartOf& part, const SharedEndpoint& endpoint, Octets event);
+  Passed send_local(const PartOf& part, const SharedEndpoint& endpoint, Octets event);
+  std::optional<Passed> withhold(const PartOf& part, const SharedEndpoint& endpoint,
+                                 LocalReceiver* own);
+  [[nodiscard]] LocalReceiver* own_at(const std::string& address);
+  std::vector<Kept>::iterator kept(const std::weak_ptr<Channel::Part>& part,
+                                   const SharedEndpoint& endpoint);
+  void keep_former(const PartOf& part, std::vector<SharedEndpoint>& endpoints);
+  void forget_kept(const PartOf& part, const SharedEndpoint& endpoint);
   Result<void> close_unused_senders();
   void share_receiver(const PartOf& part);
   void hold_publishers(const PartOf& part, std::vector<std::string> granted);
@@ -114,6 +148,7 @@ class Client::Data {
   void take_local(const LocalReceiver& receiver, const LocalEvent& event);
   std::size_t receive_local(LocalReceiver& receiver, std::size_t most);
   void supervise();
+  void report_lapses(std::uint64_t now);
   void supervise_at(std::uint64_t due, std::uint64_t now);
   void take(const relay::Layer::Arrival& arrival);
 
@@ -136,6 +171,10 @@ class Client::Data {
   std::vector<Local> locals_;
   std::vector<std::weak_ptr<Channel::Part>> publishers_;  ///< publishers with subscribers among the
                                                           ///< programs on this gateway
+  std::vector<Kept> kept_;
+  std::uint64_t grace_ns_ = kGrace;                   ///< stated by the daemon
+  std::vector<std::weak_ptr<Channel::Part>> lapses_;  ///< channels that are granted until the grace
+                                                      ///< is over
   std::vector<Arrived> arrived_;
   std::vector<Happened> happened_;
 };

@@ -117,7 +117,7 @@ mlcca_published mlcca_events_publish(mlcca_events* events, uint64_t end, const v
   if (known == events->ends.end()) return MLCCA_NOT_GRANTED;
   try {
     return static_cast<mlcca_published>(
-        events->data.publish(*known->second, {static_cast<const std::uint8_t*>(data), size}));
+        events->data.publish(known->second, {static_cast<const std::uint8_t*>(data), size}));
   } catch (const std::bad_alloc&) {
     return MLCCA_LOST;
   }
@@ -139,6 +139,19 @@ void mlcca_events_process(mlcca_events* events, mlcca_on_event on_event, void* c
   } catch (const std::bad_alloc&) {
     ++events->without_memory;
   }
+}
+
+void mlcca_events_gone(mlcca_events* events, uint64_t since_ns) {
+  try {
+    for (const auto& [number, part] : events->ends) events->data.lose_daemon(part, since_ns);
+  } catch (const std::bad_alloc&) {
+    for (const auto& [number, part] : events->ends) events->data.close_local(part);
+  }
+}
+
+void mlcca_events_close(mlcca_events* events, uint64_t end) {
+  const auto known = events->ends.find(end);
+  if (known != events->ends.end()) events->data.close_local(known->second);
 }
 
 size_t mlcca_events_happened(mlcca_events* events, uint64_t* end, void* reply, size_t size) {

@@ -14,15 +14,23 @@ LocalSenders::Receiver LocalSenders::receiver_of(const control::Endpoint& to) {
   return {to.local.substr(0, control::LocalAddress::kNameDigits), to.local_user};
 }
 
-bool LocalSenders::send(const control::Endpoint& to, std::uint64_t subject, Octets event) {
+/// The sender to an endpoint; the end if there can be none.
+LocalSenders::Senders::iterator LocalSenders::of(const control::Endpoint& to) {
   const auto at = control::local_address_in(to.local);
-  if (!at) return false;
+  if (!at) return senders_.end();
   auto one = senders_.find({at->name, to.local_user});
   if (one == senders_.end()) one = add({at->name, to.local_user}, at->key);
-  if (one == senders_.end()) return false;
+  if (one == senders_.end()) return one;
   one->second.used = ++turn_;
+  one->second.sender.use_key(at->key);
+  return one;
+}
+
+LocalSender::Sent LocalSenders::send(const control::Endpoint& to, std::uint64_t subject,
+                                     Octets event) {
+  const auto one = of(to);
+  if (one == senders_.end()) return LocalSender::Sent::full;
   LocalSender& sender = one->second.sender;
-  sender.use_key(at->key);
   const bool is_open = sender.fd() >= 0 || open(one);
   const auto sent = is_open ? sender.send(subject, event) : sender.lose(subject);
   one->second.owes = sent != LocalSender::Sent::sent;
@@ -31,7 +39,26 @@ bool LocalSenders::send(const control::Endpoint& to, std::uint64_t subject, Octe
     open_ -= is_open ? 1 : 0;
     senders_.erase(one);
   }
-  return sent == LocalSender::Sent::sent;
+  return sent;
+}
+
+LocalSender::Sent LocalSenders::withhold(const control::Endpoint& to, std::uint64_t subject) {
+  const auto one = of(to);
+  if (one == senders_.end()) return LocalSender::Sent::full;
+  static_cast<void>(one->second.sender.lose(subject));
+  one->second.owes = true;
+  if (one->second.sender.fd() >= 0 || open(one)) return report(one);
+  if (!one->second.sender.is_gone()) return LocalSender::Sent::full;
+  senders_.erase(one);
+  return LocalSender::Sent::gone;
+}
+
+bool LocalSenders::reaches(const control::Endpoint& to, std::uint64_t subject) {
+  const auto one = of(to);
+  if (one == senders_.end()) return false;
+  one->second.sender.use_subject(subject);
+  if (one->second.sender.fd() >= 0 || open(one)) return report(one) != LocalSender::Sent::gone;
+  return !one->second.sender.is_gone();
 }
 
 /// Returns the end if there are too many, or if no random number can be had.
@@ -76,8 +103,9 @@ void LocalSenders::wait_for_room(const LocalSender& sender) const {
     ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, sender.fd(), &event);
 }
 
-/// Reports what was lost to a receiver, by an open socket. Returns false if it has to wait.
-bool LocalSenders::report(Senders::iterator one) {
+/// Reports what was lost to a receiver, by an open socket. If the result is `full`, it is reported
+/// when there is room.
+LocalSender::Sent LocalSenders::report(Senders::iterator one) {
   const auto sent = one->second.sender.send_notice();
   one->second.owes = sent == LocalSender::Sent::full;
   if (one->second.owes) wait_for_room(one->second.sender);
@@ -85,7 +113,7 @@ bool LocalSenders::report(Senders::iterator one) {
     --open_;
     senders_.erase(one);
   }
-  return sent != LocalSender::Sent::full;
+  return sent;
 }
 
 /// A socket that need not wait any more makes room for the reports of those that were closed.
@@ -93,7 +121,7 @@ bool LocalSenders::on_room(int fd) {
   const auto found = std::ranges::find_if(
       senders_, [fd](const auto& one) { return one.second.sender.fd() == fd; });
   if (found == senders_.end()) return false;
-  if (!report(found)) return true;
+  if (report(found) == LocalSender::Sent::full) return true;
   for (;;) {
     const auto next = std::ranges::find_if(
         senders_, [](const auto& one) { return one.second.owes && one.second.sender.fd() < 0; });
@@ -101,7 +129,7 @@ bool LocalSenders::on_room(int fd) {
     if (!open(next)) {
       if (!next->second.sender.is_gone()) return true;  // no descriptors are left
       senders_.erase(next);
-    } else if (!report(next)) {
+    } else if (report(next) == LocalSender::Sent::full) {
       return true;
     }
   }

@@ -41,8 +41,13 @@ class LocalSenders {
   /// Senders are added to `epoll` while they wait for room. It must outlive this object.
   explicit LocalSenders(const Fd& epoll) : epoll_(epoll) {}
 
-  /// Sends an event to a local endpoint. Returns false if the event is lost.
-  [[nodiscard]] bool send(const control::Endpoint& to, std::uint64_t subject, Octets event);
+  /// Sends an event to a local endpoint.
+  [[nodiscard]] LocalSender::Sent send(const control::Endpoint& to, std::uint64_t subject,
+                                       Octets event);
+  /// Does not send an event, and reports to the receiver that there was one.
+  LocalSender::Sent withhold(const control::Endpoint& to, std::uint64_t subject);
+  /// Whether something receives at a local endpoint.
+  [[nodiscard]] bool reaches(const control::Endpoint& to, std::uint64_t subject);
   /// Forgets all other receivers. A receiver may have ended without notice, and the kernel may have
   /// given its name to another one.
   void keep_only(const std::set<Receiver>& receivers);
@@ -57,10 +62,11 @@ class LocalSenders {
   };
   using Senders = std::map<Receiver, One>;
 
+  Senders::iterator of(const control::Endpoint& to);
   Senders::iterator add(const Receiver& receiver, std::uint64_t key);
   bool open(Senders::iterator one);
   void make_room();
-  bool report(Senders::iterator one);
+  LocalSender::Sent report(Senders::iterator one);
   void wait_for_room(const LocalSender& sender) const;
 
   const Fd& epoll_;

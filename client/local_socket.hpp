@@ -70,6 +70,8 @@ class LocalReceiver {
   /// net.unix.max_dgram_qlen, 10 by default unless systemd has raised it). Returns false if the
   /// event is lost.
   [[nodiscard]] bool send_to_itself(std::uint64_t subject, Octets event);
+  /// Counts an event of the same program that is not sent.
+  void lose_to_itself() { ++to_itself_.next; }
 
  private:
   LocalReceiver(Fd socket, control::LocalAddress own, LocalCount count)
@@ -115,7 +117,9 @@ class LocalSender {
   /// Uses the new key of the receiver.
   void use_key(std::uint64_t key) { to_.key = key; }
   [[nodiscard]] Sent send(std::uint64_t subject, Octets event);
-  /// Counts an event for which no socket could be opened.
+  /// The subject of notices, until an event of another one is sent.
+  void use_subject(std::uint64_t subject) { subject_ = subject; }
+  /// Counts an event that is not sent, for example because no socket could be opened.
   Sent lose(std::uint64_t subject);
   /// Reports to the receiver how many events were sent so far, so that it can count losses. If the
   /// result is `full`, the receiver does not know them yet.

@@ -106,7 +106,8 @@ control::Event LocalSource::missed() {
   control::Event out = event("missed");
   out.missing = std::exchange(missed_, 0);
   out.message = events_text(out.missing) +
-                " lost of programs on this gateway: they are sent faster than this program reads";
+                " lost of programs on this gateway: this program did not read them in time, or the "
+                "gates were closed";
   return out;
 }
 

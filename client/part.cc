@@ -123,6 +123,12 @@ bool Channel::Part::forget_trouble(const control::Event& event) {
   return true;
 }
 
+bool Channel::Part::is_granted_here() const {
+  const auto known = answer.get();
+  return std::ranges::any_of(known->deliveries,
+                             [](const Delivery& d) { return d.granted && d.from == d.to; });
+}
+
 void Channel::Part::withdraw(const control::Event& event) {
   const auto now = std::make_shared<Answer>(*answer.get());
   bool found = false;

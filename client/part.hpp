@@ -29,6 +29,9 @@ struct Channel::Part {
   /// Subscriber: receives from programs on the gateway. Subscribers of the same channel share it.
   std::shared_ptr<LocalReceiver> local;
   std::vector<std::string> local_publishers;  ///< publishers on this gateway that are granted
+  /// When events between programs on the gateway end to be granted, CLOCK_MONOTONIC in ns.
+  static constexpr std::uint64_t kOpen = ~std::uint64_t{0};
+  std::uint64_t open_until = kOpen;  ///< kOpen: the daemon is there
   std::uint64_t lost_events = 0;  ///< of programs on the gateway, and those of networks from which
                                   ///< it does not receive any more
   std::uint64_t asked = 0;        ///< id of the pending request; 0: none
@@ -54,6 +57,8 @@ struct Channel::Part {
   void take(const std::shared_ptr<const Answer>& now);
   /// Removes the trouble of deliveries of which events arrive again. Returns false if none had any.
   bool forget_trouble(const control::Event& event);
+  /// Whether a delivery on the gateway itself is granted.
+  [[nodiscard]] bool is_granted_here() const;
   /// Marks the deliveries that the event withdraws as refused, before the daemon is asked.
   void withdraw(const control::Event& event);
 };

@@ -91,7 +91,10 @@ class Slicer {
     }
     fill(all.endpoints, &Channels::endpoints);
     fill(all.admissions_left_out, &Channels::admissions_left_out);
-    for (Reply& reply : out_) std::get<Channels>(reply.body).left_out = all.left_out;
+    for (Reply& reply : out_) {
+      std::get<Channels>(reply.body).left_out = all.left_out;
+      std::get<Channels>(reply.body).grace_ns = all.grace_ns;
+    }
     return std::move(out_);
   }
   /// Each slice repeats everything but the interfaces.

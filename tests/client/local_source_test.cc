@@ -113,8 +113,8 @@ TEST_F(LocalSourceTest, WhatWasMissedIsReportedTogether) {
   EXPECT_EQ(due_ms(), 1010U);
   EXPECT_EQ(happened(1009), "");
   EXPECT_EQ(happened(1010),
-            "missed: 5 events are lost of programs on this gateway: they are sent faster than this "
-            "program reads");
+            "missed: 5 events are lost of programs on this gateway: this program did not read "
+            "them in time, or the gates were closed");
   EXPECT_FALSE(source_.due());
   EXPECT_EQ(happened(3000), "");
 }

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """mlcca in Python: events between programs on a gateway, what wakes a loop, and tables that are those of the library in C++."""
 import array
+import asyncio
 import os
 import re
 import select
@@ -159,6 +160,114 @@ class Local(unittest.TestCase):
             self.assertTrue(client.connected)
             self.assertEqual(len(daemon.requests), 1)
             self.assertEqual(client.publisher("stop").announce().state, State.GRANTED)
+
+
+class Gone(unittest.TestCase):
+    """Events between programs on the gateway pass no gate. When the gates close, the library ends them."""
+
+    def program(self, *answers, **more):
+        """A program that subscribes, and one that publishes to it."""
+        self.daemon = Daemon(*answers)
+        self.addCleanup(lambda: self.daemon and self.daemon.close())
+        self.client = mlcca.Client(self.daemon.path, patience=60, **more)
+        self.addCleanup(self.client.close)
+        stop = self.client.subscriber("stop")
+        self.came, self.raised = [], []
+        stop.on_event = lambda event: self.came.append(event.data)
+        stop.on_exception = lambda exception: self.raised.append(exception.cause)
+        stop.subscribe()
+        publishers = Daemon([granted_for(local=self.daemon.requests[0].announce.local)])
+        self.addCleanup(publishers.close)
+        publisher = mlcca.Client(publishers.path, patience=60)
+        self.addCleanup(publisher.close)
+        lever = publisher.publisher("stop")
+        lever.announce()
+        return stop, lever
+
+    def granted(self, grace_ns):
+        reply = granted_for(user=os.getuid())
+        reply.channels.grace_ns = grace_ns
+        return reply
+
+    def wait_for(self, *causes):
+        while self.raised[-1:] != [causes[-1]]:
+            self.client.wait(60)
+        self.assertEqual(self.raised, list(causes))
+
+    def send(self, lever, text):
+        self.assertEqual(lever.publish(text), Published.SENT)
+        self.client.process()
+
+    def test_a_daemon_that_is_lost_for_longer_than_its_grace(self):
+        stop, lever = self.program([self.granted(SECOND // 10)])
+        self.send(lever, b"1")
+        self.daemon.close()
+        self.daemon = None
+        self.wait_for(Cause.DAEMON_GONE, Cause.GATES_CLOSED)
+        self.send(lever, b"2")
+        self.assertEqual((self.came, stop.lost), ([b"1"], 1))
+
+    def test_within_the_grace_they_are_delivered(self):
+        _, lever = self.program([self.granted(3600 * SECOND)])
+        self.daemon.close()
+        self.daemon = None
+        self.wait_for(Cause.DAEMON_GONE)
+        self.send(lever, b"1")
+        self.assertEqual(self.came, [b"1"])
+
+    def test_a_daemon_that_hangs_for_longer_than_its_grace(self):
+        stop, lever = self.program([self.granted(SECOND // 10)], answers_within=0.05)
+        self.daemon.runs.clear()
+        self.wait_for(Cause.DAEMON_GONE, Cause.GATES_CLOSED)
+        self.send(lever, b"1")
+        self.assertEqual(self.came, [])
+        self.daemon.runs.set()
+        while self.raised[-1] is not Cause.DAEMON_BACK:
+            self.client.wait(60)
+        self.send(lever, b"2")
+        self.assertEqual((self.came, stop.lost), ([b"2"], 1))
+
+    def test_a_daemon_that_stops_ends_them_at_once(self):
+        stop, lever = self.program([self.granted(3600 * SECOND), event("stopped", subject=0)])
+        self.wait_for(Cause.GATES_CLOSED)
+        self.send(lever, b"1")
+        self.assertEqual((self.came, stop.lost), ([], 1))
+
+    def test_what_a_daemon_answers_that_stops_opens_nothing(self):
+        _, lever = self.program([self.granted(3600 * SECOND), event("stopped", subject=0), event("granted")],
+                                [self.granted(3600 * SECOND), event("mode", subject=0)])
+        self.wait_for(Cause.GATES_CLOSED, Cause.MODE)
+        self.send(lever, b"1")
+        self.assertEqual(self.came, [])
+
+    def test_a_publisher_sends_nothing_either(self):
+        stop, _ = self.program([self.granted(3600 * SECOND)])
+        daemon = Daemon([granted_for(local=self.daemon.requests[0].announce.local), event("stopped", subject=0)])
+        self.addCleanup(daemon.close)
+        with mlcca.Client(daemon.path, patience=60) as client:
+            lever = client.publisher("stop")
+            told = []
+            lever.on_exception = lambda exception: told.append(exception.cause)
+            lever.announce()
+            while told != [Cause.GATES_CLOSED]:
+                client.wait(60)
+            self.assertEqual(lever.publish(b"1"), Published.LOST)
+        self.client.process()
+        self.assertEqual((self.came, stop.lost), ([], 1))
+
+    def test_in_asyncio(self):
+        async def run():
+            daemon = Daemon([self.granted(SECOND // 10)])
+            async with mlcca.aio.Client(daemon.path, patience=60) as client:
+                stop = client.subscriber("stop")
+                await stop.subscribe()
+                daemon.close()
+                causes = []
+                async for exception in stop.exceptions():
+                    causes.append(exception.cause)
+                    if len(causes) == 2:
+                        return causes
+        self.assertEqual(asyncio.run(run()), [Cause.DAEMON_GONE, Cause.GATES_CLOSED])
 
 
 class Loop(unittest.TestCase):

@@ -50,8 +50,8 @@ class PublisherChannel(Channel):
     def publish(self, event: EventData) -> Published:
         """Sends an event of 0 to 65,535 bytes to every granted network and to subscribers on this gateway.
 
-        Never waits. While the daemon cannot be reached, events are sent where they were granted last, until the gate closes
-        after the grace period. Raises TypeError if `event` does not hold bytes, e.g. a str.
+        Never waits. While the daemon cannot be reached, events are sent where they were granted last, until the gates close
+        after the grace period; subscribers on this gateway are then sent nothing either. Raises TypeError if `event` does not hold bytes, e.g. a str.
         """
         return self._client._session.sockets.publish(self._part.number, event)
 
@@ -255,7 +255,6 @@ class Client:
     def _turn(self) -> None:
         if self._epoll.closed:
             return
-        self._session.take_events()
         due = self._channels and time.monotonic() >= self._retry_at
         if not self._socket and due:
             self._connect()
@@ -270,6 +269,7 @@ class Client:
             self._lose(str(wrong))
         except OSError as error:
             self._lose(error.strerror or str(error))
+        self._session.take_events()  # after what the daemon has sent, which may end what is granted
         if self._socket:
             self._epoll.modify(self._socket, select.EPOLLIN | (select.EPOLLOUT if self._session.out else 0))
         times = [self._retry_at] if self._is_to_retry() else []

@@ -28,6 +28,8 @@ def _load() -> ctypes.CDLL:
                                     ("fd", ctypes.c_int, (events,)),
                                     ("address", ctypes.c_char_p, (events, end)),
                                     ("use", ctypes.c_int, (events, end, ctypes.c_int, data, size, data, size)),
+                                    ("gone", None, (events, end)),
+                                    ("close", None, (events, end)),
                                     ("leave", None, (events, end)),
                                     ("publish", ctypes.c_int, (events, end, data, size)),
                                     ("process", None, (events, _OnEvent, ctypes.c_void_p)),
@@ -86,6 +88,7 @@ class Events:
     def use(self, end: int, publishes: bool, reply: control_pb2.Reply) -> str:
         """Makes the end send or receive as granted. Returns what cannot be used, and why; empty if everything can."""
         wanted = control_pb2.Reply(id=1)
+        wanted.channels.grace_ns = reply.channels.grace_ns
         wanted.channels.endpoints.extend(reply.channels.endpoints)
         for of in reply.channels.channels:
             row = wanted.channels.channels.add(subject=of.subject, publisher=of.publisher, to=of.to, granted=of.granted)
@@ -94,6 +97,17 @@ class Events:
         why = ctypes.create_string_buffer(WHY_SIZE)
         done = self._library.mlcca_events_use(self._events, end, 0 if publishes else 1, data, len(data), why, WHY_SIZE)
         return "" if done == 0 else why.value.decode(errors="replace")
+
+    def gone(self, since_ns: int) -> None:
+        """The daemon is gone since this time of time.monotonic_ns(). Events between programs on the gateway end after the grace,
+        unless use() is called before; happened() reports it."""
+        if self._events:
+            self._library.mlcca_events_gone(self._events, since_ns)
+
+    def close_end(self, end: int) -> None:
+        """Events between programs on the gateway end for this end, until use() is called for it."""
+        if self._events:
+            self._library.mlcca_events_close(self._events, end)
 
     def leave(self, end: int) -> None:
         if self._events:

@@ -195,6 +195,10 @@ class Part:
                                                             for d in self.answer.deliveries))
         return True
 
+    def is_granted_here(self) -> bool:
+        """Whether a delivery on the gateway itself is granted."""
+        return any(d.granted and d.source == d.to for d in self.answer.deliveries)
+
     def withdraw(self, event: control_pb2.Event) -> None:
         """Marks the deliveries that the event withdraws as refused, before the daemon is asked."""
         def concerned(d: Delivery) -> bool:
@@ -213,6 +217,7 @@ class Session:
         self._answers_within = answers_within
         self._heard = self._pinged = 0.0  # time.monotonic() of the latest bytes of the daemon, and of the ping
         self._ping = 0                    # id of the pending ping; 0: none
+        self._stops = False               # the daemon has said on this connection that it stops
         self._supervises = False          # there is a connection to a daemon that has answered so far
         self._knows_pings = True          # False: an older daemon, which closes the connection instead
         self.parts: list[Part] = []
@@ -248,7 +253,7 @@ class Session:
                 self._on_happened(of_number[end], event)
 
     def connected(self) -> None:
-        self._heard, self._ping = time.monotonic(), 0
+        self._heard, self._ping, self._stops = time.monotonic(), 0, False
         self._supervises = self._answers_within > 0 and self._knows_pings
         for part in self.parts:
             self.ask(part)
@@ -260,9 +265,10 @@ class Session:
         self._supervises = False
         for part in self.parts:
             part.asked, part.outdated, part.failed = 0, False, False
-        self._note_gone(why)
+        self._note_gone(why, time.monotonic())
 
-    def _note_gone(self, why: str) -> None:
+    def _note_gone(self, why: str, since: float) -> None:
+        self.sockets.gone(int(since * NANOSECONDS["s"]))
         for part in self.parts:
             answered = part.answer.state not in (State.NO_DAEMON, State.UNANNOUNCED)
             part.lost = True
@@ -291,7 +297,7 @@ class Session:
             self.out += encode(control_pb2.Request(id=self._ping, ping=control_pb2.PingRequest()))
             return False
         self._supervises = False
-        self._note_gone(f"mlccad does not answer: nothing has come from it for {self._answers_within:g} s")
+        self._note_gone(f"mlccad does not answer: nothing has come from it for {self._answers_within:g} s", self._heard)
         return True
 
     def _hear(self) -> None:
@@ -407,6 +413,8 @@ class Session:
         # The endpoints are those of this answer. After a temporary error the former ones stay, and the gates decide.
         # If an endpoint cannot be used, e.g. because another program holds a port, it is tried again later.
         wrong = self.sockets.use(part.number, part.publishes, reply)
+        if self._stops:
+            self.sockets.close_end(part.number)
         if reply.HasField("channels") and not part.publishes and part.request.local != self.sockets.address(part.number):
             part.outdated = True
         part.failed = bool(wrong)
@@ -429,6 +437,10 @@ class Session:
             self.ask_again(part)
 
     def _on_event(self, event: control_pb2.Event) -> None:
+        if event.kind == "stopped":
+            self._stops = True
+            for part in self.parts:
+                self.sockets.close_end(part.number)
         for part in self.parts:
             # Without a delivery only the channel's name is known.
             of_channel = event.subject != 0 and (event.subject == part.subject or event.channel == part.request.channel)
@@ -447,5 +459,8 @@ class Session:
                     self._on_happened(part, event)
                 continue
             if event.kind == "withdrawn":
+                had_local = part.is_granted_here()
                 part.withdraw(event)
+                if had_local and not part.is_granted_here():  # no gate is between programs on the gateway
+                    self.sockets.close_end(part.number)
             self.ask_again(part)

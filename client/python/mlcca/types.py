@@ -32,12 +32,12 @@ class Cause(enum.Enum):
     DROPPED = "dropped"            # the gate dropped frames of the channel
     MISSING = "missing"            # no event has arrived for longer than a subscriber's Omission allows
     RESTORED = "restored"          # events arrive again after MISSING
-    MISSED = "missed"              # events of programs on this gateway were lost, because they were not read in time
+    MISSED = "missed"              # events of programs on this gateway were lost: not read in time, or the gates were closed
     LATE = "late"                  # events spent more time in mlcca-relay than the description states for the gateway
-    GATES_CLOSED = "gates closed"  # the kernel had closed all gates for a time, or the daemon stops
+    GATES_CLOSED = "gates closed"  # the kernel had closed all gates for a time, or the daemon stops, or its grace is over
     MODE = "mode"                  # the gateway has changed between the modes enforce and audit
     LAGGED = "lagged"              # exceptions were lost, because this program took them too slowly
-    DAEMON_GONE = "daemon gone"    # the connection is lost; granted deliveries go on for the grace period
+    DAEMON_GONE = "daemon gone"    # the connection is lost or the daemon hangs; grants hold for the grace, then GATES_CLOSED
     DAEMON_BACK = "daemon back"    # the daemon has answered the announcement again; see `answer`
     OTHER = "other"                # a kind that this library does not know, or a problem with the sockets; see `text`
 

@@ -17,6 +17,7 @@
 #include "daemon/gateway/local_ends.hpp"
 #include "daemon/gateway/membership.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
+#include "daemon/outside/gate_control.hpp"
 #include "mlcca/check.hpp"
 
 namespace mlcca::requests {
@@ -204,6 +205,7 @@ Response announce(Context& context, const Asker& asker, const control::AnnounceR
                                       : context.channels.of_subscriber(channel, end);
     out.endpoints = publishes ? context.endpoints.of_publisher(channel, end)
                               : context.endpoints.of_subscriber(channel, end);
+    out.grace_ns = context.control.grace();
     return out;
   };
   Response response = context.channels.has_many_lines(*channel) ? made_aside(context, asker, report)

@@ -88,14 +88,15 @@ enum class Cause : std::uint8_t {
   missing,       ///< no event has arrived for longer than a subscriber's Omission allows
   restored,      ///< events arrive again after `missing`
   missed,  ///< events of programs on this gateway were lost, because this program did not read them
-           ///< in time
+           ///< in time, or because they were sent while the gates were closed
   late,    ///< events spent more time in mlcca-relay than the description states for the gateway
   gates_closed,  ///< the kernel had closed all gates for a time, or the daemon stops and closes
-                 ///< them
+                 ///< them, or it has been gone for its grace; until it answers again, events of
+                 ///< programs on this gateway are neither sent nor delivered
   mode,          ///< the gateway has changed between the modes enforce and audit
   lagged,        ///< exceptions were lost, because this program called process() too seldom
   daemon_gone,   ///< the connection to the daemon is lost, or the daemon does not answer; granted
-                 ///< deliveries go on for the grace period
+                 ///< deliveries go on for the grace period, then `gates_closed` follows
   daemon_back,   ///< the daemon has answered the announcement again; `answer` has the present
                  ///< decision
   other,  ///< a kind that this library does not know, or a problem with the sockets; see the text
@@ -136,8 +137,8 @@ struct Event {
 /// The result of publishing an event.
 enum class Published : std::uint8_t {
   sent,    ///< sent to every place that the channel is granted for
-  partly,  ///< sent to some of these places; at the others the queue was full or the gate dropped
-           ///< it
+  partly,  ///< sent to some of these places; at the others the queue was full, the gate dropped
+           ///< it, or the daemon is gone
   lost,    ///< sent to none of them
   not_granted,  ///< not sent, because nothing is granted or no decision is known yet
   too_long,     ///< not sent, because it is longer than a network carries or than 65,535 bytes
@@ -259,7 +260,8 @@ class MLCCA_API PublisherChannel : public Channel {
 
   /// Sends an event of 0 to 65,535 bytes to every network that the channel is granted for and to
   /// subscribers on this gateway. Never waits. While the daemon cannot be reached, events are sent
-  /// where they were granted last, until the gate closes after the grace period.
+  /// where they were granted last, until the gates close after the grace period; subscribers on
+  /// this gateway are then sent nothing either.
   Published publish(const void* data, std::size_t size) { return send(data, size); }
   Published publish(const std::string& text) { return send(text.data(), text.size()); }
 };

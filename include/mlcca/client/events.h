@@ -55,11 +55,22 @@ MLCCA_API const char* mlcca_events_address(struct mlcca_events* events, uint64_t
 /* Makes the endpoint `end`, a number that the caller chooses, send or receive as the daemon has
  * answered. `reply`: one mlcca.v1.Reply with `channels`, preceded by its length as a varint; with
  * an error, or without endpoints, nothing is granted to the endpoint. Of each channel only
- * subject, publisher, from, to and granted are read. A number keeps the role of its first call.
- * Returns 0, or -1 if something cannot be used: the text at `why`, cut to `why_size`, says what,
- * and the rest is in use. */
+ * subject, publisher, from, to and granted are read, and of the reply grace_ns. A number keeps the
+ * role of its first call. Returns 0, or -1 if something cannot be used: the text at `why`, cut to
+ * `why_size`, says what, and the rest is in use. */
 MLCCA_API int mlcca_events_use(struct mlcca_events* events, uint64_t end, enum mlcca_role role,
                                const void* reply, size_t size, char* why, size_t why_size);
+/* The daemon is gone since `since_ns` (CLOCK_MONOTONIC): the connection is lost, or it does not
+ * answer. Events between programs on the gateway, which pass no gate, go on for the grace that the
+ * daemon has stated in its replies (10 s if none did). Then they are neither sent nor delivered,
+ * and mlcca_events_happened() reports `lapsed` for each endpoint that had something granted. The
+ * next mlcca_events_use() of an endpoint opens it again. Without this call they go on without end.
+ * A later time than that of an earlier call changes nothing. */
+MLCCA_API void mlcca_events_gone(struct mlcca_events* events, uint64_t since_ns);
+/* The endpoint neither sends nor delivers events between programs on the gateway any more, until
+ * mlcca_events_use() is called for it. To be called for each endpoint when the daemon has sent the
+ * event `stopped`, and for one whose deliveries on the gateway are withdrawn. */
+MLCCA_API void mlcca_events_close(struct mlcca_events* events, uint64_t end);
 /* Removes the endpoint. Its number may be used again. */
 MLCCA_API void mlcca_events_leave(struct mlcca_events* events, uint64_t end);
 
@@ -79,9 +90,9 @@ MLCCA_API void mlcca_events_process(struct mlcca_events* events, mlcca_on_event 
 
 /* Reports what has happened to events of programs on the gateway, which pass no gate that
  * supervises them. Call it after mlcca_events_process() until it returns 0. It writes one
- * mlcca.v1.Reply with an `event` of kind missing, restored, excess or missed, preceded by its
- * length as a varint, and the number of the endpoint at `end`. Returns the size of the reply; if
- * that exceeds `size`, nothing is written and the reply is kept for the next call. */
+ * mlcca.v1.Reply with an `event` of kind missing, restored, excess, missed or lapsed, preceded by
+ * its length as a varint, and the number of the endpoint at `end`. Returns the size of the reply;
+ * if that exceeds `size`, nothing is written and the reply is kept for the next call. */
 MLCCA_API size_t mlcca_events_happened(struct mlcca_events* events, uint64_t* end, void* reply,
                                        size_t size);
 
