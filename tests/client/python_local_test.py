@@ -205,7 +205,7 @@ class Gone(unittest.TestCase):
         self.daemon = None
         self.wait_for(Cause.DAEMON_GONE, Cause.GATES_CLOSED)
         self.send(lever, b"2")
-        self.assertEqual((self.came, stop.lost), ([b"1"], 1))
+        self.assertEqual((self.came, stop.lost, self.client.lost), ([b"1"], 1, 1))
 
     def test_within_the_grace_they_are_delivered(self):
         _, lever = self.program([self.granted(3600 * SECOND)])
@@ -266,8 +266,21 @@ class Gone(unittest.TestCase):
                 async for exception in stop.exceptions():
                     causes.append(exception.cause)
                     if len(causes) == 2:
-                        return causes
-        self.assertEqual(asyncio.run(run()), [Cause.DAEMON_GONE, Cause.GATES_CLOSED])
+                        return causes, client.lost
+        self.assertEqual(asyncio.run(run()), ([Cause.DAEMON_GONE, Cause.GATES_CLOSED], 0))
+
+    def test_the_losses_of_a_client_are_those_of_all_channels(self):
+        stop, lever = self.program([self.granted(3600 * SECOND)])
+        sent = [lever.publish(b"go") for _ in range(2000)].count(Published.SENT)
+        self.client.process()
+        lever._client.process()  # reports what was lost
+        self.client.process()
+        self.assertGreater(self.client.lost, 0)
+        self.assertEqual((len(self.came), self.client.lost, stop.lost), (sent, 2000 - sent, 2000 - sent))
+        stop.close()
+        self.assertEqual(self.client.lost, 2000 - sent)
+        self.client.close()
+        self.assertEqual(self.client.lost, 2000 - sent)
 
 
 class Loop(unittest.TestCase):

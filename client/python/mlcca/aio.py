@@ -97,6 +97,11 @@ class Client:
         """Makes a subscriber, like mlcca.Client.subscriber()."""
         return SubscriberChannel(self, Part(channel, Role.SUBSCRIBER, name, stated))
 
+    @property
+    def lost(self) -> int:
+        """How much was lost of all channels, including events that were not taken in time; see mlcca.Client.lost."""
+        return self._session.losses
+
     async def __aenter__(self) -> "Client":
         asyncio.get_running_loop().add_reader(self._session.sockets.fileno(), self._take_events)
         self._task = asyncio.create_task(self._run())

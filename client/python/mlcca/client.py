@@ -123,6 +123,12 @@ class Client:
     def connected(self) -> bool:
         return self._socket is not None
 
+    @property
+    def lost(self) -> int:
+        """How much was lost on the way to or from all channels of this client, each loss counted once; see SubscriberChannel.lost.
+        Counts also J1939 messages that could not be sent completely."""
+        return self._session.losses
+
     def fileno(self) -> int:
         """A file descriptor that is readable when process() has work to do. It is the same until close()."""
         return self._epoll.fileno()

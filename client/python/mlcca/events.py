@@ -70,10 +70,12 @@ class Events:
         if not self._events:
             raise OSError("there are no file descriptors left for events")
         self._arrived: list[Arrival] = []
+        self._lost = 0
         self._on_event = _OnEvent(self._take)
 
     def close(self) -> None:
         if self._events:
+            self._lost = self.lost()
             self._library.mlcca_events_free(self._events)
         self._events = None
 
@@ -147,7 +149,8 @@ class Events:
         return int(self._library.mlcca_events_lost_of(self._events, end)) if self._events else 0
 
     def lost(self) -> int:
-        return int(self._library.mlcca_events_lost(self._events)) if self._events else 0
+        """How much was lost in all; after close() as it was then."""
+        return int(self._library.mlcca_events_lost(self._events)) if self._events else self._lost
 
     def _take(self, _: None, end: int, data: int, size: int, network: bytes, unix_ns: int) -> None:
         content = ctypes.string_at(data, size) if size else b""

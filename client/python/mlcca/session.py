@@ -127,11 +127,13 @@ class Part:
     def publishes(self) -> bool:
         return bool(self.request.role == Role.PUBLISHER.value)
 
-    def arrived(self, event: Event) -> None:
-        if len(self.events) < MOST_EVENTS:
-            self.events.append(event)
-        else:
+    def arrived(self, event: Event) -> bool:
+        """Keeps the event for the program. Returns False if it is lost, because too many wait."""
+        if len(self.events) >= MOST_EVENTS:
             self.untaken += 1
+            return False
+        self.events.append(event)
+        return True
 
     def waits(self) -> int:
         """The number of exceptions that take_exception() will return."""
@@ -227,6 +229,12 @@ class Session:
         self._last_id = 0
         self._last_number = 0
         self._partial: dict[int, control_pb2.Reply] = {}
+        self._untaken = 0  # events of all channels that were lost because MOST_EVENTS waited
+
+    @property
+    def losses(self) -> int:
+        """How much was lost on the way to or from all channels, each loss counted once."""
+        return self.sockets.lost() + self._untaken
 
     def add(self, part: Part) -> None:
         """Has the channel announced whenever a connection is made."""
@@ -246,8 +254,8 @@ class Session:
         arrived, happened = self.sockets.take(), self.sockets.happened()
         of_number = {part.number: part for part in self.parts} if arrived or happened else {}
         for arrival in arrived:
-            if arrival.end in of_number:
-                of_number[arrival.end].arrived(arrival.event)
+            if arrival.end in of_number and not of_number[arrival.end].arrived(arrival.event):
+                self._untaken += 1
         for end, event in happened:
             if end in of_number:
                 self._on_happened(of_number[end], event)
