@@ -442,6 +442,13 @@ Channel long_channel() {
 
 }  // namespace
 
+/// An answer to an announcement.
+static Channels full_announced() {
+  return {.channels = {granted_channel()},
+          .endpoints = {full_transfers().transfers[0].to},
+          .grace_ns = 10'000'000'000};
+}
+
 std::vector<NamedReply> all_replies() {
   const auto error = [](ErrorKind kind) {
     return Reply{
@@ -467,7 +474,7 @@ std::vector<NamedReply> all_replies() {
           {"Subscriptions", {7, full_subscriptions()}},
           {"Presence", {8, full_presence()}},
           {"RoutesOfPrograms", {6, Routes{{}, {}, {}, {}, full_transfers().transfers, 3}}},
-          {"Announced", {6, Channels{{granted_channel()}, 0, {full_transfers().transfers[0].to}}}},
+          {"Announced", {6, full_announced()}},
           {"Reservations", {7, full_reservations()}},
           {"Gates", {8, full_gates()}},
           {"WhatIf", {8, full_what_if()}},
