@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Reports of channels and their deliveries for clients, and estimates of whether such a report is
-// too large to be made in one turn of the loop.
+// Reports of channels and their deliveries for clients.
 #pragma once
 #include <cstddef>
 #include <functional>
@@ -8,10 +7,8 @@
 
 #include "control/messages.hpp"
 #include "core/admission/state.hpp"
-#include "daemon/gateway/can_forwarding.hpp"
 #include "daemon/gateway/delivery_events.hpp"
 #include "daemon/gateway/delivery_health.hpp"
-#include "daemon/gateway/meshes.hpp"
 #include "daemon/gateway/requests/parsed_request.hpp"
 #include "daemon/gateway/scene.hpp"
 #include "daemon/outside/gate_reader.hpp"
@@ -23,14 +20,8 @@ class ChannelReports {
  public:
   /// All references must outlive this object.
   ChannelReports(const Scene& scene, const GateReader& gates, const DeliveryHealth& health,
-                 const DeliveryEvents& deliveries, const CanForwarding& forwarding,
-                 const Meshes& meshes)
-      : scene_(scene),
-        gates_(gates),
-        health_(health),
-        deliveries_(deliveries),
-        forwarding_(forwarding),
-        meshes_(meshes) {}
+                 const DeliveryEvents& deliveries)
+      : scene_(scene), gates_(gates), health_(health), deliveries_(deliveries) {}
 
   /// The verdicts that concern the question of a client.
   [[nodiscard]] control::Channels known(const ParsedRequest& asked) const;
@@ -48,14 +39,6 @@ class ChannelReports {
   /// turn has time for.
   [[nodiscard]] serve::Slice some(Position& at) const;
 
-  // Whether a report is too large for one turn of the loop:
-
-  /// A report of everything, also if it lists only a part.
-  [[nodiscard]] bool is_large() const;
-  [[nodiscard]] bool has_many_ends(std::size_t channel) const;
-  [[nodiscard]] bool has_many_lines(std::size_t channel) const;
-  [[nodiscard]] bool has_channel_of_many_ends() const;
-
  private:
   using Concerned = std::function<bool(const core::Verdict&)>;
   [[nodiscard]] control::Channels of_those(std::size_t channel, const Concerned& concerned) const;
@@ -67,8 +50,6 @@ class ChannelReports {
   const GateReader& gates_;
   const DeliveryHealth& health_;
   const DeliveryEvents& deliveries_;
-  const CanForwarding& forwarding_;
-  const Meshes& meshes_;
 };
 
 }  // namespace mlcca

@@ -5,8 +5,6 @@
 
 #include <utility>
 
-#include "daemon/gateway/requests/adopted.hpp"
-
 namespace mlcca {
 
 GatewayParts::GatewayParts(Options given, Outside around)
@@ -123,17 +121,20 @@ std::unique_ptr<Membership> GatewayParts::make_membership() {
       .release = [this](const auto& ids, const auto& why) { return admissions.release(ids, why); },
       .admissions = admissions,
       .hands =
-          {.misfit = [this](const auto& r) { return requests::misfit_of_adopted(*context, r); },
-           .admit = [this](const auto& r) { return requests::admit_adopted(*context, r); },
-           .take_in = [this](const auto& r) { return requests::take_in_adopted(*context, r); },
-           .remove = [this](const auto& gone) { requests::remove_adopted(*context, gone); },
+          {.misfit =
+               [this](const auto& r) { return requests::misfit_of_adopted(adopted_parts(), r); },
+           .admit = [this](const auto& r) { return requests::admit_adopted(adopted_parts(), r); },
+           .take_in =
+               [this](const auto& r) { return requests::take_in_adopted(adopted_parts(), r); },
+           .remove = [this](const auto& gone) { requests::remove_adopted(adopted_parts(), gone); },
            .restore = [this](const auto& r) { requests::restore_adopted(*scene.state, r); },
-           .wish = [this](const auto& r,
-                          std::size_t g) { return requests::wish_for_another(*context, r, g); },
+           .wish = [this](
+                       const auto& r,
+                       std::size_t g) { return requests::wish_for_another(adopted_parts(), r, g); },
            .is_without_publisher =
-               [this](const auto& r) { return requests::is_without_publisher(*context, r); },
+               [this](const auto& r) { return requests::is_without_publisher(adopted_parts(), r); },
            .is_publisher_gone =
-               [this](const auto& r) { return requests::is_publisher_gone(*context, r); },
+               [this](const auto& r) { return requests::is_publisher_gone(adopted_parts(), r); },
            .ask = {},
            .forget = {},
            .wants = {},
@@ -142,6 +143,11 @@ std::unique_ptr<Membership> GatewayParts::make_membership() {
            .new_id = {},
            .new_number = {},
            .bring_in_line = {}}});
+}
+
+requests::AdoptedParts GatewayParts::adopted_parts() {
+  return {scene, recorder,   admissions, outside.gates, turn,
+          tags,  forwarding, deliveries, *membership};
 }
 
 }  // namespace mlcca

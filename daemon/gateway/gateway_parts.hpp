@@ -34,7 +34,10 @@
 #include "daemon/gateway/reconciler.hpp"
 #include "daemon/gateway/recorder.hpp"
 #include "daemon/gateway/reloads.hpp"
+#include "daemon/gateway/report_estimates.hpp"
+#include "daemon/gateway/requests/adopted.hpp"
 #include "daemon/gateway/requests/context.hpp"
+#include "daemon/gateway/requests/replies.hpp"
 #include "daemon/gateway/rollout.hpp"
 #include "daemon/gateway/safeguards.hpp"
 #include "daemon/gateway/scene.hpp"
@@ -97,7 +100,8 @@ struct GatewayParts {
   Meshes meshes;
   std::unique_ptr<Rollout> rollout;        ///< null unless the gateway is in a cluster
   std::unique_ptr<Membership> membership;  ///< null unless the gateway is in a cluster
-  ChannelReports channels{scene, outside.gates, delivery_health, deliveries, forwarding, meshes};
+  ChannelReports channels{scene, outside.gates, delivery_health, deliveries};
+  ReportEstimates estimates{scene, outside.gates, forwarding, meshes};
   LocalEnds local_ends{outside.log};
   Endpoints endpoints{scene, outside.gates, local_ends};
   Safeguards safeguards;
@@ -105,6 +109,7 @@ struct GatewayParts {
   Reloads reloads;
   HealthReport health;
   Aside aside;
+  Replies replies{aside, scene};
   Quotas quotas;
   UserNames users;
   std::optional<store::History> history;  ///< set by Start
@@ -114,6 +119,8 @@ struct GatewayParts {
  private:
   [[nodiscard]] std::unique_ptr<Rollout> make_rollout();
   [[nodiscard]] std::unique_ptr<Membership> make_membership();
+  /// What admissions of other gateways need. Only in a cluster, and after the construction.
+  [[nodiscard]] requests::AdoptedParts adopted_parts();
 };
 
 }  // namespace mlcca

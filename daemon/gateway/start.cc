@@ -67,36 +67,15 @@ std::optional<StartError> Start::read_what_was() {
   parts_.reloads.note_loaded();
   if (const auto& cut = parts_.recorder.recovered()) parts_.outside.log.notice(Kind::trouble, *cut);
   parts_.admissions.remember();
-  parts_.context.emplace(Context{parts_.options,
-                                 parts_.outside.clock,
-                                 parts_.outside.gates,
-                                 parts_.outside.control,
-                                 parts_.scene,
-                                 parts_.outside.log,
-                                 parts_.deliveries,
-                                 parts_.turn,
-                                 parts_.recorder,
-                                 parts_.admissions,
-                                 parts_.tags,
-                                 parts_.gate_events,
-                                 parts_.audit,
-                                 parts_.audit_keeper,
-                                 parts_.modes,
-                                 parts_.delivery_health,
-                                 parts_.health,
-                                 parts_.channels,
-                                 parts_.endpoints,
-                                 parts_.carriers,
-                                 parts_.presence,
-                                 parts_.local_ends,
-                                 parts_.forwarding,
-                                 parts_.meshes,
-                                 parts_.reloads,
-                                 parts_.aside,
-                                 parts_.patience,
-                                 *parts_.history,
-                                 parts_.membership.get(),
-                                 parts_.started});
+  parts_.context.emplace(Context{
+      parts_.options,  parts_.outside.clock,    parts_.outside.gates, parts_.outside.control,
+      parts_.scene,    parts_.outside.log,      parts_.deliveries,    parts_.turn,
+      parts_.recorder, parts_.admissions,       parts_.tags,          parts_.gate_events,
+      parts_.audit,    parts_.audit_keeper,     parts_.modes,         parts_.delivery_health,
+      parts_.health,   parts_.channels,         parts_.endpoints,     parts_.carriers,
+      parts_.presence, parts_.local_ends,       parts_.forwarding,    parts_.meshes,
+      parts_.reloads,  parts_.estimates,        parts_.replies,       parts_.patience,
+      *parts_.history, parts_.membership.get(), parts_.started});
   return std::nullopt;
 }
 

@@ -14,6 +14,8 @@
 #include "daemon/gateway/membership.hpp"
 #include "daemon/gateway/recorder.hpp"
 #include "daemon/gateway/report.hpp"
+#include "daemon/gateway/requests/parsed_request.hpp"
+#include "daemon/gateway/requests/shared.hpp"
 #include "daemon/gateway/tag_bindings.hpp"
 #include "daemon/gateway/turn.hpp"
 #include "daemon/outside/gate_driver.hpp"
@@ -34,20 +36,20 @@ Result<ParsedRequest> understood_adopted(core::State& state, const control::Requ
 /// While it lives, a channel that is not described has its tags.
 class Tagged {
  public:
-  Tagged(Context& context, const control::Request& request)
-      : context_(context), unlisted_(std::get<control::Admit>(request.body).unlisted) {
-    if (unlisted_) context_.tags.claim();
+  Tagged(TagBindings& tags, const control::Request& request)
+      : tags_(tags), unlisted_(std::get<control::Admit>(request.body).unlisted) {
+    if (unlisted_) tags_.claim();
   }
   Tagged(const Tagged&) = delete;
   Tagged& operator=(const Tagged&) = delete;
   Tagged(Tagged&&) = delete;
   Tagged& operator=(Tagged&&) = delete;
   ~Tagged() {
-    if (unlisted_) context_.tags.leave_unused();
+    if (unlisted_) tags_.leave_unused();
   }
 
  private:
-  Context& context_;
+  TagBindings& tags_;
   bool unlisted_;
 };
 
@@ -58,12 +60,13 @@ std::string first_refusal(const core::State& state, const core::Proposal& propos
   return kNobodyThere;
 }
 
-std::string misfit_of_present(const Context& context, core::AdmissionId id, std::size_t channel) {
-  core::State& state = *context.scene.state;
+std::string misfit_of_present(const AdoptedParts& parts, core::AdmissionId id,
+                              std::size_t channel) {
+  core::State& state = *parts.scene.state;
   const core::Proposal wish = state.wish(channel);
   bool is_anybody_there = false;
   for (const core::Verdict& v : wish.decision().verdicts) {
-    if (!context.deliveries.concerns(v, id)) continue;
+    if (!parts.deliveries.concerns(v, id)) continue;
     if (!v.granted) return verdict_line(state, v);
     is_anybody_there = true;
   }
@@ -72,20 +75,20 @@ std::string misfit_of_present(const Context& context, core::AdmissionId id, std:
 
 }  // namespace
 
-std::string misfit_of_adopted(Context& context, const control::Request& request) {
-  core::State& state = *context.scene.state;
+std::string misfit_of_adopted(const AdoptedParts& parts, const control::Request& request) {
+  core::State& state = *parts.scene.state;
   if (const auto known = state.admissions().find(request.id); known != state.admissions().end())
-    return misfit_of_present(context, request.id, known->second);
+    return misfit_of_present(parts, request.id, known->second);
   const auto asked = understood_adopted(state, request);
-  const Tagged tagged(context, request);
+  const Tagged tagged(parts.tags, request);
   if (!asked) return asked.error().text;
-  if (const auto lack = lacks_pairs(context, *asked)) return *lack;
+  if (const auto lack = lacks_pairs(state, *asked)) return *lack;
   const core::Proposal wish = state.wish(*asked->admission);
   return wish.fit() ? std::string() : first_refusal(state, wish);
 }
 
-bool is_without_publisher(const Context& context, const control::Request& request) {
-  const core::State& state = *context.scene.state;
+bool is_without_publisher(const AdoptedParts& parts, const control::Request& request) {
+  const core::State& state = *parts.scene.state;
   const auto& admit = std::get<control::Admit>(request.body);
   const auto channel = state.find_channel(admit.channel);
   if (!channel) return true;
@@ -93,18 +96,18 @@ bool is_without_publisher(const Context& context, const control::Request& reques
   return std::ranges::none_of(members.publishers_of(*channel), [&](std::size_t p) {
     const core::AdmissionId id = members.admission_of_publisher(p);
     const bool own =
-        id == 0 || id == request.id || context.recorder.contents().admissions.find(id) != nullptr;
+        id == 0 || id == request.id || parts.recorder.contents().admissions.find(id) != nullptr;
     return own &&
            (admit.from.empty() || state.find_place(admit.from) == members.publisher(p).place);
   });
 }
 
-bool is_publisher_gone(const Context& context, const control::Request& request) {
-  if (!is_without_publisher(context, request)) return false;
+bool is_publisher_gone(const AdoptedParts& parts, const control::Request& request) {
+  if (!is_without_publisher(parts, request)) return false;
   const auto& wanted = std::get<control::Admit>(request.body);
-  const auto& recorded = context.recorder.contents().admissions;
+  const auto& recorded = parts.recorder.contents().admissions;
   return std::ranges::none_of(
-      context.admissions.left_out_of(wanted.channel), [&](core::AdmissionId id) {
+      parts.admissions.left_out_of(wanted.channel), [&](core::AdmissionId id) {
         const control::Request* const one = recorded.find(id);
         if (one == nullptr || !recorded.through(id).empty()) return false;
         const auto& admit = std::get<control::Admit>(one->body);
@@ -112,21 +115,20 @@ bool is_publisher_gone(const Context& context, const control::Request& request) 
       });
 }
 
-Result<Reserving::Wish> wish_for_another(Context& context, const control::Request& request,
+Result<Reserving::Wish> wish_for_another(const AdoptedParts& parts, const control::Request& request,
                                          std::size_t gateway) {
-  core::State& state = *context.scene.state;
+  core::State& state = *parts.scene.state;
   const auto asked = understood_adopted(state, request);
-  const Tagged tagged(context, request);
+  const Tagged tagged(parts.tags, request);
   if (!asked) return std::unexpected(asked.error());
   if (!asked->admission->subscriber) return fail("it asks for no new subscriber");
-  if (asked->admission->publisher || is_without_publisher(context, request))
+  if (asked->admission->publisher || is_without_publisher(parts, request))
     return fail("no publisher of it is admitted here");
-  if (auto lack = lacks_pairs(context, *asked)) return fail(std::move(*lack));
+  if (auto lack = lacks_pairs(state, *asked)) return fail(std::move(*lack));
   const core::Proposal wish = state.wish(*asked->admission);
-  if (auto lack = wish.exceeds_capacity(context.scene.self)) return fail(std::move(*lack));
+  if (auto lack = wish.exceeds_capacity(parts.scene.self)) return fail(std::move(*lack));
   if (!wish.fit()) return fail(first_refusal(state, wish));
-  auto footprint =
-      core::cluster::footprint_of(wish, context.membership->baseline(), context.scene.self);
+  auto footprint = core::cluster::footprint_of(wish, parts.membership.baseline(), parts.scene.self);
   // The other gateway follows the publisher, also where the way does not lead over it.
   auto& gateways = footprint.gateways;
   if (const auto at = std::ranges::lower_bound(gateways, gateway);
@@ -134,65 +136,64 @@ Result<Reserving::Wish> wish_for_another(Context& context, const control::Reques
     gateways.insert(at, gateway);
   cluster::StoredRequest for_others{.channel = state.system().channels[asked->channel].name,
                                     .requests = {request}};
-  context.membership->add_publishers(footprint, for_others);
+  parts.membership.add_publishers(footprint, for_others);
   return Reserving::Wish{
       .footprint = std::move(footprint), .publisher = {}, .asked = std::move(for_others)};
 }
 
-Result<void> admit_adopted(Context& context, const control::Request& request) {
-  core::State& state = *context.scene.state;
+Result<void> admit_adopted(const AdoptedParts& parts, const control::Request& request) {
+  core::State& state = *parts.scene.state;
   if (state.admissions().contains(request.id)) return {};
   const auto asked = understood_adopted(state, request);
-  const Tagged tagged(context, request);
+  const Tagged tagged(parts.tags, request);
   if (!asked) return std::unexpected(asked.error());
   std::optional<Error> refused;
   {
     core::Proposal proposal = state.propose(*asked->admission);
-    if (const auto lack = proposal.exceeds_capacity(context.scene.self)) return fail(*lack);
+    if (const auto lack = proposal.exceeds_capacity(parts.scene.self)) return fail(*lack);
     if (!proposal.fit()) return fail(first_refusal(state, proposal));
-    if (const auto done = context.gates.apply(proposal.changes(context.scene.self)); done)
+    if (const auto done = parts.gates.apply(proposal.changes(parts.scene.self)); done)
       std::move(proposal).accept();
     else
       refused = done.error();
   }
   if (refused) {
     // The gates may hold a part of it.
-    static_cast<void>(context.turn.enforce());
+    static_cast<void>(parts.turn.enforce());
     return std::unexpected(*refused);
   }
-  context.turn.set_bands();
-  context.recorder.note(asked->channel);
-  context.forwarding.want(asked->channel);
+  parts.turn.set_bands();
+  parts.recorder.note(asked->channel);
+  parts.forwarding.want(asked->channel);
   for (const core::Verdict& v : state.decisions()[asked->channel].verdicts)
-    if (context.deliveries.concerns(v, request.id))
-      context.deliveries.verdict(Kind::granted, v, verdict_line(state, v));
+    if (parts.deliveries.concerns(v, request.id))
+      parts.deliveries.verdict(Kind::granted, v, verdict_line(state, v));
   return {};
 }
 
-Result<void> take_in_adopted(Context& context, const control::Request& request) {
-  core::State& state = *context.scene.state;
+Result<void> take_in_adopted(const AdoptedParts& parts, const control::Request& request) {
+  core::State& state = *parts.scene.state;
   if (state.admissions().contains(request.id)) return {};
   const auto asked = understood_adopted(state, request);
-  const Tagged tagged(context, request);
+  const Tagged tagged(parts.tags, request);
   if (!asked) return std::unexpected(asked.error());
-  if (auto lack = lacks_pairs(context, *asked)) return fail(std::move(*lack));
+  if (auto lack = lacks_pairs(state, *asked)) return fail(std::move(*lack));
   state.restore(*asked->admission);
   return {};
 }
 
-void remove_adopted(Context& context, const std::vector<core::AdmissionId>& gone) {
-  core::State& state = *context.scene.state;
+void remove_adopted(const AdoptedParts& parts, const std::vector<core::AdmissionId>& gone) {
+  core::State& state = *parts.scene.state;
   core::FormerRules left;
   for (const core::AdmissionId id : gone) {
     const auto known = state.admissions().find(id);
     if (known == state.admissions().end()) continue;
     const std::size_t channel = known->second;
-    if (!left.contains(channel))
-      left.emplace(channel, state.gate_state(context.scene.self, channel));
+    if (!left.contains(channel)) left.emplace(channel, state.gate_state(parts.scene.self, channel));
     state.remove(id);
   }
-  static_cast<void>(context.turn.settle(left));
-  context.tags.leave_unused();
+  static_cast<void>(parts.turn.settle(left));
+  parts.tags.leave_unused();
 }
 
 void restore_adopted(core::State& state, const control::Request& request) {

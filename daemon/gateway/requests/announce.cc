@@ -16,7 +16,9 @@
 #include "daemon/gateway/endpoints.hpp"
 #include "daemon/gateway/local_ends.hpp"
 #include "daemon/gateway/membership.hpp"
+#include "daemon/gateway/report_estimates.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
+#include "daemon/gateway/requests/parsed_request.hpp"
 #include "daemon/outside/gate_control.hpp"
 #include "mlcca/check.hpp"
 
@@ -63,16 +65,16 @@ std::optional<std::string> conflict(Role role, const AttributeSet& announced,
 /// The ends of one role that a channel has on this gateway.
 class Ends {
  public:
-  Ends(const Context& context, std::size_t channel, Role role)
-      : state_(*context.scene.state),
+  Ends(const AnnounceParts& parts, std::size_t channel, Role role)
+      : state_(*parts.scene.state),
         members_(state_.members()),
-        here_{core::Place::Kind::gateway, context.scene.self},
+        here_{core::Place::Kind::gateway, parts.scene.self},
         channel_(channel),
         role_(role) {
     const auto& all = role == Role::publisher ? members_.publishers_of(channel)
                                               : members_.subscribers_of(channel);
     std::ranges::copy_if(all, std::back_inserter(ends_), [&](std::size_t end) {
-      return place_of(end) == here_ && !is_twin(context, end);
+      return place_of(end) == here_ && !is_twin(parts, end);
     });
   }
 
@@ -130,9 +132,9 @@ class Ends {
  private:
   /// Where another gateway has admitted a subscriber for this one, the program takes up the
   /// admission of this gateway.
-  [[nodiscard]] bool is_twin(const Context& context, std::size_t end) const {
-    return context.membership != nullptr && role_ == Role::subscriber &&
-           context.membership->is_twin(members_.admission_of_subscriber(end));
+  [[nodiscard]] bool is_twin(const AnnounceParts& parts, std::size_t end) const {
+    return parts.membership != nullptr && role_ == Role::subscriber &&
+           parts.membership->is_twin(members_.admission_of_subscriber(end));
   }
   [[nodiscard]] const AttributeSet& attributes_of(std::size_t end, std::size_t set) const {
     return role_ == Role::publisher ? core::attributes_in(members_.publisher(end), set)
@@ -173,18 +175,19 @@ class Ends {
 
 }  // namespace
 
-Response announce(Context& context, const Asker& asker, const control::AnnounceRequest& request) {
+Response announce(const AnnounceParts& parts, const Asker& asker,
+                  const control::AnnounceRequest& request) {
   if (asker.peer.is_in_other_network)
     return error_of(
         control::ErrorKind::forbidden,
         "this program is in another network namespace than mlccad, so its events do not "
         "pass the gates of this gateway: run it in that of mlccad");
-  const core::State& state = *context.scene.state;
+  const core::State& state = *parts.scene.state;
   if (request.role != Role::publisher && request.role != Role::subscriber)
     return invalid("say the role: publisher or subscriber");
   const auto channel = channel_named(state, request.channel);
   if (!channel) return invalid(channel.error().text);
-  const Ends ends(context, *channel, request.role);
+  const Ends ends(parts, *channel, request.role);
   const auto end = ends.find(request.name, asker.peer);
   if (!end) return error_of(control::ErrorKind::forbidden, end.error().text);
   const auto announced = control::set_of(request.attributes);
@@ -195,21 +198,20 @@ Response announce(Context& context, const Asker& asker, const control::AnnounceR
       return invalid("local is for subscribers: a publisher sends, and receives nothing");
     const core::EventChannel& followed = state.system().channels[*channel];
     if (const auto done =
-            context.local_ends.add(followed, asker.peer.uid, asker.peer.session, request.local);
+            parts.local_ends.add(followed, asker.peer.uid, asker.peer.session, request.local);
         !done)
       return invalid(done.error().text);
   }
-  const auto report = [&context, channel = *channel, role = request.role, end = *end] {
+  const auto report = [parts, channel = *channel, role = request.role, end = *end] {
     const bool publishes = role == Role::publisher;
-    control::Channels out = publishes ? context.channels.of_publisher(channel, end)
-                                      : context.channels.of_subscriber(channel, end);
-    out.endpoints = publishes ? context.endpoints.of_publisher(channel, end)
-                              : context.endpoints.of_subscriber(channel, end);
-    out.grace_ns = context.control.grace();
+    control::Channels out = publishes ? parts.channels.of_publisher(channel, end)
+                                      : parts.channels.of_subscriber(channel, end);
+    out.endpoints = publishes ? parts.endpoints.of_publisher(channel, end)
+                              : parts.endpoints.of_subscriber(channel, end);
+    out.grace_ns = parts.control.grace();
     return out;
   };
-  Response response = context.channels.has_many_lines(*channel) ? made_aside(context, asker, report)
-                                                                : Response(report());
+  Response response = parts.replies.made(asker, parts.estimates.has_many_lines(*channel), report);
   response.follows = state.system().channels[*channel].subject;
   return response;
 }

@@ -8,7 +8,7 @@
 namespace mlcca::requests {
 namespace {
 
-control::Audit audit_of(const Context& c) {
+control::Audit audit_of(const AuditParts& c) {
   control::Audit out = c.audit.report();
   out.mode = c.modes.name();
   out.when_clean_ns = c.modes.when_clean();
@@ -18,10 +18,10 @@ control::Audit audit_of(const Context& c) {
 
 }  // namespace
 
-Response audit(Context& context, const Asker& asker, const control::AuditRequest& /*request*/) {
-  if (context.delivery_health.is_large())
-    return made_aside(context, asker, [&context] { return audit_of(context); });
-  return audit_of(context);
+Response audit(const AuditParts& parts, const Asker& asker,
+               const control::AuditRequest& /*request*/) {
+  return parts.replies.made(asker, parts.delivery_health.is_large(),
+                            [parts] { return audit_of(parts); });
 }
 
 }  // namespace mlcca::requests

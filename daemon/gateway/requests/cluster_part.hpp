@@ -7,17 +7,18 @@
 #include <string>
 
 #include "daemon/gateway/membership.hpp"
-#include "daemon/gateway/requests/handlers.hpp"
+#include "daemon/gateway/requests/response.hpp"
+#include "daemon/gateway/scene.hpp"
 
 namespace mlcca::requests {
 
 /// Why this gateway cannot carry out the request: it takes part in no cluster, or another gateway
 /// is meant. nullopt if it can.
-inline std::optional<control::Error> bars_part(const Context& context, const std::string& gateway,
-                                               const char* verb) {
-  const auto& system = context.scene.state->system();
-  const std::string& self = system.gateways[context.scene.self].name;
-  if (context.membership == nullptr)
+inline std::optional<control::Error> bars_part(const Scene& scene, const Membership* membership,
+                                               const std::string& gateway, const char* verb) {
+  const auto& system = scene.state->system();
+  const std::string& self = system.gateways[scene.self].name;
+  if (membership == nullptr)
     return invalid(
         fmt::format("{} takes part in no cluster: /etc/mlcca/cluster.conf is not there", self));
   if (gateway.empty() || gateway == self) return std::nullopt;

@@ -11,6 +11,7 @@
 #include "daemon/gateway/endpoints.hpp"
 #include "daemon/gateway/event_log.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
+#include "daemon/gateway/requests/parsed_request.hpp"
 
 namespace mlcca::requests {
 namespace {
@@ -21,15 +22,15 @@ std::string time_text(std::uint64_t ns) {
 
 }  // namespace
 
-Response delay(Context& context, const Asker& asker, const control::DelayRequest& request) {
-  if (!context.carriers.is(asker.peer.session, asker.peer.uid))
+Response delay(const DelayParts& parts, const Asker& asker, const control::DelayRequest& request) {
+  if (!parts.carriers.is(asker.peer.session, asker.peer.uid))
     return error_of(control::ErrorKind::forbidden,
                     "delays are reported by programs that carry events: ask for the transfers of "
                     "your own user first");
-  const auto channel = channel_named(*context.scene.state, core::format_subject(request.subject));
+  const auto channel = channel_named(*parts.scene.state, core::format_subject(request.subject));
   if (!channel) return invalid(channel.error().text);
   control::Transfers carried;
-  context.endpoints.add_transfers(*channel, asker.peer.uid, carried);
+  parts.endpoints.add_transfers(*channel, asker.peer.uid, carried);
   const auto transfer = std::ranges::find_if(carried.transfers, [&](const control::Transfer& t) {
     return t.publisher == request.publisher && t.from.network == request.from &&
            t.to.network == request.to;
@@ -42,17 +43,17 @@ Response delay(Context& context, const Asker& asker, const control::DelayRequest
       transfer->channel, core::format_subject(transfer->subject), transfer->publisher,
       many(request.late, "event"), request.from, request.to, asker.peer.uid,
       time_text(request.longest_ns), time_text(transfer->latency_ns));
-  if (!context.carriers.note_late({transfer->subject, transfer->publisher, request.to},
-                                  {context.clock.monotonic_ns(), request.late, request.longest_ns}))
+  if (!parts.carriers.note_late({transfer->subject, transfer->publisher, request.to},
+                                {parts.clock.monotonic_ns(), request.late, request.longest_ns}))
     return control::Done{"too soon after the last report"};
-  context.delivery_health.note_late(*channel);
-  context.log.warning(Kind::late, line,
-                      {.subject = transfer->subject,
-                       .channel = transfer->channel,
-                       .network = request.to,
-                       .publisher = transfer->publisher,
-                       .late = request.late,
-                       .longest_ns = request.longest_ns});
+  parts.delivery_health.note_late(*channel);
+  parts.log.warning(Kind::late, line,
+                    {.subject = transfer->subject,
+                     .channel = transfer->channel,
+                     .network = request.to,
+                     .publisher = transfer->publisher,
+                     .late = request.late,
+                     .longest_ns = request.longest_ns});
   return control::Done{line};
 }
 

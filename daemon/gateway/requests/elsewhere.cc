@@ -22,13 +22,13 @@ constexpr std::size_t kMostRead = 64;  // most entries of the store that are rea
 
 /// Whether this gateway has the publisher: from the description, or from an admission of its own.
 /// One that it only carries for another gateway ends with the admission of that gateway.
-bool is_published_here(const Context& context, const control::ChannelRequest& request,
-                       std::size_t channel) {
-  const core::State& state = *context.scene.state;
+bool is_published_here(const Scene& scene, const Recorder& recorder,
+                       const control::ChannelRequest& request, std::size_t channel) {
+  const core::State& state = *scene.state;
   const auto& members = state.members();
   return std::ranges::any_of(members.publishers_of(channel), [&](std::size_t p) {
     const core::AdmissionId id = members.admission_of_publisher(p);
-    const bool own = id == 0 || context.recorder.contents().admissions.find(id) != nullptr;
+    const bool own = id == 0 || recorder.contents().admissions.find(id) != nullptr;
     return own &&
            (request.from.empty() || state.find_place(request.from) == members.publisher(p).place);
   });
@@ -64,7 +64,7 @@ std::optional<std::size_t> only_gateway_at(const core::System& system, core::Pla
 }
 
 /// The first gateway that has reserved for such a publisher, by the store.
-std::optional<std::size_t> gateway_in_store(const Context& context, const cc::Member& member,
+std::optional<std::size_t> gateway_in_store(const Membership& membership, const cc::Member& member,
                                             const control::ChannelRequest& request,
                                             const std::string& channel) {
   const cc::View& view = member.view();
@@ -73,7 +73,7 @@ std::optional<std::size_t> gateway_in_store(const Context& context, const cc::Me
     if (key.gateway == member.self() || !record.taken || record.taken->channel != channel ||
         !is_of_admission(*record.taken))
       continue;
-    const cc::Alive alive = view.alive(key.gateway, context.membership->now());
+    const cc::Alive alive = view.alive(key.gateway, membership.now());
     const auto there = view.records().asked.find({key.gateway, key.id});
     if (there == view.records().asked.end() || there->second.asked.stage != cc::Stage::granted ||
         (alive != cc::Alive::present && alive != cc::Alive::standby && alive != cc::Alive::silent))
@@ -87,27 +87,29 @@ std::optional<std::size_t> gateway_in_store(const Context& context, const cc::Me
 
 }  // namespace
 
-std::optional<std::size_t> gateway_to_ask(const Context& context,
+std::optional<std::size_t> gateway_to_ask(const Scene& scene, const Recorder& recorder,
+                                          const Membership* membership,
                                           const control::ChannelRequest& request,
                                           const ParsedRequest& asked) {
-  const cc::Member* const member =
-      context.membership == nullptr ? nullptr : context.membership->begun_member();
-  const core::State& state = *context.scene.state;
+  const cc::Member* const member = membership == nullptr ? nullptr : membership->begun_member();
+  const core::State& state = *scene.state;
   if (member == nullptr || !asked.admission || !asked.admission->subscriber ||
-      describes_publisher(request) || is_published_here(context, request, asked.channel))
+      describes_publisher(request) || is_published_here(scene, recorder, request, asked.channel))
     return std::nullopt;
   const auto from = state.find_place(request.from);
   if (const auto only = from ? only_gateway_at(state.system(), *from) : std::nullopt)
     return *only == member->self() ? std::nullopt : only;
-  return gateway_in_store(context, *member, request, state.system().channels[asked.channel].name);
+  return gateway_in_store(*membership, *member, request,
+                          state.system().channels[asked.channel].name);
 }
 
-std::optional<std::string> decided_elsewhere(const Context& context,
+std::optional<std::string> decided_elsewhere(const Scene& scene, const Recorder& recorder,
+                                             const Membership* membership,
                                              const control::ChannelRequest& request,
                                              const ParsedRequest& asked) {
-  const auto gateway = gateway_to_ask(context, request, asked);
+  const auto gateway = gateway_to_ask(scene, recorder, membership, request, asked);
   if (!gateway) return std::nullopt;
-  const std::string& name = context.scene.state->system().gateways[*gateway].name;
+  const std::string& name = scene.state->system().gateways[*gateway].name;
   const std::string from =
       request.from.empty() ? std::string() : fmt::format(" --from {}", request.from);
   return fmt::format(

@@ -32,22 +32,23 @@ store::HistoryFilter filter_of(const control::HistoryRequest& request) {
 
 }  // namespace
 
-Response history(Context& context, const Asker& /*asker*/, const control::HistoryRequest& request) {
+Response history(const HistoryParts& parts, const Asker& /*asker*/,
+                 const control::HistoryRequest& request) {
   if (!request.kind.empty() && !kind_named(request.kind))
     return invalid(
         fmt::format("there is no kind '{}' (there are: {})", request.kind, kind_names()));
-  auto pages = std::make_shared<HistoryPages>(context.history, filter_of(request));
-  auto first = context.patience.wait_for([&pages] { return pages->next(); });
+  auto pages = std::make_shared<HistoryPages>(parts.history, filter_of(request));
+  auto first = parts.patience.wait_for([&pages] { return pages->next(); });
   if (!first) return failed(first.error().text);
   if (first->entries.empty() && !request.channel.empty() &&
-      !context.scene.state->find_channel(request.channel))
+      !parts.scene.state->find_channel(request.channel))
     return invalid(fmt::format("no event channel is called '{}', and the history knows none",
                                request.channel));
   if (!pages->more()) return std::move(*first);
   return Response(
-      [&context, pages, first = std::move(*first)]() mutable -> std::optional<serve::Slice> {
+      [parts, pages, first = std::move(*first)]() mutable -> std::optional<serve::Slice> {
         if (!first.entries.empty()) return serve::Slice{std::exchange(first, {}), true};
-        auto page = context.patience.wait_for([&pages] { return pages->next(); });
+        auto page = parts.patience.wait_for([&pages] { return pages->next(); });
         if (!page) return serve::Slice{failed(page.error().text)};
         return serve::Slice{std::move(*page), pages->more()};
       });

@@ -4,7 +4,7 @@
 
 namespace mlcca::requests {
 
-Response monitor(Context& /*context*/, const Asker& /*asker*/,
+Response monitor(const NoParts& /*parts*/, const Asker& /*asker*/,
                  const control::MonitorRequest& /*request*/) {
   return control::Done{"events follow"};
 }

@@ -1,20 +1,19 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "daemon/gateway/channel_reports.hpp"
 #include "daemon/gateway/report.hpp"
+#include "daemon/gateway/report_estimates.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
 
 namespace mlcca::requests {
 
-Response networks(Context& context, const Asker& asker,
+Response networks(const NetworksParts& parts, const Asker& asker,
                   const control::NetworksRequest& /*request*/) {
-  const auto make = [&context] {
+  const auto make = [parts] {
     control::Networks out;
-    for (std::size_t n = 0; n < context.scene.state->system().networks.size(); ++n)
-      out.networks.push_back(network_report(*context.scene.state, n));
+    for (std::size_t n = 0; n < parts.scene.state->system().networks.size(); ++n)
+      out.networks.push_back(network_report(*parts.scene.state, n));
     return out;
   };
-  if (context.channels.is_large()) return made_aside(context, asker, make);
-  return make();
+  return parts.replies.made(asker, parts.estimates.is_large(), make);
 }
 
 }  // namespace mlcca::requests

@@ -17,19 +17,18 @@ std::string control_user_of(const core::Port& port) {
   return fmt::format("user {}, the control-user of its Port", port.control_uid);
 }
 
-std::vector<std::size_t> subscription_ports(const Context& context) {
-  const core::System& system = context.scene.state->system();
-  const auto& ports = system.gateways[context.scene.self].ports;
+std::vector<std::size_t> subscription_ports(const Scene& scene) {
+  const core::System& system = scene.state->system();
+  const auto& ports = system.gateways[scene.self].ports;
   std::vector<std::size_t> out;
   for (std::size_t p = 0; p < ports.size(); ++p)
     if (accepts(system.networks[ports[p].network])) out.push_back(p);
   return out;
 }
 
-Result<std::size_t> subscription_port(const Context& context, uid_t user,
-                                      const std::string& network) {
-  const core::System& system = context.scene.state->system();
-  const auto& ports = system.gateways[context.scene.self].ports;
+Result<std::size_t> subscription_port(const Scene& scene, uid_t user, const std::string& network) {
+  const core::System& system = scene.state->system();
+  const auto& ports = system.gateways[scene.self].ports;
   for (std::size_t p = 0; p < ports.size(); ++p) {
     const core::Network& at = system.networks[ports[p].network];
     if (at.name != network) continue;

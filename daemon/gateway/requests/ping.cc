@@ -4,7 +4,7 @@
 
 namespace mlcca::requests {
 
-Response ping(Context& /*context*/, const Asker& /*asker*/,
+Response ping(const NoParts& /*parts*/, const Asker& /*asker*/,
               const control::PingRequest& /*request*/) {
   return control::Done{};
 }

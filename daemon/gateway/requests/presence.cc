@@ -16,9 +16,9 @@ namespace {
 
 /// Why programs of this user do not announce this gateway; nullopt if they do, because they may
 /// send the control traffic of a network that has Subscriptions.
-std::optional<std::string> refuses_announcer(const Context& context, uid_t user) {
-  const auto& own = context.scene.state->system().gateways[context.scene.self].ports;
-  const auto ports = subscription_ports(context);
+std::optional<std::string> refuses_announcer(const PresenceParts& parts, uid_t user) {
+  const auto& own = parts.scene.state->system().gateways[parts.scene.self].ports;
+  const auto ports = subscription_ports(parts.scene);
   if (ports.empty()) return "no network of this gateway has Subscriptions: it is not announced";
   if (std::ranges::any_of(ports, [&](std::size_t p) { return own[p].control_uid == user; }))
     return std::nullopt;
@@ -28,15 +28,16 @@ std::optional<std::string> refuses_announcer(const Context& context, uid_t user)
 
 }  // namespace
 
-Response presence(Context& context, const Asker& asker, const control::PresenceRequest& request) {
+Response presence(const PresenceParts& parts, const Asker& asker,
+                  const control::PresenceRequest& request) {
   if (request.gateway.empty()) {
-    if (const auto why = refuses_announcer(context, asker.peer.uid))
+    if (const auto why = refuses_announcer(parts, asker.peer.uid))
       return error_of(control::ErrorKind::forbidden, *why);
-    return context.presence.announce();
+    return parts.presence.announce();
   }
-  const auto port = subscription_port(context, asker.peer.uid, request.network);
+  const auto port = subscription_port(parts.scene, asker.peer.uid, request.network);
   if (!port) return error_of(control::ErrorKind::forbidden, port.error().text);
-  if (const auto taken = context.presence.receive(request); !taken)
+  if (const auto taken = parts.presence.receive(request); !taken)
     return invalid(taken.error().text);
   return control::Done{"received"};
 }

@@ -6,17 +6,23 @@
 #include "daemon/gateway/recorder.hpp"
 #include "daemon/gateway/requests/elsewhere.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
+#include "daemon/gateway/requests/parsed_request.hpp"
+#include "daemon/gateway/requests/shared.hpp"
 #include "daemon/gateway/turn.hpp"
 
 namespace mlcca::requests {
 namespace {
 
-Body would_be(Context& context, const control::Query& request, const ParsedRequest& asked) {
-  if (const auto why = decided_elsewhere(context, request, asked)) return invalid(*why);
-  if (const auto lack = lacks_pairs(context, asked)) return invalid(*lack);
-  const core::Proposal proposal = as_it_could_be(context, *asked.admission);
-  if (const auto lack = proposal.exceeds_capacity(context.scene.self)) return invalid(*lack);
-  Body body = outcome_of(context, proposal, asked, "decide");
+Body would_be(const QueryParts& parts, const control::Query& request, const ParsedRequest& asked) {
+  if (const auto why =
+          decided_elsewhere(parts.scene, parts.recorder, parts.membership, request, asked))
+    return invalid(*why);
+  if (const auto lack = lacks_pairs(*parts.scene.state, asked)) return invalid(*lack);
+  const core::Proposal proposal =
+      as_it_could_be(*parts.scene.state, parts.membership, *asked.admission);
+  if (const auto lack = proposal.exceeds_capacity(parts.scene.self)) return invalid(*lack);
+  Body body =
+      outcome_of(parts.scene, parts.delivery_health, parts.membership, proposal, asked, "decide");
   // Nothing is admitted, so there is no id that could be released.
   if (auto* const would_be = std::get_if<control::Channels>(&body))
     for (control::Channel& channel : would_be->channels)
@@ -26,17 +32,17 @@ Body would_be(Context& context, const control::Query& request, const ParsedReque
 
 }  // namespace
 
-Response query(Context& context, const Asker& asker, const control::Query& request) {
-  core::State& state = *context.scene.state;
+Response query(const QueryParts& parts, const Asker& asker, const control::Query& request) {
+  core::State& state = *parts.scene.state;
   if (const auto listed = list(state, request); !listed) return invalid(listed.error().text);
-  const auto asked = understand(state, request, context.recorder.next_id());
+  const auto asked = understand(state, request, parts.recorder.next_id());
   if (!asked) return invalid(asked.error().text);
-  if (context.membership != nullptr) static_cast<void>(context.turn.settle());
-  if (!asked->admission) return known(context, asker, *asked);
-  if (!context.channels.has_many_ends(asked->channel)) return would_be(context, request, *asked);
-  return made_aside(context, asker, [&context, request, asked = *asked] {
-    return would_be(context, request, asked);
-  });
+  if (parts.membership != nullptr) static_cast<void>(parts.turn.settle());
+  if (!asked->admission)
+    return known(parts.channels, parts.estimates, parts.replies, asker, *asked);
+  if (!parts.estimates.has_many_ends(asked->channel)) return would_be(parts, request, *asked);
+  return parts.replies.aside(
+      asker, [parts, request, asked = *asked] { return would_be(parts, request, asked); });
 }
 
 }  // namespace mlcca::requests

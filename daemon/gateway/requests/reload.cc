@@ -4,8 +4,9 @@
 
 namespace mlcca::requests {
 
-Response reload(Context& context, const Asker& asker, const control::ReloadRequest& /*request*/) {
-  return context.reloads.begin(asker);
+Response reload(const ReloadParts& parts, const Asker& asker,
+                const control::ReloadRequest& /*request*/) {
+  return parts.reloads.begin(asker);
 }
 
 }  // namespace mlcca::requests

@@ -8,8 +8,9 @@
 
 namespace mlcca::requests {
 
-Response renew(Context& context, const Asker& /*asker*/, const control::RenewRequest& request) {
-  Admissions& admissions = context.admissions;
+Response renew(const RenewParts& parts, const Asker& /*asker*/,
+               const control::RenewRequest& request) {
+  Admissions& admissions = parts.admissions;
   const auto named = admissions.named(request.admission, request.key);
   if (!named) return invalid(named.error().text);
   const core::AdmissionId id = *named;

@@ -8,26 +8,25 @@
 #include <optional>
 
 #include "daemon/gateway/admissions.hpp"
-#include "daemon/gateway/channel_reports.hpp"
+#include "daemon/gateway/report_estimates.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
 
 namespace mlcca::requests {
 
-Response reservations(Context& context, const Asker& asker,
+Response reservations(const ReservationsParts& parts, const Asker& asker,
                       const control::ReservationsRequest& request) {
   std::optional<core::Place> place;
   if (!request.place.empty()) {
-    place = context.scene.state->find_place(request.place);
+    place = parts.scene.state->find_place(request.place);
     if (!place) return invalid(fmt::format("there is no network or gateway '{}'", request.place));
   }
-  const auto make = [&context, place] {
-    return reservations_report(*context.scene.state, place,
-                               [&context](core::AdmissionId id) -> std::uint64_t {
-                                 return context.admissions.remaining(id).value_or(0);
+  const auto make = [parts, place] {
+    return reservations_report(*parts.scene.state, place,
+                               [parts](core::AdmissionId id) -> std::uint64_t {
+                                 return parts.admissions.remaining(id).value_or(0);
                                });
   };
-  if (context.channels.is_large()) return made_aside(context, asker, make);
-  return make();
+  return parts.replies.made(asker, parts.estimates.is_large(), make);
 }
 
 }  // namespace mlcca::requests

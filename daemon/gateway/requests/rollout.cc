@@ -13,17 +13,18 @@ constexpr const char* kAlone =
 
 }  // namespace
 
-Response rollout(Context& context, const Asker& asker, const control::RolloutRequest& request) {
-  if (context.membership == nullptr) return invalid(kAlone);
-  if (const std::string why = context.membership->rollout_bar(); !why.empty())
+Response rollout(const RolloutParts& parts, const Asker& asker,
+                 const control::RolloutRequest& request) {
+  if (parts.membership == nullptr) return invalid(kAlone);
+  if (const std::string why = parts.membership->rollout_bar(); !why.empty())
     return failed("nothing was changed: " + why);
-  return context.membership->rollout().take(asker, request, context.membership->member());
+  return parts.membership->rollout().take(asker, request, parts.membership->member());
 }
 
-Response rollout_state(Context& context, const Asker& /*asker*/,
+Response rollout_state(const RolloutParts& parts, const Asker& /*asker*/,
                        const control::RolloutStateRequest& /*request*/) {
-  if (context.membership == nullptr) return invalid(kAlone);
-  return context.membership->rollout().state(context.membership->member());
+  if (parts.membership == nullptr) return invalid(kAlone);
+  return parts.membership->rollout().state(parts.membership->member());
 }
 
 }  // namespace mlcca::requests

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kManyPorts = 16;
 
-control::Status status_of(const Context& c) {
+control::Status status_of(const StatusParts& c) {
   control::Status s;
   s.version = kVersion;
   s.gateway = c.scene.state->system().gateways[c.scene.self].name;
@@ -46,10 +46,11 @@ control::Status status_of(const Context& c) {
 
 }  // namespace
 
-Response status(Context& context, const Asker& asker, const control::StatusRequest& /*request*/) {
-  if (context.gates.size() > kManyPorts || context.delivery_health.is_large())
-    return made_aside(context, asker, [&context] { return status_of(context); });
-  return status_of(context);
+Response status(const StatusParts& parts, const Asker& asker,
+                const control::StatusRequest& /*request*/) {
+  return parts.replies.made(asker,
+                            parts.gates.size() > kManyPorts || parts.delivery_health.is_large(),
+                            [parts] { return status_of(parts); });
 }
 
 }  // namespace mlcca::requests

@@ -18,7 +18,9 @@
 #include "daemon/gateway/recorder.hpp"
 #include "daemon/gateway/report.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
+#include "daemon/gateway/requests/parsed_request.hpp"
 #include "daemon/gateway/requests/peers.hpp"
+#include "daemon/gateway/requests/shared.hpp"
 #include "daemon/gateway/turn.hpp"
 
 namespace mlcca::requests {
@@ -48,48 +50,51 @@ Result<control::Admit> admission_of(const control::SubscribeRequest& request) {
 /// The refusal for a peer that has a granted subscription and now wants another one that would not
 /// be granted beside it; the peer keeps what it has. Each attribute is compared by itself, so what
 /// is granted of both separately would be granted together. nullopt if it is not refused.
-std::optional<Response> refuses_other(Context& context, core::AdmissionId held,
+std::optional<Response> refuses_other(const AdmitParts& parts, core::AdmissionId held,
                                       const control::Admit& wanted) {
-  const core::State& state = *context.scene.state;
-  const auto asked = understand(state, wanted, context.recorder.next_id());
+  const core::State& state = *parts.scene.state;
+  const auto asked = understand(state, wanted, parts.recorder.next_id());
   const auto known = state.admissions().find(held);
   if (!asked || !asked->admission || known == state.admissions().end()) return std::nullopt;
-  const auto has = [&](const core::Verdict& v) { return context.deliveries.concerns(v, held); };
+  const auto has = [&](const core::Verdict& v) { return parts.deliveries.concerns(v, held); };
   const auto& verdicts = state.decisions()[known->second].verdicts;
   if (!std::ranges::all_of(verdicts, [&](const core::Verdict& v) { return v.granted || !has(v); }))
     return std::nullopt;
-  if (context.membership != nullptr) static_cast<void>(context.turn.settle());
-  const core::Proposal proposal = as_it_could_be(context, *asked->admission);
+  if (parts.membership != nullptr) static_cast<void>(parts.turn.settle());
+  const core::Proposal proposal =
+      as_it_could_be(*parts.scene.state, parts.membership, *asked->admission);
   if (proposal.fit()) return std::nullopt;
-  Response response = outcome_of(context, proposal, *asked, "admit");
+  Response response =
+      outcome_of(parts.scene, parts.delivery_health, parts.membership, proposal, *asked, "admit");
   for (const core::Verdict* v : proposal.verdicts())
-    if (!v->granted) context.deliveries.verdict(Kind::refused, *v, verdict_line(state, *v));
+    if (!v->granted) parts.deliveries.verdict(Kind::refused, *v, verdict_line(state, *v));
   return response;
 }
 
-Response end(Context& context, const std::string& key) {
-  const auto known = context.admissions.with_key(key);
+Response end(const AdmitParts& parts, const std::string& key) {
+  const auto known = parts.admissions.with_key(key);
   if (!known) {
-    const bool waited = context.membership != nullptr &&
-                        context.membership->refuse(key, "it was ended while it waited");
+    const bool waited = parts.membership != nullptr &&
+                        parts.membership->refuse(key, "it was ended while it waited");
     return control::Done{waited ? "the subscription does not wait any more"
                                 : "there is no such subscription"};
   }
-  if (const auto done = context.admissions.release({*known}, "released"); !done)
+  if (const auto done = parts.admissions.release({*known}, "released"); !done)
     return failed(done.error().text);
   return control::Done{fmt::format("released admission {}", *known)};
 }
 
 }  // namespace
 
-Response subscribe(Context& context, const Asker& asker, const control::SubscribeRequest& request) {
-  const auto port = subscription_port(context, asker.peer.uid, request.network);
+Response subscribe(const AdmitParts& parts, const Asker& asker,
+                   const control::SubscribeRequest& request) {
+  const auto port = subscription_port(parts.scene, asker.peer.uid, request.network);
   if (!port) return error_of(control::ErrorKind::forbidden, port.error().text);
   if (!is_plain(request.source))
     return invalid("say the source: a node or an address, such as 0x12 or 192.0.2.7");
-  const core::System& system = context.scene.state->system();
+  const core::System& system = parts.scene.state->system();
   const core::Network& network =
-      system.networks[system.gateways[context.scene.self].ports[*port].network];
+      system.networks[system.gateways[parts.scene.self].ports[*port].network];
   if (network.subscriptions.accept < core::Subscribing::with_attributes && !request.end)
     return error_of(control::ErrorKind::forbidden,
                     fmt::format("{} accepts no subscriptions (accept=\"gateways\")", network.name));
@@ -100,16 +105,16 @@ Response subscribe(Context& context, const Asker& asker, const control::Subscrib
                                 network.name));
   const auto wanted = admission_of(request);
   if (!wanted) return invalid(wanted.error().text);
-  if (request.end) return end(context, wanted->key);
-  const auto known = context.admissions.with_key(wanted->key);
+  if (request.end) return end(parts, wanted->key);
+  const auto known = parts.admissions.with_key(wanted->key);
   const control::Request* held =
-      known ? context.recorder.contents().admissions.find(*known) : nullptr;
+      known ? parts.recorder.contents().admissions.find(*known) : nullptr;
   if (held != nullptr && std::get<control::Admit>(held->body) != *wanted) {
-    if (auto refused = refuses_other(context, *known, *wanted)) return std::move(*refused);
-    if (const auto done = context.admissions.release({*known}, "replaced"); !done)
+    if (auto refused = refuses_other(parts, *known, *wanted)) return std::move(*refused);
+    if (const auto done = parts.admissions.release({*known}, "replaced"); !done)
       return failed(done.error().text);
   }
-  return admit(context, asker, *wanted);
+  return admit(parts, asker, *wanted);
 }
 
 }  // namespace mlcca::requests

@@ -20,36 +20,36 @@ constexpr std::size_t kOnwardRow = 256;  // typical bytes on the wire
 
 /// Whether the subscription is also for an endpoint that is described, or admitted otherwise than
 /// by a subscription over a network.
-bool begins_here(const Context& context, const core::OnwardSubscription& one) {
+bool begins_here(const SubscriptionsParts& parts, const core::OnwardSubscription& one) {
   return one.described || std::ranges::any_of(one.admitted, [&](core::AdmissionId id) {
-           return !context.admissions.came_over_a_network(id);
+           return !parts.admissions.came_over_a_network(id);
          });
 }
 
-void add_channel(Context& context, std::size_t channel, control::Subscriptions& to) {
-  core::State& state = *context.scene.state;
+void add_channel(const SubscriptionsParts& parts, std::size_t channel, control::Subscriptions& to) {
+  core::State& state = *parts.scene.state;
   const core::System& system = state.system();
   const core::EventChannel& described = system.channels[channel];
-  for (const core::OnwardSubscription& one : core::onward_of(state, context.scene.self, channel))
+  for (const core::OnwardSubscription& one : core::onward_of(state, parts.scene.self, channel))
     to.onward.push_back({.subject = described.subject,
                          .channel = described.name,
                          .network = system.networks[one.network].name,
                          .required = control::attributes_of(one.required),
                          .problem = one.problem,
-                         .begins_here = begins_here(context, one)});
+                         .begins_here = begins_here(parts, one)});
 }
 
 /// The next channels from `at` on, as many as one turn has time for.
-serve::Slice some_onward(Context& context, std::size_t& at) {
+serve::Slice some_onward(const SubscriptionsParts& parts, std::size_t& at) {
   control::Subscriptions out;
   if (at == 0)
-    for (const std::size_t port : subscription_ports(context))
-      out.networks.push_back(context.endpoints.of_subscriptions(port));
-  const std::size_t channels = context.scene.state->decisions().size();
+    for (const std::size_t port : subscription_ports(parts.scene))
+      out.networks.push_back(parts.endpoints.of_subscriptions(port));
+  const std::size_t channels = parts.scene.state->decisions().size();
   Pace pace(kOnwardRow);
   for (bool goes_on = true; goes_on && at < channels; ++at) {
     const std::size_t before = out.onward.size();
-    add_channel(context, at, out);
+    add_channel(parts, at, out);
     goes_on = pace.made(out.onward.size() - before);
   }
   return {{std::move(out)}, at < channels};
@@ -57,10 +57,10 @@ serve::Slice some_onward(Context& context, std::size_t& at) {
 
 }  // namespace
 
-Response subscriptions(Context& context, const Asker& /*asker*/,
+Response subscriptions(const SubscriptionsParts& parts, const Asker& /*asker*/,
                        const control::SubscriptionsRequest& /*request*/) {
-  return made_in_slices(
-      context, 0, [&context, at = std::size_t{0}]() mutable { return some_onward(context, at); });
+  return parts.replies.in_slices(
+      0, [parts, at = std::size_t{0}]() mutable { return some_onward(parts, at); });
 }
 
 }  // namespace mlcca::requests

@@ -2,8 +2,11 @@
 // The table of requests that a gateway answers: who may make each, and its handler. A request
 // without a row does not compile.
 #pragma once
+#include <cstdint>
+
 #include "control/messages.hpp"
 #include "daemon/gateway/requests/context.hpp"
+#include "daemon/gateway/requests/response.hpp"
 
 namespace mlcca::requests {
 
@@ -29,7 +32,7 @@ enum class Trace : std::uint8_t {
 /// count. What it takes away can only be restored by requests that may have to wait.
 [[nodiscard]] bool takes_away(const Context& context, const control::Request& request);
 /// Answers a request whose privilege has been checked.
-[[nodiscard]] Response handle(Context& context, const Asker& asker,
+[[nodiscard]] Response handle(const Context& context, const Asker& asker,
                               const control::Request& request);
 
 }  // namespace mlcca::requests

@@ -27,12 +27,12 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
  public:
   /// Who decides about it: this gateway, or the one that has its publisher.
   enum class Decides : std::uint8_t { here, elsewhere };
-  Waiting(Context& context, Asker asker, control::Admit request, Decides decides)
-      : context_(context),
+  Waiting(const AdmitParts& parts, Asker asker, control::Admit request, Decides decides)
+      : parts_(parts),
         asker_(std::move(asker)),
         request_(std::move(request)),
-        id_(context.recorder.set_id_aside()),
-        actor_(context.log.actor()),
+        id_(parts.recorder.set_id_aside()),
+        actor_(parts.log.actor()),
         decides_(decides) {}
 
   [[nodiscard]] Reserving::Job job() {
@@ -58,28 +58,28 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
   /// Runs `call` in the name and at the cost of the client that has asked.
   template <class Call>
   std::invoke_result_t<const Call&> acting(const Call& call) {
-    const EventLog::Acting request(context_.log, actor_);
-    if (request_.unlisted) context_.tags.claim();
+    const EventLog::Acting request(parts_.log, actor_);
+    if (request_.unlisted) parts_.tags.claim();
     auto result = call();
-    if (request_.unlisted) context_.tags.leave_unused();
-    context_.membership->charge(asker_.peer.uid, request.rows());
+    if (request_.unlisted) parts_.tags.leave_unused();
+    parts_.membership->charge(asker_.peer.uid, request.rows());
     return result;
   }
 
   [[nodiscard]] std::optional<ParsedRequest> understood() {
     const control::Admit request =
         decides_ == Decides::here ? request_ : subscriber_alone(request_, *id_);
-    if (const auto listed = list(*context_.scene.state, request_); !listed) {
+    if (const auto listed = list(*parts_.scene.state, request_); !listed) {
       answer(invalid(listed.error().text));
       return std::nullopt;
     }
-    auto asked = understand(*context_.scene.state, request, *id_);
+    auto asked = understand(*parts_.scene.state, request, *id_);
     if (!asked || !asked->admission) {
       answer(invalid(asked ? "these ends are described meanwhile" : asked.error().text));
       return std::nullopt;
     }
     // Others may have been admitted meanwhile.
-    if (const auto why = bars(context_, asker_, request_, *asked)) {
+    if (const auto why = bars(parts_, asker_, request_, *asked)) {
       answer(*why);
       return std::nullopt;
     }
@@ -91,45 +91,46 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
     const auto asked = understood();
     if (!asked) return std::nullopt;
     if (decides_ == Decides::elsewhere) return wish_of_another(*asked);
-    core::State& state = *context_.scene.state;
+    core::State& state = *parts_.scene.state;
     {
       core::Proposal proposal = state.propose(*asked->admission);
-      if (proposal.fit() && !crosses_others(context_, proposal)) {
-        answer(decided(context_, asker_, request_, *asked, std::move(proposal)));
+      if (proposal.fit() && !crosses_others(parts_.scene, proposal)) {
+        answer(decided(parts_, asker_, request_, *asked, std::move(proposal)));
         return std::nullopt;
       }
     }
     std::optional<core::Proposal> wish(state.wish(*asked->admission));
     if (!wish->fit()) {
-      answer(decided(context_, asker_, request_, *asked, std::move(*wish)));
+      answer(decided(parts_, asker_, request_, *asked, std::move(*wish)));
       return std::nullopt;
     }
     auto footprint =
-        core::cluster::footprint_of(*wish, context_.membership->baseline(), context_.scene.self);
+        core::cluster::footprint_of(*wish, parts_.membership->baseline(), parts_.scene.self);
     if (footprint.parts.empty() && footprint.gateways.empty()) {
       answer(
           failed("nothing was changed: the description promises what it needs, and that is closed "
                  "now: " +
-                 context_.membership->why_closed()));
+                 parts_.membership->why_closed()));
       return std::nullopt;
     }
     const auto& channel = state.system().channels[asked->channel];
     cluster::StoredRequest for_others{.channel = channel.name,
                                       .requests = {{.id = *id_, .body = request_}}};
-    context_.membership->add_subscribers(*wish, for_others);
-    context_.membership->add_publishers(footprint, for_others);
+    parts_.membership->add_subscribers(*wish, for_others);
+    parts_.membership->add_publishers(footprint, for_others);
     return Reserving::Wish{.footprint = std::move(footprint),
                            .publisher = request_.publisher,
                            .asked = std::move(for_others)};
   }
 
   std::optional<Reserving::Wish> wish_of_another(const ParsedRequest& asked) {
-    const auto gateway = gateway_to_ask(context_, request_, asked);
+    const auto gateway =
+        gateway_to_ask(parts_.scene, parts_.recorder, parts_.membership, request_, asked);
     if (!gateway) {
       answer(failed("nothing was changed: its publisher is not at another gateway any more"));
       return std::nullopt;
     }
-    const core::System& system = context_.scene.state->system();
+    const core::System& system = parts_.scene.state->system();
     through_ = system.gateways[*gateway].name;
     return wish_elsewhere(system.channels[asked.channel].name, {.id = *id_, .body = request_},
                           *gateway);
@@ -138,8 +139,8 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
   bool put_in_force() {
     const auto asked = understood();
     if (!asked) return false;
-    Response response = decided(context_, asker_, request_, *asked,
-                                context_.scene.state->propose(*asked->admission), through_);
+    Response response = decided(parts_, asker_, request_, *asked,
+                                parts_.scene.state->propose(*asked->admission), through_);
     const bool granted = response.held;
     answer(std::move(response));
     return granted;
@@ -152,7 +153,7 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
       finish();
       return;
     }
-    context_.membership->after_commit([self = shared_from_this()](const Result<void>& done) {
+    parts_.membership->after_commit([self = shared_from_this()](const Result<void>& done) {
       if (!done) {
         self->body_ = failed("nothing was changed: " + done.error().text);
         self->owned_ = 0;
@@ -162,10 +163,10 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
   }
   void finish() {
     is_answered_ = true;
-    context_.membership->ready(asker_.peer.session);
+    parts_.membership->ready(asker_.peer.session);
   }
 
-  Context& context_;
+  AdmitParts parts_;
   Asker asker_;
   control::Admit request_;
   std::shared_ptr<const core::AdmissionId> id_;
@@ -181,23 +182,24 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
 
 namespace {
 
-Response ask_as(Context& context, const Asker& asker, const control::Admit& request,
+Response ask_as(const AdmitParts& parts, const Asker& asker, const control::Admit& request,
                 Waiting::Decides decides) {
-  if (const std::string why = context.membership->bar(asker.peer.uid); !why.empty())
+  if (const std::string why = parts.membership->bar(asker.peer.uid); !why.empty())
     return failed("nothing was changed: " + why);
-  const auto waiting = std::make_shared<Waiting>(context, asker, request, decides);
-  context.membership->ask(waiting->job());
+  const auto waiting = std::make_shared<Waiting>(parts, asker, request, decides);
+  parts.membership->ask(waiting->job());
   return Response([waiting] { return waiting->slice(); });
 }
 
 }  // namespace
 
-Response ask_store(Context& context, const Asker& asker, const control::Admit& request) {
-  return ask_as(context, asker, request, Waiting::Decides::here);
+Response ask_store(const AdmitParts& parts, const Asker& asker, const control::Admit& request) {
+  return ask_as(parts, asker, request, Waiting::Decides::here);
 }
 
-Response ask_other_gateway(Context& context, const Asker& asker, const control::Admit& request) {
-  return ask_as(context, asker, request, Waiting::Decides::elsewhere);
+Response ask_other_gateway(const AdmitParts& parts, const Asker& asker,
+                           const control::Admit& request) {
+  return ask_as(parts, asker, request, Waiting::Decides::elsewhere);
 }
 
 }  // namespace mlcca::requests

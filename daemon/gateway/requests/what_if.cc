@@ -6,11 +6,12 @@
 namespace mlcca::requests {
 
 /// Always made by a child process, because everything is decided once more.
-Response what_if(Context& context, const Asker& asker, const control::WhatIfRequest& request) {
-  return made_aside(context, asker, [&context, request]() -> Body {
-    auto then = suppose(*context.scene.state, request);
+Response what_if(const WhatIfParts& parts, const Asker& asker,
+                 const control::WhatIfRequest& request) {
+  return parts.replies.aside(asker, [parts, request]() -> Body {
+    auto then = suppose(*parts.scene.state, request);
     if (!then) return invalid(then.error().text);
-    return outlook(*context.scene.state, **then);
+    return outlook(*parts.scene.state, **then);
   });
 }
 

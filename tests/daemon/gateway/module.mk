@@ -15,12 +15,12 @@ $(eval $(call unit_test,drops_test,tests/daemon/gateway/drops_test.cc,$O/daemon/
 $(eval $(call unit_test,health_test,tests/daemon/gateway/health_test.cc,$O/daemon/gateway/health.o $O/daemon/gateway/drops.o $O/libcore.a,-lfmt))
 $(eval $(call unit_test,user_names_test,tests/daemon/gateway/user_names_test.cc,$O/daemon/gateway/user_names.o,))
 $(eval $(call unit_test,report_size_test,tests/daemon/gateway/report_size_test.cc tests/daemon/gateway/report_test.cc,$(addprefix $O/daemon/gateway/,report_size.o report.o) $O/libdescription.a $O/libcore.a,$(XML_LIBS) -lfmt))
-$(eval $(call unit_test,requests_test,tests/daemon/gateway/requests_test.cc tests/daemon/gateway/sender_test.cc tests/daemon/gateway/unlisted_test.cc,$(addprefix $O/daemon/gateway/requests/,parsed_request.o stated.o) $O/libdescription.a $O/libcontrol.a $O/libcore.a,$(XML_LIBS) -lfmt))
 $(eval $(call unit_test,tags_test,tests/daemon/gateway/tags_test.cc,$O/daemon/gateway/tags.o $O/daemon/store/contents.o $O/daemon/store/oneofs.o $O/libcontrol.a $O/libcore.a,-lfmt))
 $(eval $(call unit_test,event_log_test,tests/daemon/gateway/event_log_test.cc tests/daemon/store/worlds.cc,$O/daemon/gateway/event_log.o $O/daemon/system_log.o $O/daemon/manager.o $(patsubst %.cc,$O/%.o,$(wildcard daemon/store/*.cc)) $O/libcontrol.a $O/libcore.a,-lsqlite3 -lfmt))
 $(eval $(call unit_test,meshes_test,tests/daemon/gateway/meshes_test.cc,$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
 # Tests of a complete Controller with fakes.
 GATEWAY_BENCH := $(addprefix tests/daemon/,gateway/bench.cc gateway/fakes.cc store/fake_disk.cc)
+$(eval $(call unit_test,requests_test,$(addprefix tests/daemon/gateway/,handlers_test.cc requests_test.cc sender_test.cc unlisted_test.cc) tests/daemon/store/worlds.cc $(GATEWAY_BENCH),$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
 $(eval $(call unit_test,state_machine_test,tests/daemon/gateway/state_machine_test.cc $(GATEWAY_BENCH),$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
 $(eval $(call unit_test,cluster_machine_test,tests/daemon/gateway/cluster_machine_test.cc $(GATEWAY_BENCH),$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
 $(eval $(call unit_test,membership_test,$(wildcard tests/daemon/gateway/member*_test.cc) $(GATEWAY_BENCH),$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
