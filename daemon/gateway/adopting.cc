@@ -398,16 +398,16 @@ std::string Adopting::open(Adopted& adopted) {
 
 /// Publishers first. The result is what cannot be admitted, and why, or empty.
 std::string Adopting::admit_all(const Adopted& adopted) const {
-  const auto admit = [&](bool also, const auto& call) -> std::string {
+  const auto admit = [&](bool also, auto call) -> std::string {
     for (std::size_t i = 0; i < adopted.ours.size(); ++i) {
       if (is_also(adopted, adopted.theirs[i]) != also) continue;
-      if (const auto done = call(adopted.ours[i]); !done) return done.error().text;
+      if (const auto done = (admissions_.*call)(adopted.ours[i]); !done) return done.error().text;
     }
     return {};
   };
-  if (std::string why = admit(true, hands_.take_in); !why.empty()) return why;
+  if (std::string why = admit(true, &AdoptedAdmissions::take_in); !why.empty()) return why;
   hands_.bring_in_line();
-  return admit(false, hands_.admit);
+  return admit(false, &AdoptedAdmissions::admit);
 }
 
 /// Opening comes first: votes alone do not make another gateway wait for this one.
@@ -448,7 +448,7 @@ void Adopting::act_on(Adopted& adopted, core::cluster::Member& member, Value now
     if (std::string why = open(adopted); !why.empty())
       member.vote(origin, vote_of(std::move(why)), now);
   } else if (due == Due::resume) {
-    const auto done = hands_.admit(adopted.ours.front());
+    const auto done = admissions_.admit(adopted.ours.front());
     if (!done) close(adopted);
     answer(adopted, done ? std::string() : done.error().text);
   } else if (due == Due::answer) {
@@ -474,7 +474,7 @@ void Adopting::close_made_for(Number number) {
 void Adopting::restore() const {
   for (const auto& [key, adopted] : adopted_)
     if (adopted.open)
-      for (const control::Request& request : adopted.ours) hands_.restore(request);
+      for (const control::Request& request : adopted.ours) admissions_.restore(request);
 }
 
 const Adopting::Adopted* Adopting::holder_of(core::AdmissionId id) const {
@@ -503,7 +503,7 @@ Adopting::Adopted* Adopting::find(const Ref& ref) {
 void Adopting::answer(Adopted& adopted, const std::string& why) {
   adopted.answer = vote_of(why);
   adopted.answer.final =
-      !why.empty() && !adopted.ours.empty() && hands_.is_publisher_gone(adopted.ours.front());
+      !why.empty() && !adopted.ours.empty() && admissions_.is_publisher_gone(adopted.ours.front());
   set_due(adopted, Due::answer);
 }
 
@@ -517,14 +517,14 @@ void Adopting::begin_on_behalf(Adopted& adopted) {
   if (requests_.held(which) != nullptr) return answer(adopted, kAskedBefore);
   hold(adopted, which, with_own_number(requests.front()));
   const Ref ref{.origin = adopted.origin, .number = adopted.number};
-  const auto asked = hands_.ask({.decide = [this, ref] { return wish_on_behalf(ref); },
-                                 .granted = [this, ref] { return open_on_behalf(ref); },
-                                 .refused =
-                                     [this, ref](const std::string& why) {
-                                       if (auto* const there = find(ref)) answer(*there, why);
-                                     },
-                                 .gateway = ref.origin.gateway,
-                                 .adopted = ref.number});
+  const auto asked = hands_.reserve({.decide = [this, ref] { return wish_on_behalf(ref); },
+                                     .granted = [this, ref] { return open_on_behalf(ref); },
+                                     .refused =
+                                         [this, ref](const std::string& why) {
+                                           if (auto* const there = find(ref)) answer(*there, why);
+                                         },
+                                     .gateway = ref.origin.gateway,
+                                     .adopted = ref.number});
   if (!asked) answer(adopted, asked.error().text);
 }
 
@@ -544,7 +544,7 @@ void Adopting::resume(Adopted& adopted) {
 std::optional<Reserving::Wish> Adopting::wish_on_behalf(const Ref& ref) {
   auto* const adopted = find(ref);
   if (adopted == nullptr) return std::nullopt;
-  auto wish = hands_.wish(adopted->ours.front(), ref.origin.gateway);
+  auto wish = admissions_.wish(adopted->ours.front(), ref.origin.gateway);
   if (!wish) {
     answer(*adopted, wish.error().text);
     return std::nullopt;
@@ -557,7 +557,7 @@ std::optional<Reserving::Wish> Adopting::wish_on_behalf(const Ref& ref) {
 bool Adopting::open_on_behalf(const Ref& ref) {
   auto* const adopted = find(ref);
   if (adopted == nullptr) return false;
-  const auto done = hands_.admit(adopted->ours.front());
+  const auto done = admissions_.admit(adopted->ours.front());
   adopted->open = done.has_value();
   answer(*adopted, done ? std::string() : done.error().text);
   return adopted->open;
@@ -572,7 +572,7 @@ bool Adopting::keep_found(const cluster::StoredRequest& asked) {
 void Adopting::publishers_gone() { to_check_.insert(on_behalf_.begin(), on_behalf_.end()); }
 
 bool Adopting::ends_with_publisher(Adopted& adopted) {
-  if (!adopted.open || !hands_.is_without_publisher(adopted.ours.front())) return false;
+  if (!adopted.open || !admissions_.is_without_publisher(adopted.ours.front())) return false;
   close(adopted);
   answer(adopted, "the publisher that it is for is not admitted any more");
   return true;
@@ -598,13 +598,14 @@ std::string Adopting::misfit(const Adopted& adopted) const {
   std::vector<const control::Request*> publishers;
   for (std::size_t i = 0; i < adopted.ours.size(); ++i) {
     const control::Request& request = adopted.ours[i];
-    std::string why = is_also(adopted, adopted.theirs[i]) ? std::string() : hands_.misfit(request);
+    std::string why =
+        is_also(adopted, adopted.theirs[i]) ? std::string() : admissions_.misfit(request);
     for (auto it = publishers.begin(); it != publishers.end() && !why.empty(); ++it) {
       const auto both = with_publisher_of(**it, request);
       if (!both) continue;
       if (further == 0) return why;
       --further;
-      why = hands_.misfit(*both);
+      why = admissions_.misfit(*both);
     }
     if (!why.empty()) return why;
     if (has_publisher(request)) publishers.push_back(&request);
@@ -620,7 +621,7 @@ std::string Adopting::misfit_of_held(const Adopted& adopted) const {
     const control::Request* const there =
         is_of_another && !is_also(adopted, which) ? ours_of(which) : nullptr;
     if (there == nullptr) continue;
-    if (std::string why = hands_.misfit(*there); !why.empty()) return why;
+    if (std::string why = admissions_.misfit(*there); !why.empty()) return why;
   }
   return {};
 }

@@ -5,7 +5,6 @@
 // another one, because it has admitted the publisher.
 #pragma once
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -18,6 +17,7 @@
 #include "core/cluster/member.hpp"
 #include "core/cluster/turns.hpp"
 #include "daemon/cluster/codec.hpp"
+#include "daemon/gateway/adopted_admissions.hpp"
 #include "daemon/gateway/request_index.hpp"
 #include "daemon/gateway/reserving.hpp"
 #include "daemon/gateway/shared_networks.hpp"
@@ -28,38 +28,36 @@ class Adopting {
  public:
   using Number = SharedNetworks::Number;
 
-  /// The operations on the admissions themselves, which the caller provides. They are called when
-  /// all decisions are settled.
-  struct Hands {
-    /// Why a request does not fit, also one that is admitted already; empty if it fits.
-    std::function<std::string(const control::Request&)> misfit;
-    std::function<Result<void>(const control::Request&)> admit;
-    /// Admits it for the sake of its publisher, whether it fits or not. bring_in_line() follows.
-    std::function<Result<void>(const control::Request&)> take_in;
-    std::function<void(const std::vector<core::AdmissionId>&)> remove;
-    /// Adds the request to the state of a description that is not decided yet.
-    std::function<void(const control::Request&)> restore;
-    /// What to reserve for a subscriber that this gateway admits for another one.
-    std::function<Result<Reserving::Wish>(const control::Request&, std::size_t gateway)> wish;
-    /// Whether nobody publishes any more what it was admitted for.
-    std::function<bool(const control::Request&)> is_without_publisher;
-    /// Whether that is for good: no admission of this gateway brings such a publisher, not even one
-    /// for which the description has no place now.
-    std::function<bool(const control::Request&)> is_publisher_gone;
+  /// What adopting needs of the membership.
+  class Hands {
+   public:
+    Hands() = default;
+    Hands(const Hands&) = delete;
+    Hands& operator=(const Hands&) = delete;
+    Hands(Hands&&) = delete;
+    Hands& operator=(Hands&&) = delete;
+    virtual ~Hands() = default;
+
+    /// Takes the admissions out of the state, and out of the gates if they follow it already.
+    virtual void remove(const std::vector<core::AdmissionId>& gone) = 0;
     /// Reserves; an error says why no further job can wait.
-    std::function<Result<void>(Reserving::Job)> ask;
+    virtual Result<void> reserve(Reserving::Job job) = 0;
     /// Ends the job for the request that was adopted under that number.
-    std::function<void(Number)> forget;
+    virtual void forget(Number adopted) = 0;
     /// Whether this gateway still wants what it has asked for under that number of its own.
-    std::function<bool(Number)> wants;
+    [[nodiscard]] virtual bool wants(Number number) const = 0;
     /// Nothing more needs to be reserved for these admissions.
-    std::function<void(const std::vector<core::AdmissionId>&)> give_back;
-    std::function<std::string(std::size_t)> name_of;  ///< the name of a gateway
-    std::function<core::AdmissionId()> new_id;
-    std::function<Number()> new_number;
-    std::function<void()> bring_in_line;
+    virtual void give_back(const std::vector<core::AdmissionId>& gone) = 0;
+    /// The name of a gateway.
+    [[nodiscard]] virtual std::string name_of(std::size_t gateway) const = 0;
+    [[nodiscard]] virtual core::AdmissionId new_id() = 0;
+    [[nodiscard]] virtual Number new_number() = 0;
+    /// Brings gates and state in line with what has changed. False if the kernel has refused.
+    virtual bool bring_in_line() = 0;
   };
-  Adopting(SharedNetworks& networks, Hands hands) : networks_(networks), hands_(std::move(hands)) {}
+  /// All references must outlive this object.
+  Adopting(SharedNetworks& networks, AdoptedAdmissions& admissions, Hands& hands)
+      : networks_(networks), admissions_(admissions), hands_(hands) {}
 
   void on(const core::cluster::Adopt& event);
   void on(const core::cluster::Opened& event);
@@ -171,7 +169,8 @@ class Adopting {
   [[nodiscard]] bool open_on_behalf(const Ref& ref);
 
   SharedNetworks& networks_;
-  Hands hands_;
+  AdoptedAdmissions& admissions_;
+  Hands& hands_;
   std::map<Key, Adopted> adopted_;
   RequestIndex<> requests_;                   ///< of all of them
   std::map<core::AdmissionId, Key> holders_;  ///< by the numbers of this gateway that they hold

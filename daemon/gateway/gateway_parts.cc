@@ -100,54 +100,22 @@ std::unique_ptr<Rollout> GatewayParts::make_rollout() {
 
 std::unique_ptr<Membership> GatewayParts::make_membership() {
   if (outside.cluster == nullptr) return nullptr;
-  return std::make_unique<Membership>(Membership::Parts{
-      .scene = scene,
-      .control = outside.control,
-      .log = outside.log,
-      .recorder = recorder,
-      .turn = turn,
-      .link = *outside.cluster,
-      .clock = outside.clock,
-      .loop = outside.loop,
-      .lease = options.lease_ns,
-      .pulse = pulse,
-      .charge =
-          [this](uid_t user, std::uint64_t rows) {
-            quotas.charge(user, rows, outside.clock.monotonic_ns());
-          },
-      .able = [this] { return presence.can_carry(); },
-      .before_commit = [this] { forwarding.act(); },
-      .rollout = *rollout,
-      .release = [this](const auto& ids, const auto& why) { return admissions.release(ids, why); },
-      .admissions = admissions,
-      .hands =
-          {.misfit =
-               [this](const auto& r) { return requests::misfit_of_adopted(adopted_parts(), r); },
-           .admit = [this](const auto& r) { return requests::admit_adopted(adopted_parts(), r); },
-           .take_in =
-               [this](const auto& r) { return requests::take_in_adopted(adopted_parts(), r); },
-           .remove = [this](const auto& gone) { requests::remove_adopted(adopted_parts(), gone); },
-           .restore = [this](const auto& r) { requests::restore_adopted(*scene.state, r); },
-           .wish = [this](
-                       const auto& r,
-                       std::size_t g) { return requests::wish_for_another(adopted_parts(), r, g); },
-           .is_without_publisher =
-               [this](const auto& r) { return requests::is_without_publisher(adopted_parts(), r); },
-           .is_publisher_gone =
-               [this](const auto& r) { return requests::is_publisher_gone(adopted_parts(), r); },
-           .ask = {},
-           .forget = {},
-           .wants = {},
-           .give_back = {},
-           .name_of = {},
-           .new_id = {},
-           .new_number = {},
-           .bring_in_line = {}}});
-}
-
-requests::AdoptedParts GatewayParts::adopted_parts() {
-  return {scene, recorder,   admissions, outside.gates, turn,
-          tags,  forwarding, deliveries, *membership};
+  return std::make_unique<Membership>(Membership::Parts{.scene = scene,
+                                                        .control = outside.control,
+                                                        .log = outside.log,
+                                                        .recorder = recorder,
+                                                        .turn = turn,
+                                                        .link = *outside.cluster,
+                                                        .clock = outside.clock,
+                                                        .loop = outside.loop,
+                                                        .lease = options.lease_ns,
+                                                        .pulse = pulse,
+                                                        .quotas = quotas,
+                                                        .presence = presence,
+                                                        .forwarding = forwarding,
+                                                        .rollout = *rollout,
+                                                        .admissions = admissions,
+                                                        .adopted = adopted});
 }
 
 }  // namespace mlcca

@@ -98,6 +98,9 @@ struct GatewayParts {
       {scene, outside.gates, outside.links, outside.log, silences, delivery_health, tags}};
   Admissions admissions{scene, recorder, outside.log, turn, tags, outside.clock};
   Meshes meshes;
+  Quotas quotas;
+  requests::AdmissionsOfOthers adopted{
+      {scene, recorder, admissions, outside.gates, turn, tags, forwarding, deliveries, membership}};
   std::unique_ptr<Rollout> rollout;        ///< null unless the gateway is in a cluster
   std::unique_ptr<Membership> membership;  ///< null unless the gateway is in a cluster
   ChannelReports channels{scene, outside.gates, delivery_health, deliveries};
@@ -110,7 +113,6 @@ struct GatewayParts {
   HealthReport health;
   Aside aside;
   Replies replies{aside, scene};
-  Quotas quotas;
   UserNames users;
   std::optional<store::History> history;  ///< set by Start
   std::optional<Context> context;         ///< set by Start
@@ -119,8 +121,6 @@ struct GatewayParts {
  private:
   [[nodiscard]] std::unique_ptr<Rollout> make_rollout();
   [[nodiscard]] std::unique_ptr<Membership> make_membership();
-  /// What admissions of other gateways need. Only in a cluster, and after the construction.
-  [[nodiscard]] requests::AdoptedParts adopted_parts();
 };
 
 }  // namespace mlcca

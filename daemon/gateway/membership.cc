@@ -68,34 +68,30 @@ Membership::Membership(Parts parts)
                 .clock = parts_.clock,
                 .session = session_,
                 .ask = [this](Reserving::Job job) { ask(std::move(job)); },
-                .release = parts_.release,
                 .is_drained = [this] { return is_drained_; }}),
       open_until_(parts_.control, parts_.log, parts_.clock),
       lines_(parts_.log),
       store_since_(now()) {
-  parts_.hands.ask = [this](Reserving::Job job) -> Result<void> {
-    const std::size_t gateway = job.gateway.value_or(session_.self);
-    if (const auto why = session_.reserving->bar_gateway(gateway, parts_.hands.name_of(gateway));
-        !why.empty())
-      return fail(why);
-    ask(std::move(job));
-    return {};
-  };
-  parts_.hands.remove = [this, remove = std::move(parts_.hands.remove)](const auto& gone) {
-    if (decided_)
-      remove(gone);
-    else
-      for (const core::AdmissionId id : gone) state().remove(id);
-  };
-  parts_.hands.forget = [this](Number adopted) { session_.reserving->forget(adopted); };
-  parts_.hands.wants = [this](Number number) { return session_.reserving->has(number); };
-  parts_.hands.give_back = [this](const auto& gone) { session_.reserving->admissions_gone(gone); };
-  parts_.hands.name_of = [this](std::size_t g) { return state().system().gateways[g].name; };
-  parts_.hands.new_id = [this] { return parts_.recorder.new_id(); };
-  parts_.hands.new_number = [this] { return session_.reserving->new_number(); };
-  parts_.hands.bring_in_line = [this] { static_cast<void>(bring_in_line()); };
   parts_.link.on_message([this](ClusterMessage message) { take(std::move(message)); });
   if (parts_.loop != nullptr) static_cast<void>(timer_.start(parts_.loop, [] {}));
+}
+
+// --- what Adopting needs -------------------------------------------------------------------------
+
+void Membership::remove(const std::vector<core::AdmissionId>& gone) {
+  if (decided_) {
+    parts_.adopted.remove(gone);
+    return;
+  }
+  for (const core::AdmissionId id : gone) state().remove(id);
+}
+
+Result<void> Membership::reserve(Reserving::Job job) {
+  const std::size_t gateway = job.gateway.value_or(session_.self);
+  if (const auto why = session_.reserving->bar_gateway(gateway, name_of(gateway)); !why.empty())
+    return fail(why);
+  ask(std::move(job));
+  return {};
 }
 
 // --- a start, and another description ------------------------------------------------------------
@@ -117,7 +113,8 @@ void Membership::begin() {
   session_.networks = std::make_unique<SharedNetworks>(system, session_.self);
   parts_.pulse();
   const std::uint64_t session = random_number();
-  session_.adopting = std::make_unique<Adopting>(*session_.networks, parts_.hands);
+  Adopting::Hands& hands = *this;
+  session_.adopting = std::make_unique<Adopting>(*session_.networks, parts_.adopted, hands);
   session_.reserving = std::make_unique<Reserving>(
       Reserving::Parts{
           .networks = *session_.networks,
@@ -406,7 +403,7 @@ void Membership::set_until(std::uint64_t until) {
 }
 
 void Membership::note_failed() {
-  const bool able = parts_.able();
+  const bool able = parts_.presence.can_carry();
   for (std::size_t g = 0; g < session_.failed.size(); ++g)
     state().set_failed(g, session_.failed[g] || (g == session_.self && !able));
   session_.member->set_able(able);
@@ -434,7 +431,7 @@ bool Membership::write_down() {
   if (parts_.recorder.contents().membership == record) return true;
   parts_.recorder.note_membership(record);
   if (decided_) {
-    parts_.before_commit();
+    parts_.forwarding.act();
     parts_.turn.commit();
   } else {
     static_cast<void>(parts_.recorder.commit([](const auto&) {}));
@@ -632,7 +629,7 @@ bool Membership::may_end() const {
 
 /// Commits what waits to be written first, so that a failure of this entry does not revert it.
 Result<void> Membership::write_drained(bool drained) {
-  parts_.before_commit();
+  parts_.forwarding.act();
   parts_.turn.commit();
   store::Membership after = record();
   after.drained = drained;

@@ -20,12 +20,16 @@
 #include "core/cluster/member.hpp"
 #include "daemon/cluster/codec.hpp"
 #include "daemon/gateway/admissions.hpp"
+#include "daemon/gateway/adopted_admissions.hpp"
 #include "daemon/gateway/adopting.hpp"
+#include "daemon/gateway/can_forwarding.hpp"
 #include "daemon/gateway/cluster_lines.hpp"
 #include "daemon/gateway/cluster_session.hpp"
 #include "daemon/gateway/event_log.hpp"
 #include "daemon/gateway/former_numbers.hpp"
+#include "daemon/gateway/gateway_presence.hpp"
 #include "daemon/gateway/open_until.hpp"
+#include "daemon/gateway/quotas.hpp"
 #include "daemon/gateway/recorder.hpp"
 #include "daemon/gateway/reserving.hpp"
 #include "daemon/gateway/rollout.hpp"
@@ -43,7 +47,7 @@ namespace mlcca {
 /// decided here. Owns the member of the protocol (core::cluster::Member), the shared networks, and
 /// what is reserved (Reserving) and adopted (Adopting). Journals before it sends, and never says
 /// that something is closed before the kernel has closed it.
-class Membership final : private core::Holdings {
+class Membership final : private core::Holdings, private Adopting::Hands {
  public:
   using Number = SharedNetworks::Number;
   struct Parts {
@@ -57,18 +61,12 @@ class Membership final : private core::Holdings {
     sd_event* loop = nullptr;  ///< for the timer; null: the caller calls act()
     Value lease = 0;
     std::function<void()> pulse;
-    /// Charges the quota of a user with rows of the history.
-    std::function<void(uid_t user, std::uint64_t rows)> charge;
-    /// Whether this gateway can carry now what other gateways could carry as well.
-    std::function<bool()> able;
-    /// Called before a commit that somebody waits for.
-    std::function<void()> before_commit;
+    Quotas& quotas;             ///< charged with the rows that waiting admissions make
+    GatewayPresence& presence;  ///< says what this gateway can carry now
+    CanForwarding& forwarding;  ///< acts before a commit that somebody waits for
     Rollout& rollout;
-    /// Ends admissions of this gateway: on disk, in the kernel, and in the log with the reason.
-    std::function<Result<void>(const std::vector<core::AdmissionId>&, const std::string& why)>
-        release;
     Admissions& admissions;
-    Adopting::Hands hands;  ///< those from ask() on are set here
+    AdoptedAdmissions& adopted;
   };
   explicit Membership(Parts parts);
 
@@ -159,7 +157,7 @@ class Membership final : private core::Holdings {
   void ready(std::uint64_t session) const {
     if (ready_) ready_(session);
   }
-  void charge(uid_t user, std::uint64_t rows) const { parts_.charge(user, rows); }
+  void charge(uid_t user, std::uint64_t rows) const { parts_.quotas.charge(user, rows, now()); }
 
   /// The rollout of descriptions.
   [[nodiscard]] Rollout& rollout() const { return parts_.rollout; }
@@ -188,8 +186,21 @@ class Membership final : private core::Holdings {
   void take_in(const core::cluster::Event& event);
   void take_in_description(const core::cluster::Event& event);
   bool decide(const core::cluster::Event& event);
+  // What Adopting needs; see there.
+  void remove(const std::vector<core::AdmissionId>& gone) override;
+  Result<void> reserve(Reserving::Job job) override;
+  void forget(Number adopted) override { session_.reserving->forget(adopted); }
+  [[nodiscard]] bool wants(Number number) const override { return session_.reserving->has(number); }
+  void give_back(const std::vector<core::AdmissionId>& gone) override {
+    session_.reserving->admissions_gone(gone);
+  }
+  [[nodiscard]] std::string name_of(std::size_t gateway) const override {
+    return state().system().gateways[gateway].name;
+  }
+  [[nodiscard]] core::AdmissionId new_id() override { return parts_.recorder.new_id(); }
+  [[nodiscard]] Number new_number() override { return session_.reserving->new_number(); }
   /// False if the kernel may have left open what is to be closed.
-  bool bring_in_line();
+  bool bring_in_line() override;
   void enforce_again();
   void drain_when_closed();
   void set_permits();

@@ -186,7 +186,7 @@ void WaitingForOthers::end_withdrawn() {
     const bool is_due = now() >= one.at;
     if (is_due) one.at = add_saturating(now(), kEndAgain);
     const bool is_over = is_due && (parts_.recorder.contents().admissions.find(id) == nullptr ||
-                                    parts_.release({id}, one.why));
+                                    parts_.admissions.release({id}, one.why));
     it = is_over ? withdrawn_.erase(it) : std::next(it);
   }
 }

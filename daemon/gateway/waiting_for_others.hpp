@@ -31,9 +31,6 @@ class WaitingForOthers {
     const Clock& clock;
     ClusterSession& session;
     std::function<void(Reserving::Job)> ask;
-    /// Ends admissions of this gateway: on disk, in the kernel, and in the log with the reason.
-    std::function<Result<void>(const std::vector<core::AdmissionId>&, const std::string& why)>
-        release;
     std::function<bool()> is_drained;  ///< whether an operator has drained this gateway
   };
   explicit WaitingForOthers(Parts parts) : parts_(std::move(parts)) {}

@@ -60,35 +60,34 @@ std::string first_refusal(const core::State& state, const core::Proposal& propos
   return kNobodyThere;
 }
 
-std::string misfit_of_present(const AdoptedParts& parts, core::AdmissionId id,
-                              std::size_t channel) {
-  core::State& state = *parts.scene.state;
+}  // namespace
+
+std::string AdmissionsOfOthers::misfit_of_present(core::AdmissionId id, std::size_t channel) const {
+  core::State& state = *parts_.scene.state;
   const core::Proposal wish = state.wish(channel);
   bool is_anybody_there = false;
   for (const core::Verdict& v : wish.decision().verdicts) {
-    if (!parts.deliveries.concerns(v, id)) continue;
+    if (!parts_.deliveries.concerns(v, id)) continue;
     if (!v.granted) return verdict_line(state, v);
     is_anybody_there = true;
   }
   return is_anybody_there ? "" : kNobodyThere;
 }
 
-}  // namespace
-
-std::string misfit_of_adopted(const AdoptedParts& parts, const control::Request& request) {
-  core::State& state = *parts.scene.state;
+std::string AdmissionsOfOthers::misfit(const control::Request& request) {
+  core::State& state = *parts_.scene.state;
   if (const auto known = state.admissions().find(request.id); known != state.admissions().end())
-    return misfit_of_present(parts, request.id, known->second);
+    return misfit_of_present(request.id, known->second);
   const auto asked = understood_adopted(state, request);
-  const Tagged tagged(parts.tags, request);
+  const Tagged tagged(parts_.tags, request);
   if (!asked) return asked.error().text;
   if (const auto lack = lacks_pairs(state, *asked)) return *lack;
   const core::Proposal wish = state.wish(*asked->admission);
   return wish.fit() ? std::string() : first_refusal(state, wish);
 }
 
-bool is_without_publisher(const AdoptedParts& parts, const control::Request& request) {
-  const core::State& state = *parts.scene.state;
+bool AdmissionsOfOthers::is_without_publisher(const control::Request& request) {
+  const core::State& state = *parts_.scene.state;
   const auto& admit = std::get<control::Admit>(request.body);
   const auto channel = state.find_channel(admit.channel);
   if (!channel) return true;
@@ -96,18 +95,18 @@ bool is_without_publisher(const AdoptedParts& parts, const control::Request& req
   return std::ranges::none_of(members.publishers_of(*channel), [&](std::size_t p) {
     const core::AdmissionId id = members.admission_of_publisher(p);
     const bool own =
-        id == 0 || id == request.id || parts.recorder.contents().admissions.find(id) != nullptr;
+        id == 0 || id == request.id || parts_.recorder.contents().admissions.find(id) != nullptr;
     return own &&
            (admit.from.empty() || state.find_place(admit.from) == members.publisher(p).place);
   });
 }
 
-bool is_publisher_gone(const AdoptedParts& parts, const control::Request& request) {
-  if (!is_without_publisher(parts, request)) return false;
+bool AdmissionsOfOthers::is_publisher_gone(const control::Request& request) {
+  if (!is_without_publisher(request)) return false;
   const auto& wanted = std::get<control::Admit>(request.body);
-  const auto& recorded = parts.recorder.contents().admissions;
+  const auto& recorded = parts_.recorder.contents().admissions;
   return std::ranges::none_of(
-      parts.admissions.left_out_of(wanted.channel), [&](core::AdmissionId id) {
+      parts_.admissions.left_out_of(wanted.channel), [&](core::AdmissionId id) {
         const control::Request* const one = recorded.find(id);
         if (one == nullptr || !recorded.through(id).empty()) return false;
         const auto& admit = std::get<control::Admit>(one->body);
@@ -115,20 +114,21 @@ bool is_publisher_gone(const AdoptedParts& parts, const control::Request& reques
       });
 }
 
-Result<Reserving::Wish> wish_for_another(const AdoptedParts& parts, const control::Request& request,
-                                         std::size_t gateway) {
-  core::State& state = *parts.scene.state;
+Result<Reserving::Wish> AdmissionsOfOthers::wish(const control::Request& request,
+                                                 std::size_t gateway) {
+  core::State& state = *parts_.scene.state;
   const auto asked = understood_adopted(state, request);
-  const Tagged tagged(parts.tags, request);
+  const Tagged tagged(parts_.tags, request);
   if (!asked) return std::unexpected(asked.error());
   if (!asked->admission->subscriber) return fail("it asks for no new subscriber");
-  if (asked->admission->publisher || is_without_publisher(parts, request))
+  if (asked->admission->publisher || is_without_publisher(request))
     return fail("no publisher of it is admitted here");
   if (auto lack = lacks_pairs(state, *asked)) return fail(std::move(*lack));
   const core::Proposal wish = state.wish(*asked->admission);
-  if (auto lack = wish.exceeds_capacity(parts.scene.self)) return fail(std::move(*lack));
+  if (auto lack = wish.exceeds_capacity(parts_.scene.self)) return fail(std::move(*lack));
   if (!wish.fit()) return fail(first_refusal(state, wish));
-  auto footprint = core::cluster::footprint_of(wish, parts.membership.baseline(), parts.scene.self);
+  auto footprint =
+      core::cluster::footprint_of(wish, parts_.membership->baseline(), parts_.scene.self);
   // The other gateway follows the publisher, also where the way does not lead over it.
   auto& gateways = footprint.gateways;
   if (const auto at = std::ranges::lower_bound(gateways, gateway);
@@ -136,67 +136,69 @@ Result<Reserving::Wish> wish_for_another(const AdoptedParts& parts, const contro
     gateways.insert(at, gateway);
   cluster::StoredRequest for_others{.channel = state.system().channels[asked->channel].name,
                                     .requests = {request}};
-  parts.membership.add_publishers(footprint, for_others);
+  parts_.membership->add_publishers(footprint, for_others);
   return Reserving::Wish{
       .footprint = std::move(footprint), .publisher = {}, .asked = std::move(for_others)};
 }
 
-Result<void> admit_adopted(const AdoptedParts& parts, const control::Request& request) {
-  core::State& state = *parts.scene.state;
+Result<void> AdmissionsOfOthers::admit(const control::Request& request) {
+  core::State& state = *parts_.scene.state;
   if (state.admissions().contains(request.id)) return {};
   const auto asked = understood_adopted(state, request);
-  const Tagged tagged(parts.tags, request);
+  const Tagged tagged(parts_.tags, request);
   if (!asked) return std::unexpected(asked.error());
   std::optional<Error> refused;
   {
     core::Proposal proposal = state.propose(*asked->admission);
-    if (const auto lack = proposal.exceeds_capacity(parts.scene.self)) return fail(*lack);
+    if (const auto lack = proposal.exceeds_capacity(parts_.scene.self)) return fail(*lack);
     if (!proposal.fit()) return fail(first_refusal(state, proposal));
-    if (const auto done = parts.gates.apply(proposal.changes(parts.scene.self)); done)
+    if (const auto done = parts_.gates.apply(proposal.changes(parts_.scene.self)); done)
       std::move(proposal).accept();
     else
       refused = done.error();
   }
   if (refused) {
     // The gates may hold a part of it.
-    static_cast<void>(parts.turn.enforce());
+    static_cast<void>(parts_.turn.enforce());
     return std::unexpected(*refused);
   }
-  parts.turn.set_bands();
-  parts.recorder.note(asked->channel);
-  parts.forwarding.want(asked->channel);
+  parts_.turn.set_bands();
+  parts_.recorder.note(asked->channel);
+  parts_.forwarding.want(asked->channel);
   for (const core::Verdict& v : state.decisions()[asked->channel].verdicts)
-    if (parts.deliveries.concerns(v, request.id))
-      parts.deliveries.verdict(Kind::granted, v, verdict_line(state, v));
+    if (parts_.deliveries.concerns(v, request.id))
+      parts_.deliveries.verdict(Kind::granted, v, verdict_line(state, v));
   return {};
 }
 
-Result<void> take_in_adopted(const AdoptedParts& parts, const control::Request& request) {
-  core::State& state = *parts.scene.state;
+Result<void> AdmissionsOfOthers::take_in(const control::Request& request) {
+  core::State& state = *parts_.scene.state;
   if (state.admissions().contains(request.id)) return {};
   const auto asked = understood_adopted(state, request);
-  const Tagged tagged(parts.tags, request);
+  const Tagged tagged(parts_.tags, request);
   if (!asked) return std::unexpected(asked.error());
   if (auto lack = lacks_pairs(state, *asked)) return fail(std::move(*lack));
   state.restore(*asked->admission);
   return {};
 }
 
-void remove_adopted(const AdoptedParts& parts, const std::vector<core::AdmissionId>& gone) {
-  core::State& state = *parts.scene.state;
+void AdmissionsOfOthers::remove(const std::vector<core::AdmissionId>& gone) {
+  core::State& state = *parts_.scene.state;
   core::FormerRules left;
   for (const core::AdmissionId id : gone) {
     const auto known = state.admissions().find(id);
     if (known == state.admissions().end()) continue;
     const std::size_t channel = known->second;
-    if (!left.contains(channel)) left.emplace(channel, state.gate_state(parts.scene.self, channel));
+    if (!left.contains(channel))
+      left.emplace(channel, state.gate_state(parts_.scene.self, channel));
     state.remove(id);
   }
-  static_cast<void>(parts.turn.settle(left));
-  parts.tags.leave_unused();
+  static_cast<void>(parts_.turn.settle(left));
+  parts_.tags.leave_unused();
 }
 
-void restore_adopted(core::State& state, const control::Request& request) {
+void AdmissionsOfOthers::restore(const control::Request& request) {
+  core::State& state = *parts_.scene.state;
   if (state.admissions().contains(request.id)) return;
   const auto asked = understood_adopted(state, request);
   if (asked) state.restore(*asked->admission);

@@ -7,9 +7,11 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/cluster/member.hpp"
 #include "daemon/cluster/codec.hpp"
+#include "daemon/gateway/adopted_admissions.hpp"
 #include "daemon/gateway/adopting.hpp"
 #include "tests/daemon/gateway/membership_bench.hpp"
 
@@ -18,22 +20,50 @@ namespace {
 
 namespace cc = core::cluster;
 
+/// Decides about each request: subscribers fit with one publisher alone.
+class FakeAdmissions final : public AdoptedAdmissions {
+ public:
+  std::string misfit(const control::Request& request) override {
+    ++decisions;
+    const auto& admit = std::get<control::Admit>(request.body);
+    const bool fits = admit.to.empty() || admit.publisher == fitting;
+    return fits ? std::string() : "nobody publishes";
+  }
+  Result<void> admit(const control::Request& /*request*/) override { return {}; }
+  Result<void> take_in(const control::Request& /*request*/) override { return {}; }
+  void remove(const std::vector<core::AdmissionId>& /*gone*/) override {}
+  void restore(const control::Request& /*request*/) override {}
+  Result<Reserving::Wish> wish(const control::Request& /*request*/,
+                               std::size_t /*gateway*/) override {
+    return fail("nothing is reserved");
+  }
+  bool is_without_publisher(const control::Request& /*request*/) override { return false; }
+  bool is_publisher_gone(const control::Request& /*request*/) override { return false; }
+
+  std::string fitting = "p0";  ///< the publisher that subscribers fit with
+  std::size_t decisions = 0;
+};
+
+/// Gives names and numbers, and reserves nothing.
+class FakeHands final : public Adopting::Hands {
+ public:
+  void remove(const std::vector<core::AdmissionId>& /*gone*/) override {}
+  Result<void> reserve(Reserving::Job /*job*/) override { return fail("nothing is reserved"); }
+  void forget(Adopting::Number /*adopted*/) override {}
+  [[nodiscard]] bool wants(Adopting::Number /*number*/) const override { return false; }
+  void give_back(const std::vector<core::AdmissionId>& /*gone*/) override {}
+  [[nodiscard]] std::string name_of(std::size_t gateway) const override {
+    return "g" + std::to_string(gateway);
+  }
+  core::AdmissionId new_id() override { return ++numbers; }
+  Adopting::Number new_number() override { return ++numbers; }
+  bool bring_in_line() override { return true; }
+
+  std::uint64_t numbers = 1000;  ///< the latest one
+};
+
 class MembersAdopting : public testing::Test {
  protected:
-  MembersAdopting() {
-    Adopting::Hands hands{};
-    hands.misfit = [this](const control::Request& request) {
-      ++decisions_;
-      const auto& admit = std::get<control::Admit>(request.body);
-      const bool fits = admit.to.empty() || admit.publisher == fitting_;
-      return fits ? std::string() : "nobody publishes";
-    };
-    hands.name_of = [](std::size_t g) { return "g" + std::to_string(g); };
-    hands.new_id = [this] { return ++ids_; };
-    hands.new_number = [this] { return ++ids_; };
-    hands.bring_in_line = [] {};
-    adopting_ = std::make_unique<Adopting>(networks_, std::move(hands));
-  }
   /// g1 asks for so many publishers and then for so many subscribers. Returns the decisions.
   std::size_t decisions_about(std::size_t publishers, std::size_t subscribers) {
     cluster::StoredRequest asked{.channel = "c2", .requests = {}};
@@ -42,32 +72,31 @@ class MembersAdopting : public testing::Test {
       admit.channel = asked.channel;
       admit.from = "own1";
       admit.publisher = "p" + std::to_string(n);
-      asked.also.push_back({.id = ++ids_, .body = admit});
+      asked.also.push_back({.id = ++hands_.numbers, .body = admit});
     }
     for (std::size_t n = 0; n < subscribers; ++n) {
       control::Admit admit;
       admit.channel = asked.channel;
       admit.to = "own0";
       admit.subscriber = "s" + std::to_string(n);
-      asked.requests.push_back({.id = ++ids_, .body = admit});
+      asked.requests.push_back({.id = ++hands_.numbers, .body = admit});
     }
-    decisions_ = 0;
-    adopting_->on(cc::Adopt{.origin = {.gateway = 1, .id = ++ids_, .asked = 1},
-                            .admission = cluster::text_of(asked),
-                            .footprint = {}});
-    adopting_->step(member_, 0);
-    return decisions_;
+    admissions_.decisions = 0;
+    adopting_.on(cc::Adopt{.origin = {.gateway = 1, .id = ++hands_.numbers, .asked = 1},
+                           .admission = cluster::text_of(asked),
+                           .footprint = {}});
+    adopting_.step(member_, 0);
+    return admissions_.decisions;
   }
 
-  std::string fitting_ = "p0";  ///< the publisher that subscribers fit with
-  std::size_t decisions_ = 0;
-  std::uint64_t ids_ = 1000;
+  FakeAdmissions admissions_;
+  FakeHands hands_;
   core::System system_ = two_gateways();
   cluster::Codec codec_{system_, cc::Digest{1}};
   SharedNetworks networks_{system_, 0};
   cc::Member member_{std::make_shared<cc::Keys>(system_, "/mlcca/pair/"), codec_,
                      cc::Member::Identity{.gateway = 0, .lease = kLease}};
-  std::unique_ptr<Adopting> adopting_;
+  Adopting adopting_{networks_, admissions_, hands_};
 };
 
 TEST_F(MembersAdopting, EachSubscriberIsTriedAloneAndWithAPublisherThatComesWithIt) {
@@ -77,7 +106,7 @@ TEST_F(MembersAdopting, EachSubscriberIsTriedAloneAndWithAPublisherThatComesWith
 
 TEST_F(MembersAdopting, ManyPublishersTakeNoMoreDecisionsThanTwoForEachRequest) {
   constexpr std::size_t half = cluster::StoredRequest::kMostRequests / 2;
-  fitting_ = "p" + std::to_string(half - 1);
+  admissions_.fitting = "p" + std::to_string(half - 1);
   const std::size_t all = decisions_about(half, half);
   EXPECT_GT(all, half);
   EXPECT_LE(all, 2 * cluster::StoredRequest::kMostRequests);
