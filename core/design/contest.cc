@@ -110,7 +110,7 @@ Contest::Contest(const Situation& situation)
       tried_(situation.system.channels.size()),
       uncertain_(situation.system.channels.size(), false) {}
 
-std::vector<std::size_t> Contest::settle(Decisions& decisions) {
+std::vector<std::size_t> Contest::mark(Decisions& decisions) {
   bool any = false;
   for (const auto& [channel, decision] : decisions) {
     uncertain_[channel] = is_at_best(decision);
@@ -118,15 +118,15 @@ std::vector<std::size_t> Contest::settle(Decisions& decisions) {
   }
   if (!any) return {};
   find_users();
-  std::vector<bool> settled(s_.system.channels.size(), false);
+  std::vector<bool> marked(s_.system.channels.size(), false);
   for (auto& [channel, decision] : decisions) {
-    if (!uncertain_[channel] || settled[channel]) continue;
+    if (!uncertain_[channel] || marked[channel]) continue;
     const auto sharing = sharing_with(
         channel, [this](std::size_t c) -> const auto& { return shared_[c]; },
         [this](std::size_t resource) -> const auto& { return users_.at(resource); });
     const std::vector<std::size_t> together(sharing.begin(), sharing.end());
-    for (const std::size_t c : together) settled[c] = true;
-    settle_together(together, decisions);
+    for (const std::size_t c : together) marked[c] = true;
+    mark_together(together, decisions);
   }
   return {open_sets_.begin(), open_sets_.end()};
 }
@@ -160,7 +160,7 @@ void Contest::find_users() {
 }
 
 /// Settles channels that share resources, by the cheapest method that decides them.
-void Contest::settle_together(const std::vector<std::size_t>& channels, Decisions& decisions) {
+void Contest::mark_together(const std::vector<std::size_t>& channels, Decisions& decisions) {
   if (have_room_together(channels, decisions) || try_all(channels, decisions)) return;
   leave_open(channels, decisions);
 }

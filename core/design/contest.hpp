@@ -35,7 +35,7 @@ class Contest {
 
   /// Marks deliveries as decided at run time whose grant depends on which best cases hold. Returns
   /// the channels whose attribute set depends on that, sorted.
-  [[nodiscard]] std::vector<std::size_t> settle(Decisions& decisions);
+  [[nodiscard]] std::vector<std::size_t> mark(Decisions& decisions);
 
  private:
   /// A delivery in an attribute set on a route, whose best cases hold or do not.
@@ -48,7 +48,7 @@ class Contest {
   [[nodiscard]] bool is_limited(std::size_t resource) const;
   void find_users();
 
-  void settle_together(const std::vector<std::size_t>& channels, Decisions& decisions);
+  void mark_together(const std::vector<std::size_t>& channels, Decisions& decisions);
   [[nodiscard]] bool have_room_together(const std::vector<std::size_t>& channels,
                                         const Decisions& decisions);
   [[nodiscard]] bool holds_all_ways(std::size_t channel, const Decision& decision);

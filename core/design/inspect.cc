@@ -72,7 +72,7 @@ class Inspector {
       if (progress_ && (channel + 1) % kProgressStep == 0) progress_(channel + 1);
     });
     if (has_best_cases_)
-      for (const std::size_t c : Contest(situation).settle(waiting_))
+      for (const std::size_t c : Contest(situation).mark(waiting_))
         out_.channels[c].open_set = true;
     for (const auto& [channel, decision] : waiting_) examine(situation, channel, decision);
     report(situation);

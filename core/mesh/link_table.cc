@@ -181,12 +181,12 @@ bool LinkTable::take(std::size_t source, const Snapshot& snapshot, std::uint64_t
   for (const NextHop& hop : snapshot.next_hops) room &= enter_next_hop(state, hop);
   drop_old_rounds(source);
   if (!room) state.problem += (state.problem.empty() ? "" : "; ") + ignored();
-  return settle();
+  return update_beliefs();
 }
 
 bool LinkTable::expire(std::uint64_t now) {
   now_ = std::max(now_, now);
-  return now_ >= deadline_ && settle();
+  return now_ >= deadline_ && update_beliefs();
 }
 
 const std::string& LinkTable::problem(std::size_t source) const {
@@ -330,7 +330,7 @@ std::uint64_t LinkTable::earliest_deadline() const {
 
 /// Updates beliefs, deadline and graph after a report or some time; returns whether the graph has
 /// changed.
-bool LinkTable::settle() {
+bool LinkTable::update_beliefs() {
   for (auto& [ends, entry] : entries_) entry.belief.observe(observe(ends, entry), now_, mesh_);
   std::erase_if(entries_, [&](const auto& known) {
     return known.second.reports.empty() && known.second.belief.forgotten(now_, mesh_);

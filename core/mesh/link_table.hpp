@@ -120,7 +120,7 @@ class LinkTable {
   [[nodiscard]] std::vector<NextHopIndex> next_hops() const;
   [[nodiscard]] Graph believed() const;
   [[nodiscard]] std::uint64_t earliest_deadline() const;
-  bool settle();
+  bool update_beliefs();
 
   Mesh mesh_;
   std::optional<std::uint32_t> here_;

@@ -116,7 +116,7 @@ void Bindings::mark_slots(const gate_binding& binding, std::uint8_t contradicted
       if (is_of(table_->slots[at], binding)) publish(table_->slots[at].contradicted, contradicted);
 }
 
-bool Bindings::settle(std::uint64_t subject) {
+bool Bindings::end_contradictions(std::uint64_t subject) {
   gate_binding* const b = find(subject);
   if (b == nullptr) return false;
   const std::uint32_t so_far = load(b->contradictions);

@@ -26,7 +26,7 @@ struct FoundBinding {
   std::uint64_t subject = 0;
   std::uint16_t etag = 0;
   /// The broker has dealt the tag to another subject, or another tag to the subject. The kernel
-  /// refuses frames with the tag until settle().
+  /// refuses frames with the tag until end_contradictions().
   bool contradicted = false;
   bool confirmed = false;   ///< since then a complete reply has dealt the tag as stated
   std::uint16_t dealt = 0;  ///< tag that a complete reply has last dealt to the subject; 0: none
@@ -53,7 +53,7 @@ class Bindings {
   [[nodiscard]] std::vector<FoundBinding> found() const;
   /// Ends the contradictions of a subject up to now: its slots, which must deny, may pass again.
   /// False if there is a new contradiction; then they stay closed.
-  bool settle(std::uint64_t subject);
+  bool end_contradictions(std::uint64_t subject);
   /// Whether the kernel refuses frames of the slot. To be asked after a slot was linked: whichever
   /// of program and caller comes later sees the effect of the other.
   [[nodiscard]] bool is_contradicted(const gate_slot& slot) const;

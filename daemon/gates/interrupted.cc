@@ -17,23 +17,23 @@ namespace mlcca::gates {
 namespace {
 
 template <class Slot>
-void settle(std::span<Slot> slots, std::uint32_t generation) {
+void copy_current_half(std::span<Slot> slots, std::uint32_t generation) {
   for (Slot& slot : slots)
     publish(slot.verdict[(generation + 1) & 1], slot.verdict[generation & 1]);
 }
 
 /// Maps that do not exist or have another layout belong to no gate that will be taken over, so they
 /// are skipped.
-void settle_gate(const std::string& directory, std::uint32_t generation) {
+void undo_step_of_gate(const std::string& directory, std::uint32_t generation) {
   if (const auto ether = pinned_ether_maps(directory)) {
     const Mapped<ether_slot> slots(ether->maps.slots.get(), ether->sizes.slots);
-    settle<ether_slot>(slots.span(), generation);
+    copy_current_half<ether_slot>(slots.span(), generation);
     return;
   }
   const Fd map = open_pin(table_pin(directory));
   if (!map || !is_mappable_array(map.get(), sizeof(gate_table), 1)) return;
   const Mapped<gate_table> table(map.get(), 1);
-  if (table) settle<gate_slot>(table[0].slots, generation);
+  if (table) copy_current_half<gate_slot>(table[0].slots, generation);
 }
 
 }  // namespace
@@ -45,7 +45,8 @@ Result<void> undo_interrupted_step(const Control& control) {
   if (!names) return failure("read " + control.directory(), names.error().value());
   for (const std::string& name : *names)
     if (name.starts_with("if"))
-      settle_gate((std::filesystem::path(control.directory()) / name).string(), word[0].generation);
+      undo_step_of_gate((std::filesystem::path(control.directory()) / name).string(),
+                        word[0].generation);
   return {};
 }
 

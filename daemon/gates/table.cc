@@ -48,7 +48,7 @@ std::expected<void, VerdictTable::Refusal> VerdictTable::apply_together(
   }
   if (!changes.empty()) changes.front().table->next_generation();
   for (const auto& [table, change] : changes) {
-    table->settle();
+    table->write_other_half();
     table->remove_what_goes(*change);
   }
   for (const Change& c : changes) c.table->watch_what_waits();
@@ -58,7 +58,7 @@ std::expected<void, VerdictTable::Refusal> VerdictTable::apply_together(
 void VerdictTable::deny_what_goes(std::span<const Change> changes) {
   for (const auto& [table, change] : changes) table->stage_what_goes(*change);
   changes.front().table->next_generation();
-  for (const Change& c : changes) c.table->settle();
+  for (const Change& c : changes) c.table->write_other_half();
 }
 
 void VerdictTable::stage_what_goes(const SlotChanges& changes) {
@@ -86,7 +86,7 @@ void VerdictTable::stage(std::uint32_t slot, std::uint8_t verdict) {
 
 void VerdictTable::next_generation() { publish(*generation_, *generation_ + 1); }
 
-void VerdictTable::settle() {
+void VerdictTable::write_other_half() {
   for (const auto& [slot, verdict] : staged_) {
     publish(verdicts(slot)[(*generation_ + 1) & 1], verdict);
     note_watched(slot);
@@ -120,7 +120,7 @@ void VerdictTable::deny_all() {
     core::Progress::step();
   }
   next_generation();
-  settle();
+  write_other_half();
 }
 
 }  // namespace mlcca::gates

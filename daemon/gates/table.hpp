@@ -114,7 +114,7 @@ class VerdictTable {
   void next_generation();
   /// After the step to the next generation: no program reads the other half of the staged verdicts,
   /// so they are written too.
-  void settle();
+  void write_other_half();
 
   std::uint32_t* generation_;
   std::vector<Staged> staged_;

@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "core/model/text.hpp"
-#include "daemon/gateway/pace.hpp"
 #include "daemon/gateway/report.hpp"
 #include "daemon/gateway/report_size.hpp"
+#include "daemon/gateway/slice_budget.hpp"
 
 namespace mlcca {
 namespace {
@@ -98,7 +98,7 @@ serve::Slice ChannelReports::some(Position& at) const {
   constexpr std::size_t lines_of_a_row = 16;
   control::Channels out;
   const auto& decisions = scene_.state->decisions();
-  Pace pace(kChannelRow);
+  SliceBudget budget(kChannelRow);
   for (bool goes_on = true; goes_on && at.channel < decisions.size();) {
     const auto& verdicts = decisions[at.channel].verdicts;
     std::vector<const core::Verdict*> some;
@@ -109,7 +109,7 @@ serve::Slice ChannelReports::some(Position& at) const {
     }
     std::ranges::move(report(some), std::back_inserter(out.channels));
     if (at.verdict >= verdicts.size()) at = {at.channel + 1, 0};
-    goes_on = pace.made(std::max({std::size_t{1}, some.size(), lines / lines_of_a_row}));
+    goes_on = budget.made(std::max({std::size_t{1}, some.size(), lines / lines_of_a_row}));
   }
   return {{std::move(out)}, at.channel < decisions.size()};
 }

@@ -11,7 +11,7 @@
 #include "core/gates/together.hpp"
 #include "core/model/medium.hpp"
 #include "core/model/words.hpp"
-#include "daemon/gateway/pace.hpp"
+#include "daemon/gateway/slice_budget.hpp"
 
 namespace mlcca {
 namespace {
@@ -260,11 +260,11 @@ void Endpoints::add_to(control::Routes& to) const {
 serve::Slice Endpoints::some_transfers(std::size_t& at, std::optional<std::uint32_t> user) const {
   control::Transfers out;
   const std::size_t channels = scene_.state->decisions().size();
-  Pace pace(kTransferRow);
+  SliceBudget budget(kTransferRow);
   for (bool goes_on = true; goes_on && at < channels; ++at) {
     const std::size_t before = out.transfers.size();
     add_transfers(at, user, out);
-    goes_on = pace.made(std::max<std::size_t>(1, out.transfers.size() - before));
+    goes_on = budget.made(std::max<std::size_t>(1, out.transfers.size() - before));
   }
   return {{std::move(out)}, at < channels};
 }

@@ -17,7 +17,8 @@ const Quotas::Rows& rows_of(uid_t user) {
 
 }  // namespace
 
-std::optional<std::string> Quotas::refuse_admission(uid_t user, const store::Admissions& held) {
+std::optional<std::string> Quotas::refuse_admission(uid_t user,
+                                                    const store::RecordedAdmissions& held) {
   constexpr const char* to_do =
       "release some ('mlccactl release --id NUMBER'), or give them leases that end";
   const std::size_t own = held.held_by(user);

@@ -53,8 +53,8 @@ class Quotas {
   static constexpr std::uint64_t kRowsOfReload = 50;
 
   /// Why a user may have no further admission, and what to do; nullopt if they may.
-  [[nodiscard]] static std::optional<std::string> refuse_admission(uid_t user,
-                                                                   const store::Admissions& held);
+  [[nodiscard]] static std::optional<std::string> refuse_admission(
+      uid_t user, const store::RecordedAdmissions& held);
   /// Why no further admission of a user may wait, and what to do; nullopt if it may.
   [[nodiscard]] static std::optional<std::string> refuse_waiting(uid_t user, const Waiting& now);
   /// The same for an admission that another gateway asks for.

@@ -181,7 +181,7 @@ bool TagBindings::gates_agree_on(const Tag& tag) {
     if (!bindings || gates_.network_number(p) != tag.network) continue;
     for (const gates::FoundBinding& found : bindings->found())
       if (found.subject == tag.subject && found.contradicted)
-        agree = agree && found.confirmed && bindings->settle(tag.subject);
+        agree = agree && found.confirmed && bindings->end_contradictions(tag.subject);
   }
   return agree;
 }

@@ -64,7 +64,7 @@ void DescribedPort::state_in(core::Condition& network, const net::LinkTable& lin
 std::optional<int> DescribedPort::match(const net::LinkTable& links, const net::FactsOf& facts_of) {
   const auto found = net::find_interface(port_.identity, links, facts_of);
   problem_ = found ? "" : found.error().text;
-  unsettled_ = !found;
+  reassess_ = !found;
   const int now = found && *found ? **found : 0;
   if (now == 0 && problem_.empty())
     problem_ = fmt::format("the interface ({}) is absent", net::to_text(port_.identity));
@@ -94,12 +94,12 @@ bool DescribedPort::raise(net::Links& links, const ReportLine& report) {
   return true;
 }
 
-void DescribedPort::settle(const net::LinkTable& links, const ReportLine& report) {
+void DescribedPort::assess(const net::LinkTable& links, const ReportLine& report) {
   const net::Link* const now = link(links);
-  settled_ = now != nullptr ? std::optional(*now) : std::nullopt;
+  assessed_ = now != nullptr ? std::optional(*now) : std::nullopt;
   if (now == nullptr) return;
   keep_queue(links, report);
-  unsettled_ = !problem_.empty();
+  reassess_ = !problem_.empty();
   if (!problem_.empty()) return;
   judge(*now);
   report_can_state(*now, report);
@@ -147,9 +147,9 @@ bool DescribedPort::lacks_queue() const {
 }
 
 bool DescribedPort::is_outdated(const net::LinkTable& links, const net::FactsOf& facts_of) const {
-  if (unsettled_) return true;
+  if (reassess_) return true;
   const net::Link* const now = link(links);
-  if (now == nullptr ? ifindex_ != 0 || settled_.has_value() : settled_ != *now) return true;
+  if (now == nullptr ? ifindex_ != 0 || assessed_.has_value() : assessed_ != *now) return true;
   const auto found = net::find_interface(port_.identity, links, facts_of);
   return !found || found->value_or(0) != ifindex_;
 }

@@ -50,7 +50,7 @@ class DescribedPort {
   /// Writes into the condition of its network whether it can be used, and its timing.
   void state_in(core::Condition& network, const net::LinkTable& links) const;
 
-  // After a change of interfaces: match(), then the gate, then raise() and settle().
+  // After a change of interfaces: match(), then the gate, then raise() and assess().
 
   /// Finds the interface. If it is another one than before, returns the former index (0: there was
   /// none). Then both interfaces may hold grants of another port.
@@ -61,13 +61,13 @@ class DescribedPort {
   /// Sets the bit rates and brings the interface up. True if that changed it.
   bool raise(net::Links& links, const ReportLine& report);
   /// Sets up the queue, and judges whether the port can be used with the interface as it is.
-  void settle(const net::LinkTable& links, const ReportLine& report);
+  void assess(const net::LinkTable& links, const ReportLine& report);
   /// Puts back a queue that another program has replaced, because the analysis assumes it.
   void keep_queue(const net::LinkTable& links, const ReportLine& report);
   /// Whether it has a queue that is to be put back.
   [[nodiscard]] bool lacks_queue() const;
 
-  /// Whether the interface differs, or may differ, from what settle() has seen. The identity of the
+  /// Whether the interface differs, or may differ, from what assess() has seen. The identity of the
   /// port decides, not the content of a notification, so nothing is missed if notifications were
   /// lost.
   [[nodiscard]] bool is_outdated(const net::LinkTable& links, const net::FactsOf& facts_of) const;
@@ -85,9 +85,9 @@ class DescribedPort {
   int ifindex_ = 0;
   std::string problem_;
   bool raised_ = false;
-  std::optional<net::Link> settled_;  ///< the interface as settle() has judged it
-  bool unsettled_ = false;            ///< the problem may be gone the next time
-  std::string can_state_;             ///< as last reported
+  std::optional<net::Link> assessed_;  ///< the interface as assess() has judged it
+  bool reassess_ = false;              ///< the problem may be gone the next time
+  std::string can_state_;              ///< as last reported
 };
 
 /// The ports of one gateway, in the order of the description.

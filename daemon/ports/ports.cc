@@ -46,7 +46,7 @@ void Ports::follow() {
   match();
   close_undescribed();
   attach();
-  settle();
+  assess();
 }
 
 void Ports::forget_vanished() {
@@ -129,10 +129,10 @@ void Ports::attach() {
     report_({}, refreshed.error().text, true);
 }
 
-void Ports::settle() {
+void Ports::assess() {
   std::size_t p = 0;
   for (GatedPort& gated : ports_) {
-    gated.port.settle(links_.table(), report_);
+    gated.port.assess(links_.table(), report_);
     const DescribedPort& port = gated.port;
     if (ports_.closed_gate(p++) != nullptr && port.problem().empty())
       gated.port.set_problem(fmt::format(

@@ -160,7 +160,7 @@ class Ports final : public GateDriver {
   void close_undescribed();
   void report_undescribed();
   void attach();
-  void settle();
+  void assess();
   [[nodiscard]] std::vector<std::string> closed() const;
   bool give_up(int ifindex, gates::PortGate& gate);
   [[nodiscard]] net::Presence presence(int ifindex) { return links_.presence(ifindex); }

@@ -22,10 +22,10 @@ namespace mlcca::store {
 using Entry = decltype(JournalEntry::body);
 
 /// Admit requests that were granted: a range of control::Request in the order of their ids.
-class Admissions {
+class RecordedAdmissions {
  public:
-  Admissions() = default;
-  Admissions(std::initializer_list<control::Request> requests) {
+  RecordedAdmissions() = default;
+  RecordedAdmissions(std::initializer_list<control::Request> requests) {
     for (const control::Request& r : requests) put(r);
   }
 
@@ -71,7 +71,7 @@ class Admissions {
     if (--held->second == 0) held_.erase(held);
   }
 
-  bool operator==(const Admissions&) const = default;
+  bool operator==(const RecordedAdmissions&) const = default;
 
  private:
   std::map<std::uint64_t, control::Request> by_id_;
@@ -82,7 +82,7 @@ class Admissions {
 
 /// Everything that the journal says.
 struct Contents {
-  Admissions admissions;
+  RecordedAdmissions admissions;
   /// Subjects ("0x…") of channels that the operator has withdrawn, sorted.
   std::vector<std::string> released;
   /// By subject: an encoded Grants message (records.hpp), never empty.

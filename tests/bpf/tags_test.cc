@@ -249,7 +249,7 @@ TEST_F(GateTags, OpensAgainWhenTheTagIsDealtAsStatedAndUserSpaceSaysSo) {
   receive({});
   EXPECT_FALSE(found().confirmed) << "a contradiction since";
   receive({.subject = kSwitch});
-  ASSERT_TRUE(stated_.settle(kSwitch));
+  ASSERT_TRUE(stated_.end_contradictions(kSwitch));
   EXPECT_TRUE(enters());
   EXPECT_TRUE(leaves());
   EXPECT_FALSE(found().contradicted);
@@ -262,7 +262,7 @@ TEST_F(GateTags, ASlotThatComesLaterIsShutAsWell) {
   ASSERT_TRUE(gate_.slots().apply(changes));
   gate_.admit({slot(Direction::ingress)});
   EXPECT_FALSE(enters());
-  ASSERT_TRUE(stated_.settle(kSwitch));
+  ASSERT_TRUE(stated_.end_contradictions(kSwitch));
   EXPECT_TRUE(enters());
 }
 

@@ -24,8 +24,8 @@
 #include <string_view>
 #include <vector>
 
+#include "daemon/net/can_controller.hpp"
 #include "daemon/net/can_routes.hpp"
-#include "daemon/net/controller.hpp"
 #include "daemon/net/filters.hpp"
 #include "daemon/net/links.hpp"
 #include "daemon/net/queue.hpp"

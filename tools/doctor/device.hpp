@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/can/frame.hpp"
-#include "daemon/net/controller.hpp"
+#include "daemon/net/can_controller.hpp"
 #include "daemon/net/links.hpp"
 #include "tools/doctor/line.hpp"
 
@@ -24,7 +24,7 @@ enum class Gate : std::uint8_t {
 /// What was read about an interface.
 struct Device {
   net::Link link;
-  net::Controller controller;
+  net::CanController controller;
   Gate gate = Gate::none;
   std::string gate_error;  ///< why `gate` is unknown
 };

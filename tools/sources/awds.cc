@@ -33,14 +33,14 @@ class Awds final : public LinkSource {
         graph_(metric, std::move(described)) {}
 
   Result<void> start() {
-    if (auto pace = pace_.start(loop_, [this] { report(); }); !pace) return pace;
+    if (auto started = throttle_.start(loop_, [this] { report(); }); !started) return started;
     return timer_.start(loop_, [this] { poll(); });
   }
 
  private:
   void poll() {
     if (!socket_) connect();
-    pace_.ask();
+    throttle_.ask();
     timer_.set(kPollInterval);
   }
 
@@ -85,7 +85,7 @@ class Awds final : public LinkSource {
       auto topology = awds::parse({packet.data(), static_cast<std::size_t>(size)});
       if (topology && graph_.take(std::move(*topology), loop_time(loop_))) changed = true;
     }
-    if (changed) pace_.ask();
+    if (changed) throttle_.ask();
   }
 
   /// Ends the connection. What was received stays valid for its time; the next poll connects again.
@@ -109,7 +109,7 @@ class Awds final : public LinkSource {
   Fd socket_;
   EventSource io_;
   LoopTimer timer_;
-  Pace pace_;
+  Throttle throttle_;
   std::string problem_;
 };
 

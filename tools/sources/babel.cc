@@ -232,7 +232,7 @@ class Babel final : public LinkSource {
 
   Result<void> start() {
     if (auto timer = timer_.start(loop_, [this] { ask(); }); !timer) return timer;
-    if (auto pace = pace_.start(loop_, [this] { report(); }); !pace) return pace;
+    if (auto started = throttle_.start(loop_, [this] { report(); }); !started) return started;
     return client_.start(loop_);
   }
 
@@ -257,7 +257,7 @@ class Babel final : public LinkSource {
         break;
       case babel::Line::fact:
         // Changes are reported at once, the lines of a dump together at its end.
-        if (dumped_ && !asked_) pace_.ask();
+        if (dumped_ && !asked_) throttle_.ask();
         break;
       case babel::Line::ok:
         answered();
@@ -276,7 +276,7 @@ class Babel final : public LinkSource {
     asked_ = false;
     dumped_ = true;
     timer_.set(kPollInterval);
-    pace_.ask();
+    throttle_.ask();
   }
 
   void ask() {
@@ -309,7 +309,7 @@ class Babel final : public LinkSource {
   bool asked_ = false;   ///< a dump was requested and is not complete
   bool dumped_ = false;  ///< a complete dump was received
   LoopTimer timer_;
-  Pace pace_;
+  Throttle throttle_;
   LineClient client_;
 };
 

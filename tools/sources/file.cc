@@ -189,7 +189,7 @@ class File final : public LinkSource {
       : path_(std::move(path)), mesh_(std::move(mesh)), loop_(loop), report_(std::move(report)) {}
 
   Result<void> start() {
-    if (auto pace = pace_.start(loop_, [this] { report(); }); !pace) return pace;
+    if (auto started = throttle_.start(loop_, [this] { report(); }); !started) return started;
     return timer_.start(loop_, [this] { poll(); });
   }
 
@@ -202,7 +202,7 @@ class File final : public LinkSource {
     } else if (has_changed_unseen()) {
       changed_ = true;
     }
-    pace_.ask();
+    throttle_.ask();
     timer_.set(kPollInterval);
   }
 
@@ -237,7 +237,7 @@ class File final : public LinkSource {
         event->len > 0 && std::filesystem::path(file.path_).filename() != event->name;
     if (other) return 0;
     file.changed_ = true;
-    file.pace_.ask();
+    file.throttle_.ask();
     return 0;
   }
 
@@ -271,7 +271,7 @@ class File final : public LinkSource {
   bool changed_ = false;  ///< since it was read
   EventSource watch_;
   LoopTimer timer_;
-  Pace pace_;
+  Throttle throttle_;
 };
 
 }  // namespace

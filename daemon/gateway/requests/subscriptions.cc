@@ -9,9 +9,9 @@
 #include "core/admission/onward.hpp"
 #include "daemon/gateway/admissions.hpp"
 #include "daemon/gateway/endpoints.hpp"
-#include "daemon/gateway/pace.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
 #include "daemon/gateway/requests/peers.hpp"
+#include "daemon/gateway/slice_budget.hpp"
 
 namespace mlcca::requests {
 namespace {
@@ -46,11 +46,11 @@ serve::Slice some_onward(const SubscriptionsParts& parts, std::size_t& at) {
     for (const std::size_t port : subscription_ports(parts.scene))
       out.networks.push_back(parts.endpoints.of_subscriptions(port));
   const std::size_t channels = parts.scene.state->decisions().size();
-  Pace pace(kOnwardRow);
+  SliceBudget budget(kOnwardRow);
   for (bool goes_on = true; goes_on && at < channels; ++at) {
     const std::size_t before = out.onward.size();
     add_channel(parts, at, out);
-    goes_on = pace.made(out.onward.size() - before);
+    goes_on = budget.made(out.onward.size() - before);
   }
   return {{std::move(out)}, at < channels};
 }

@@ -9,7 +9,7 @@ void stamp(core::mesh::Snapshot& snapshot, std::uint64_t taken) {
   for (auto& sample : snapshot.links) sample.taken = taken;
 }
 
-Result<void> Pace::start(sd_event* loop, std::function<void()> call) {
+Result<void> Throttle::start(sd_event* loop, std::function<void()> call) {
   loop_ = loop;
   call_ = std::move(call);
   return timer_.start(loop, [this] {
@@ -17,7 +17,7 @@ Result<void> Pace::start(sd_event* loop, std::function<void()> call) {
   });
 }
 
-void Pace::ask() {
+void Throttle::ask() {
   const std::uint64_t now = loop_time(loop_);
   if (now >= next_) {
     go();
@@ -27,7 +27,7 @@ void Pace::ask() {
   }
 }
 
-void Pace::go() {
+void Throttle::go() {
   asked_ = false;
   next_ = loop_time(loop_) + kLeastPause * 1000;
   call_();

@@ -20,7 +20,7 @@ void stamp(core::mesh::Snapshot& snapshot, std::uint64_t taken);
 
 /// Calls a function when asked to, but not more often than every kLeastPause. Earlier requests are
 /// served together when that time has passed.
-class Pace {
+class Throttle {
  public:
   [[nodiscard]] Result<void> start(sd_event* loop, std::function<void()> call);
   void ask();

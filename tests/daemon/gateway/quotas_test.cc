@@ -35,7 +35,7 @@ class AdmissionQuota : public ::testing::Test {
   }
   [[nodiscard]] auto refusal(uid_t by) const { return Quotas::refuse_admission(by, held_); }
 
-  store::Admissions held_;
+  store::RecordedAdmissions held_;
   std::uint64_t last_ = 0;
 };
 

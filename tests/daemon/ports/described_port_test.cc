@@ -37,7 +37,7 @@ class DescribedPortTest : public ::testing::Test {
   }
   net::Link& link() { return links_.begin()->second; }
   std::optional<int> match() { return port().match(links_, facts_of_); }
-  void settle() { port().settle(links_, report_); }
+  void assess() { port().assess(links_, report_); }
   [[nodiscard]] bool is_outdated() { return port().is_outdated(links_, facts_of_); }
   DescribedPort& port() {
     if (!made_) made_.emplace(system_, system_.gateways[0].ports[0]);
@@ -106,7 +106,7 @@ TEST_F(DescribedPortTest, HasAGateForInterfacesOfItsKindAlone) {
 TEST_F(DescribedPortTest, CannotBeUsedWhileItsInterfaceIsDownOrHasNoBitRate) {
   const auto problem = [&] {
     match();
-    settle();
+    assess();
     return port().problem();
   };
   EXPECT_EQ(problem(), "");
@@ -124,22 +124,22 @@ TEST_F(DescribedPortTest, AVirtualBusNeedsTheBitRateOfItsNetwork) {
   link().kind = "vcan";
   link().bitrate = 0;
   match();
-  settle();
+  assess();
   EXPECT_EQ(port().problem(), "can0 has no bit rate of its own: state <Bus bitrate=\"…\"/> of bus");
   system_.networks[0].bus.bitrate = 500'000;
   made_.reset();
   match();
-  settle();
+  assess();
   EXPECT_EQ(port().problem(), "");
 }
 
 TEST_F(DescribedPortTest, ADisturbedBusIsReportedWhenItBeginsAndWhenItEnds) {
   link().can_state = "error-passive";
-  for (int n = 0; n < 2; ++n) match(), settle();
+  for (int n = 0; n < 2; ++n) match(), assess();
   EXPECT_EQ(reported_,
             std::vector<std::string>{"can0 is error-passive: frames on bus are being disturbed"});
   link().can_state = "error-active";
-  for (int n = 0; n < 2; ++n) match(), settle();
+  for (int n = 0; n < 2; ++n) match(), assess();
   EXPECT_EQ(reported_.size(), 2U);
   EXPECT_EQ(reported_.back(), "can0 is error-active again");
 }
@@ -147,13 +147,13 @@ TEST_F(DescribedPortTest, ADisturbedBusIsReportedWhenItBeginsAndWhenItEnds) {
 TEST_F(DescribedPortTest, IsOutdatedByWhateverChangesOnItsInterfaceAlone) {
   match();
   EXPECT_TRUE(is_outdated()) << "it has not been settled";
-  settle();
+  assess();
   EXPECT_FALSE(is_outdated());
   links_.emplace(9, test::ethernet(9, "eth9"));
   EXPECT_FALSE(is_outdated()) << "another interface";
   link().bitrate = 250'000;
   EXPECT_TRUE(is_outdated());
-  settle();
+  assess();
   links_.erase(7);
   EXPECT_TRUE(is_outdated());
 }

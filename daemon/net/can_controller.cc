@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "daemon/net/controller.hpp"
+#include "daemon/net/can_controller.hpp"
 
 #include <linux/can.h>
 #include <linux/can/netlink.h>
@@ -34,7 +34,7 @@ std::string driver_of(std::string_view interface) {
   return info.driver;
 }
 
-void take_can(rtnl_link* link, Controller& out) {
+void take_can(rtnl_link* link, CanController& out) {
   std::uint32_t value = 0;
   if (rtnl_link_can_get_ctrlmode(link, &value) == 0) out.modes = value;
   if (rtnl_link_can_freq(link, &value) == 0) out.clock = value;
@@ -48,7 +48,7 @@ void take_can(rtnl_link* link, Controller& out) {
     out.errors = ErrorCounters{.sending = errors.txerr, .receiving = errors.rxerr};
 }
 
-Result<void> take_queue(Rtnl& kernel, Controller& out) {
+Result<void> take_queue(Rtnl& kernel, CanController& out) {
   return with_root_queue(kernel, out.ifindex, [&out](rtnl_qdisc* root, rtnl_tc* tc) {
     const char* kind = rtnl_tc_get_kind(tc);
     out.queue = kind == nullptr ? "" : kind;
@@ -60,8 +60,8 @@ Result<void> take_queue(Rtnl& kernel, Controller& out) {
   });
 }
 
-Controller read_link(rtnl_link* link) {
-  Controller out;
+CanController read_link(rtnl_link* link) {
+  CanController out;
   out.echoes = (rtnl_link_get_flags(link) & IFF_ECHO) != 0;
   out.fd = rtnl_link_get_mtu(link) >= CANFD_MTU;
   out.queue_length = rtnl_link_get_txqlen(link);
@@ -72,13 +72,13 @@ Controller read_link(rtnl_link* link) {
 
 }  // namespace
 
-Result<Controller> read_controller(int ifindex) {
+Result<CanController> read_controller(int ifindex) {
   Rtnl kernel;
   ifinfomsg head{};
   head.ifi_index = ifindex;
   const auto answer = kernel.get(new_message(RTM_GETLINK, 0, &head, sizeof head));
   if (!answer) return answer.error().when("reading an interface");
-  Controller out;
+  CanController out;
   answer->each_object(RTM_NEWLINK, [&out](nl_object* object) {
     out = read_link(reinterpret_cast<rtnl_link*>(object));  // NOLINT(*-reinterpret-cast)
   });

@@ -18,7 +18,7 @@ struct ErrorCounters {
 };
 
 /// The state of one controller, when it was read.
-struct Controller {
+struct CanController {
   int ifindex = 0;
   std::string driver;              ///< empty: not reported
   bool echoes = false;             ///< IFF_ECHO: the driver returns the frames that it has sent
@@ -35,6 +35,6 @@ struct Controller {
 };
 
 /// Reads the state from the kernel.
-[[nodiscard]] Result<Controller> read_controller(int ifindex);
+[[nodiscard]] Result<CanController> read_controller(int ifindex);
 
 }  // namespace mlcca::net

@@ -10,10 +10,10 @@
 namespace mlcca {
 
 /// A budget of rows and time for one slice.
-class Pace {
+class SliceBudget {
  public:
   /// `row_bytes` is the size of a usual row in the encoded reply.
-  explicit Pace(std::size_t row_bytes) : left_(serve::Server::kSliceBytes / row_bytes) {}
+  explicit SliceBudget(std::size_t row_bytes) : left_(serve::Server::kSliceBytes / row_bytes) {}
 
   /// Counts rows that were made; false if the next one belongs to another slice.
   bool made(std::size_t rows = 1) {
