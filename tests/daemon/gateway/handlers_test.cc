@@ -356,8 +356,8 @@ TEST_F(Handlers, AProgramTakesUpOnlyAnEndThatIsMeantForIt) {
   system.publishers[0].place = {core::Place::Kind::gateway, 0};
   system.publishers[0].uid = 1000;
   describe(std::move(system));
-  const requests::AnnounceParts parts{scene_,  channels_,  endpoints_, local_ends_,
-                                      nullptr, estimates_, replies_};
+  const requests::AnnounceParts parts{scene_,  channels_, endpoints_, local_ends_,
+                                      nullptr, control_,  estimates_, replies_};
   control::AnnounceRequest request;
   request.channel = "c0";
   EXPECT_NE(invalid_as(requests::announce(parts, asks(1000), request)), "") << "it states no role";
