@@ -42,7 +42,7 @@ class AskedRequests {
   }
 
  private:
-  const store::Admissions& recorded_;
+  const store::RecordedAdmissions& recorded_;
   std::set<core::AdmissionId> counted_, asked_;
   std::size_t octets_ = 0;
 };
