@@ -123,8 +123,8 @@ class PortGate {
     PortGate* gate;
     Error error;
   };
-  /// See VerdictTable::apply_together(): one step for frames on all gates, CAN and Ethernet. All must have
-  /// the same Control.
+  /// See VerdictTable::apply_together(): one step for frames on all gates, CAN and Ethernet. All
+  /// must have the same Control.
   static std::expected<void, Refusal> apply_together(std::span<const Change> changes);
 
  protected:

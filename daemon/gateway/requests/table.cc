@@ -79,8 +79,8 @@ ReleaseParts parts_of(const Context& c) {
 }
 template <>
 AnnounceParts parts_of(const Context& c) {
-  return {c.scene,   c.channels,  c.endpoints, c.local_ends, c.membership,
-          c.control, c.estimates, c.replies};
+  return {c.scene,      c.channels, c.endpoints, c.local_ends,
+          c.membership, c.control,  c.estimates, c.replies};
 }
 template <>
 TransfersParts parts_of(const Context& c) {
