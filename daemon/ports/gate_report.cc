@@ -8,9 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <ranges>
 #include <tuple>
-#include <utility>
 #include <vector>
 
 #include "bpf/ether.h"
@@ -29,12 +27,11 @@ auto place_of(const gates::SlotSpec& s) {
   return std::tuple(s.direction, s.id, s.mask, s.source, s.uid, s.origin, s.subject, s.station);
 }
 
-/// Moves the first `most` of them, in order, to the front; returns their end.
-auto order_first(std::ranges::subrange<std::vector<gates::SlotSpec>::iterator> slots,
-                 std::size_t most) {
-  const auto end = slots.begin() + static_cast<std::ptrdiff_t>(most);
+/// Leaves the first `count` of them, in order.
+void keep_first(std::size_t count, std::vector<gates::SlotSpec>& slots) {
+  const auto end = slots.begin() + static_cast<std::ptrdiff_t>(count);
   std::ranges::partial_sort(slots, end, {}, place_of);
-  return end;
+  slots.erase(end, slots.end());
 }
 
 std::string formats_of(std::uint8_t formats, bool can) {
@@ -83,14 +80,14 @@ class GateReport {
     if (gate == nullptr) return out;
     out.attached = gate->attached().value_or(false);
     out.room = static_cast<std::uint32_t>(gate->room());
-    auto slots = gate->present();
+    const auto slots = gate->present();
     out.slots = static_cast<std::uint32_t>(slots.size());
     std::array<std::uint32_t, 2> masked{};
     for (const gates::SlotSpec& slot : slots)
       if (gate->is_masked(slot)) ++masked.at(static_cast<std::size_t>(slot.direction));
     out.masked = std::ranges::max(masked);
     const auto of_control = [this, p](const gates::SlotSpec& slot) { return is_control(slot, p); };
-    for (const gates::SlotSpec& slot : listed_slots(std::move(slots), kListed, of_control)) {
+    for (const gates::SlotSpec& slot : listed_slots(slots, kListed, of_control)) {
       auto& list = of_control(slot) ? out.control : out.channels;
       list.push_back(slot_of(*gate, slot, p));
     }
@@ -192,22 +189,20 @@ bool has_report(const GatedPorts& ports, std::size_t port) {
 }  // namespace
 
 std::vector<gates::SlotSpec> listed_slots(
-    std::vector<gates::SlotSpec> slots, std::size_t most,
+    const std::vector<gates::SlotSpec>& slots, std::size_t most,
     const std::function<bool(const gates::SlotSpec&)>& is_control) {
-  const auto others = std::ranges::partition(slots, is_control);
-  std::ranges::sort(slots.begin(), others.begin(), {}, place_of);
-  const auto leaving = std::ranges::partition(others, [](const gates::SlotSpec& slot) {
-    return slot.direction == gates::Direction::ingress;
-  });
-  const std::size_t entering = others.size() - leaving.size();
-  const std::size_t half = most / 2;
-  const std::size_t in = std::min(entering, most - std::min(leaving.size(), half));
-  const std::size_t out = std::min(leaving.size(), most - in);
-  slots.erase(order_first(leaving, out), slots.end());
-  const auto rest = leaving.begin() - slots.begin();
-  const auto kept = order_first({others.begin(), slots.begin() + rest}, in);
-  slots.erase(kept, slots.begin() + rest);
-  return slots;
+  std::vector<gates::SlotSpec> control, entering, leaving;
+  for (const gates::SlotSpec& slot : slots) {
+    auto& of_channels = slot.direction == gates::Direction::ingress ? entering : leaving;
+    (is_control(slot) ? control : of_channels).push_back(slot);
+  }
+  const std::size_t in = std::min(entering.size(), most - std::min(leaving.size(), most / 2));
+  keep_first(control.size(), control);
+  keep_first(in, entering);
+  keep_first(std::min(leaving.size(), most - in), leaving);
+  control.insert(control.end(), entering.begin(), entering.end());
+  control.insert(control.end(), leaving.begin(), leaving.end());
+  return control;
 }
 
 control::Gates gate_reports(const GatedPorts& ports, const net::LinkTable& links,

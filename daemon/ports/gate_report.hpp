@@ -18,7 +18,7 @@ namespace mlcca {
 /// the others. If there are more, each direction gets half of the places, and what the other one
 /// does not need.
 [[nodiscard]] std::vector<gates::SlotSpec> listed_slots(
-    std::vector<gates::SlotSpec> slots, std::size_t most,
+    const std::vector<gates::SlotSpec>& slots, std::size_t most,
     const std::function<bool(const gates::SlotSpec&)>& is_control);
 /// `place` is an interface or a network; empty: all.
 [[nodiscard]] control::Gates gate_reports(const GatedPorts& ports, const net::LinkTable& links,

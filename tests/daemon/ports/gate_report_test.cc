@@ -28,7 +28,7 @@ struct Listed {
   std::vector<std::uint32_t> control, entering, leaving;  ///< identifiers
 };
 
-Listed listed(std::vector<gates::SlotSpec> slots) {
+Listed listed(const std::vector<gates::SlotSpec>& slots) {
   Listed out;
   for (const gates::SlotSpec& slot :
        listed_slots(std::move(slots), kMost, [](const auto& s) { return s.subject == kControl; }))
