@@ -80,6 +80,8 @@ TEST_F(Announce, APublisherGetsItsDeliveriesAndTheEventsOfItsChannel) {
     EXPECT_EQ(c.publisher, "lever");
     EXPECT_TRUE(c.granted) << c.reason;
   }
+  EXPECT_EQ(channels.grace_ns, bench_.kernel.grace) << "how long this holds without a daemon";
+  EXPECT_NE(channels.grace_ns, 0U);
   EXPECT_EQ(answer.follows, 1U);
   EXPECT_FALSE(answer.held);
 }
