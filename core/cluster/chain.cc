@@ -159,12 +159,17 @@ void Chain::follow(std::int64_t own, const TxnResult& result, std::vector<Done>&
       commit(*take(leave->seq), result.revision, done);
     return;
   }
+  // A restored store may have an entry that this chain wrote before the latest one.
+  if (own < base_) {
+    trouble_ = Trouble::gone_back;
+    return;
+  }
   const auto entry = std::ranges::find(result.read, keys_->member(self_), &Entry::key);
   const auto beat = codec_->beat(entry->value);
   const bool ours = beat && beat->session == session_ && beat->seq <= seq_;
   if (auto earlier = ours ? take(beat->seq) : std::nullopt) {
     commit(std::move(*earlier), own, done);
-  } else if (ours || (!joined_ && own > base_)) {
+  } else if (ours || !joined_) {
     base_ = own;
     drop_unsure(done);
   } else {

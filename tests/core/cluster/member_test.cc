@@ -178,6 +178,26 @@ TEST_F(ClusterMember, AStoreThatHasGoneBackNeedsAnOperator) {
   EXPECT_EQ(at(0).standing(now), Member::Standing::joined);
 }
 
+/// Others have written so much to the restored store that its revision is no lower than before. Its
+/// own entry is one that it wrote, but an earlier one.
+TEST_F(ClusterMember, AnEarlierEntryOfItsOwnShowsThatTheStoreHasGoneBack) {
+  in_force(1);
+  start(0);
+  pass(3 * kSecond);
+  const StoreStub backup = store;
+  at(0).reserve(unit(1), now);
+  run();
+  ASSERT_TRUE(at(0).holds(1));
+  const std::int64_t seen = store.revision;
+  store = backup;
+  while (store.revision <= seen) store.write({{.key = keys->version(0), .value = "B"}});
+  read_all(0);
+  pass(kTen / 4);
+  EXPECT_EQ(at(0).standing(now), Member::Standing::gone_back);
+  EXPECT_FALSE(at(0).holds(1));
+  EXPECT_LE(at(0).valid_until(), now);
+}
+
 /// After the restart nothing in the store shows that it has gone back.
 TEST_F(ClusterMember, AStoreThatHasGoneBackStaysSoOverARestart) {
   in_force(1);
