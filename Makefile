@@ -163,7 +163,7 @@ test: ensure-deps ## everything: layers, format, unit, kernel and guest tests
 
 test-all:
 	$(Q)$(MAKE) all check-layers check-format cppcheck tidy check-mcu
-	$(Q)$(MAKE) FUZZ_OPT=-O0 check-cluster check-node check-fuzz check-work check-sanitized check-plain check-docs check-install check-reproducible check-fault check-memory check-torn check-neighbour check-quotas check-client check-exporter check-cockpit
+	$(Q)$(MAKE) FUZZ_OPT=-O0 check-cluster check-node check-fuzz check-work check-sanitized check-plain check-docs check-docs-cluster check-install check-reproducible check-fault check-memory check-torn check-neighbour check-quotas check-client check-exporter check-cockpit
 	$(Q)$(MAKE) check-harness check-lintian check-guest
 
 lint: check-layers check-format cppcheck tidy ## layering, clang-format-19, cppcheck and clang-tidy-19

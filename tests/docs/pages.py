@@ -10,7 +10,8 @@ WIDTH = 100
 
 @dataclasses.dataclass
 class Block:
-    """A fenced block: the words behind the fence, and the lines with the number of the first."""
+    """A fenced block: the words behind the fence, and the lines with the number of the first, without the indentation
+    that a block in a list has."""
 
     info: str
     line: int
@@ -31,15 +32,17 @@ class Page:
 def read(path):
     page = Page(path, [], [])
     block = None
+    indentation = ""
     for number, line in enumerate(path.read_text(encoding="utf-8").split("\n"), 1):
-        if line.startswith("```"):
+        if fence := re.match(r"( *)```(.*)", line):
             if block is None:
-                block = Block(line[3:].strip(), number + 1, [])
+                indentation = fence[1]
+                block = Block(fence[2].strip(), number + 1, [])
             else:
                 page.blocks.append(block)
                 block = None
         elif block is not None:
-            block.lines.append(line)
+            block.lines.append(line.removeprefix(indentation))
         else:
             page.text.append((number, line))
     if block is not None:
