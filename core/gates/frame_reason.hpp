@@ -13,7 +13,9 @@
 namespace mlcca::core {
 
 enum class FrameReason : std::uint8_t {
-#define FRAME_REASON(number, word, WORD, name, kind, text) word = number,
+// An enumerator cannot be in parentheses.
+#define FRAME_REASON(number, word, WORD, name, kind, text) \
+  word = number,  // NOLINT(bugprone-macro-parentheses)
 #include "core/gates/frame_reasons.inc"
 #undef FRAME_REASON
 };

@@ -117,7 +117,8 @@ std::optional<Value> stated_time(const DbcValue& value) {
 }
 
 std::optional<Value> shorter_of(std::optional<Value> a, std::optional<Value> b) {
-  return a && b ? std::min(*a, *b) : (a ? a : b);
+  if (!a || !b) return a ? a : b;
+  return std::min(*a, *b);
 }
 
 std::optional<Value> shortest_of(const DbcSignalValues& values) {
