@@ -170,19 +170,20 @@ void DbcDefinitions::complete_all(std::vector<Where>& all, DbcObject object) con
 void DbcDefinitions::complete_signals(DbcFile& file) const {
   const auto roles = meant(DbcObject::signal);
   for (auto& message : file.messages)
-    for (const auto& [role, definition] : roles) {
-      DbcSignalValues* const values = values_of_signals(message, role);
-      if (values == nullptr) continue;
-      std::set<std::string> completed;
-      const auto add = [&](DbcValue value) {
-        complete(&value, *definition);
-        if (value) completed.insert(std::move(*value));
-      };
-      for (const auto& value : values->different) add(value);
-      // The others have the default.
-      if (values->stated < message.signals) add(std::nullopt);
-      values->different = std::move(completed);
-    }
+    for (const Meant& one : roles)
+      if (auto* const values = values_of_signals(message, one.role); values != nullptr)
+        complete(*values, message.signals, *one.definition);
+}
+
+void DbcDefinitions::complete(DbcSignalValues& values, std::size_t signals,
+                              const Definition& definition) {
+  std::vector<DbcValue> all(values.different.begin(), values.different.end());
+  if (values.stated < signals) all.emplace_back();  // the others have the default
+  values.different.clear();
+  for (DbcValue& value : all) {
+    complete(&value, definition);
+    if (value) values.different.insert(std::move(*value));
+  }
 }
 
 void DbcDefinitions::complete(DbcValue* value, const Definition& definition) {

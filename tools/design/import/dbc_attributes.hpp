@@ -71,6 +71,7 @@ class DbcDefinitions {
   template <class Where>
   void complete_all(std::vector<Where>& all, DbcObject object) const;
   void complete_signals(DbcFile& file) const;
+  static void complete(DbcSignalValues& values, std::size_t signals, const Definition& definition);
   static void complete(DbcValue* value, const Definition& definition);
 
   std::map<std::pair<DbcObject, std::string>, Definition, std::less<>> definitions_;
