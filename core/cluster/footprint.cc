@@ -148,6 +148,17 @@ Footprint footprint_of(const State& state, std::size_t channel, const Baseline& 
   return collected(state, all_of(state.decisions()[channel]), baseline, self);
 }
 
+Footprint footprint_of(const State& state, std::span<const Verdict* const> deliveries,
+                       const Baseline& baseline, std::size_t self) {
+  return collected(state, deliveries, baseline, self);
+}
+
+void add_gateway(Footprint& footprint, std::size_t gateway) {
+  auto& all = footprint.gateways;
+  const auto at = std::ranges::lower_bound(all, gateway);
+  if (at == all.end() || *at != gateway) all.insert(at, gateway);
+}
+
 std::vector<Want> wants_of(const Proposal& wish, std::size_t self) {
   const Decision& next = wish.decision();
   const Decision& now = wish.state().decisions()[wish.channel()];

@@ -26,6 +26,12 @@ namespace mlcca::core::cluster {
 [[nodiscard]] Footprint footprint_of(const State& state, std::size_t channel,
                                      const Baseline& baseline, std::size_t self);
 
+/// The footprint of these granted deliveries of a state.
+[[nodiscard]] Footprint footprint_of(const State& state, std::span<const Verdict* const> deliveries,
+                                     const Baseline& baseline, std::size_t self);
+/// Adds a gateway that has to agree to what is reserved, unless it is one already.
+void add_gateway(Footprint& footprint, std::size_t gateway);
+
 /// Deliveries that may not be used as they are proposed.
 struct Want {
   std::vector<std::size_t> gateways;  ///< other gateways on the way of each, by rising index

@@ -487,6 +487,13 @@ bool Adopting::has(core::AdmissionId id) const {
   return holder != nullptr && holder->open;
 }
 
+const control::Request* Adopting::request_of(core::AdmissionId id) const {
+  const Adopted* const holder = holder_of(id);
+  if (holder == nullptr) return nullptr;
+  const auto at = std::ranges::find(holder->ours, id, &control::Request::id);
+  return at == holder->ours.end() ? nullptr : &*at;
+}
+
 bool Adopting::is_twin(core::AdmissionId id) const {
   const Adopted* const holder = holder_of(id);
   return holder != nullptr && is_made_for_this(*holder);

@@ -92,6 +92,8 @@ class Adopting {
   /// Adds the open admissions to another state of the same description.
   void restore() const;
   [[nodiscard]] bool has(core::AdmissionId id) const;
+  /// The request of an admission that has this number of this gateway; null: there is none.
+  [[nodiscard]] const control::Request* request_of(core::AdmissionId id) const;
   /// Whether another gateway has made that admission for this one, which has one of its own for the
   /// same subscriber.
   [[nodiscard]] bool is_twin(core::AdmissionId id) const;

@@ -119,8 +119,10 @@ void Membership::begin() {
       Reserving::Parts{
           .networks = *session_.networks,
           .bring_in_line = [this] { return bring_in_line(); },
-          .needs = [this](const std::string& channel,
-                          Number number) { return wishes_.needs(channel, number); },
+          .needs = [this](Number number,
+                          const Reserving::Held& held) { return wishes_.needs(number, held); },
+          .rest = [this](Number number,
+                         const Reserving::Held& held) { return wishes_.rest_of(number, held); },
           .withdrawn =
               [this](const auto& admissions, bool ended, const std::string& why) {
                 for (const core::AdmissionId id : admissions) {
@@ -260,7 +262,8 @@ void Membership::take_in(const cc::Event& event) {
       parts_.log.warning(Kind::gateway, "what was reserved is closed: " + lost->why);
   } else if (const auto* found = std::get_if<cc::Found>(&event)) {
     session_.reserving->on(*found, *session_.member, [this](const cluster::StoredRequest& asked) {
-      return !is_leaving() && (wishes_.is_known(asked) || session_.adopting->keep_found(asked));
+      return !is_leaving() && (wishes_.is_known(asked) || (wishes_.has_publishers_of(asked) &&
+                                                           session_.adopting->keep_found(asked)));
     });
   } else if (std::holds_alternative<cc::Joined>(event)) {
     session_.joined = true;

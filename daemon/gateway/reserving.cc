@@ -11,6 +11,8 @@
 namespace mlcca {
 namespace {
 
+constexpr Value kReplaceAgain = 5'000'000'000;  // ns
+
 std::vector<core::AdmissionId> ids_of(const std::vector<control::Request>& requests) {
   std::vector<core::AdmissionId> ids;
   ids.reserve(requests.size());
@@ -33,6 +35,13 @@ std::optional<core::cluster::Footprint> found_footprint(const core::cluster::Vie
     all.parts.push_back(it->second.taken->part);
   }
   return all;
+}
+
+/// The gateway for which it is made; nullopt: it is for nobody else.
+std::optional<std::size_t> made_for(const cluster::StoredRequest& asked,
+                                    const core::cluster::Member& member) {
+  if (asked.for_gateway.empty()) return std::nullopt;
+  return member.view().keys().gateway(asked.for_gateway);
 }
 
 /// With the name of the gateway that has refused, if one has.
@@ -162,7 +171,7 @@ void Reserving::leave(Number number, Held& held, const std::vector<core::Admissi
     if (std::erase_if(*ids, [&](core::AdmissionId id) {
           return std::ranges::find(gone, id) != gone.end();
         }) != 0) {
-      outdated_.insert(number);
+      outdated_.try_emplace(number);
       unused_ = true;
     }
 }
@@ -175,7 +184,8 @@ void Reserving::hold(Number number, const core::cluster::Footprint& footprint,
             .admissions = ids_of(asked.requests),
             .also = ids_of(asked.also),
             .on_behalf = asked.on_behalf,
-            .for_another = !asked.for_gateway.empty()};
+            .for_gateway = asked.for_gateway,
+            .for_number = asked.for_number};
   parts_.networks.hold(number, footprint, held.admissions);
   leave(number, held, gone);
   held_.insert_or_assign(number, std::move(held));
@@ -192,7 +202,7 @@ void Reserving::begin(Open& open, core::cluster::Member& member, Value now) {
                   .channel = open.wish.asked.channel,
                   .publisher = open.wish.publisher,
                   .admission = cluster::text_of(open.wish.asked),
-                  .made_for = open.job.gateway},
+                  .made_for = made_for(open.wish.asked, member)},
                  now);
 }
 
@@ -306,6 +316,7 @@ bool Reserving::step(core::cluster::Member& member, Value now) {
     it = jobs_.erase(it);
     open.job.refused(why_waiting(member, now));
   }
+  replace_outdated(now);
   const auto next = next_turn();
   if (next == jobs_.end() || !member.why_not(now).empty() || !parts_.in_the_way().empty())
     return false;
@@ -348,8 +359,44 @@ void Reserving::tidy() {
 
 /// What was made for another gateway ends when that one does not ask for it any more.
 bool Reserving::is_over(Number number, const Held& held) const {
-  const bool may_be = held.admissions.empty() || (outdated_.contains(number) && !held.for_another);
-  return may_be && !parts_.needs(held.channel, number);
+  const bool may_be =
+      held.admissions.empty() || (outdated_.contains(number) && held.for_gateway.empty());
+  return may_be && !parts_.needs(number, held);
+}
+
+/// Where an admission has ended, other gateways still know it by a reservation that others use as
+/// well. A smaller one is reserved in its place, under a number of its own, and the former one is
+/// given back when that is in force: so what is still granted continues. One after the other.
+void Reserving::replace_outdated(Value now) {
+  const auto next =
+      std::ranges::min_element(outdated_, {}, [](const auto& one) { return one.second.again; });
+  if (next == outdated_.end() || next->second.again > now || !parts_.networks.permits().is_open() ||
+      std::ranges::any_of(jobs_, [](const Open& open) { return open.job.replaces != 0; }))
+    return;
+  const Number number = next->first;
+  next->second.again = add_saturating(now, kReplaceAgain);
+  ask({.decide = [this, number]() -> std::optional<Wish> {
+         const auto held = held_.find(number);
+         return held == held_.end() ? std::nullopt : parts_.rest(number, held->second);
+       },
+       .granted =
+           [this, number] {
+             if (held_.contains(number)) give_back(number);
+             return true;
+           },
+       .refused = [this, number](const std::string& why) { keep_outdated(number, why); },
+       .replaces = number},
+      now);
+}
+
+/// It is tried again.
+void Reserving::keep_outdated(Number number, const std::string& why) {
+  const auto held = held_.find(number);
+  const auto outdated = outdated_.find(number);
+  if (held == held_.end() || outdated == outdated_.end()) return;
+  if (!std::exchange(outdated->second.said, true))
+    parts_.log("other gateways still keep open what has ended of " + held->second.channel + ": " +
+               why);
 }
 
 Reserving::Turn Reserving::turn_of(const Job& job) {

@@ -9,7 +9,6 @@
 #include <list>
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <unordered_set>
 #include <utility>
@@ -35,6 +34,16 @@ class Reserving {
     std::string publisher;
     cluster::StoredRequest asked;
   };
+  /// What is reserved and may be used.
+  struct Held {
+    std::string channel;
+    std::vector<core::AdmissionId> admissions;  ///< empty: for the channel as it is described
+    std::vector<core::AdmissionId> also;        ///< others, whose publishers count in it
+    bool on_behalf = false;  ///< another gateway has made the admission for this one
+    /// This gateway has made the admission for that one, which has this number there; empty: not.
+    std::string for_gateway{};
+    std::uint64_t for_number = 0;
+  };
   /// A request for a reservation. Its functions are called when everything is settled.
   struct Job {
     /// Decides what to reserve; nullopt if it is no longer wanted or has already been answered.
@@ -49,6 +58,7 @@ class Reserving {
     std::optional<uid_t> user{};           ///< who has asked; nullopt: a gateway
     std::optional<std::size_t> gateway{};  ///< another gateway that has asked
     Number adopted = 0;                    ///< the number under which its request was adopted
+    Number replaces = 0;                   ///< what is given back when this is granted; 0: nothing
     [[nodiscard]] bool is_own() const { return !user && !gateway; }
   };
   struct Parts {
@@ -56,8 +66,11 @@ class Reserving {
     /// Brings gates and state in line with changes of the networks. False if the kernel has
     /// refused, so that what is to be closed may be open.
     std::function<bool()> bring_in_line;
-    /// Whether something of that channel that is granted now needs that reservation.
-    std::function<bool(const std::string& channel, Number number)> needs;
+    /// Whether something that is granted now needs that reservation.
+    std::function<bool(Number number, const Held& held)> needs;
+    /// What is to be reserved instead of it, because admissions have ended that it names; nullopt:
+    /// nothing that is granted now needs it.
+    std::function<std::optional<Wish>(Number number, const Held& held)> rest;
     /// Called when what was reserved for these admissions is withdrawn. `ended`: another gateway
     /// had made them for this one, and will not make them again.
     std::function<void(const std::vector<core::AdmissionId>&, bool ended, const std::string& why)>
@@ -122,13 +135,6 @@ class Reserving {
   /// When the next job will have waited for too long; nullopt if none waits.
   [[nodiscard]] std::optional<Value> next_time() const;
 
-  struct Held {
-    std::string channel;
-    std::vector<core::AdmissionId> admissions;  ///< empty: for the channel as it is described
-    std::vector<core::AdmissionId> also;        ///< others, whose publishers count in it
-    bool on_behalf = false;    ///< another gateway has made the admission for this one
-    bool for_another = false;  ///< this gateway has made the admission for another one
-  };
   [[nodiscard]] const std::map<Number, Held>& held() const { return held_; }
   /// The admissions that another gateway has made for this one, and for which something is held.
   [[nodiscard]] std::unordered_set<core::AdmissionId> agreed_admissions() const;
@@ -162,6 +168,8 @@ class Reserving {
   void hold(Number number, const core::cluster::Footprint& footprint,
             const cluster::StoredRequest& asked, const std::vector<core::AdmissionId>& gone);
   void leave(Number number, Held& held, const std::vector<core::AdmissionId>& gone);
+  void replace_outdated(Value now);
+  void keep_outdated(Number number, const std::string& why);
   void give_back(Number number);
   void release_closed(core::cluster::Member& member, Value now);
   void begin(Open& open, core::cluster::Member& member, Value now);
@@ -172,7 +180,11 @@ class Reserving {
   Jobs jobs_;
   std::map<Number, Held> held_;
   /// Of those that are held: an admission has ended that they name in the store.
-  std::set<Number> outdated_;
+  struct Outdated {
+    Value again = 0;    ///< no attempt to replace it before this time
+    bool said = false;  ///< that it cannot be replaced now
+  };
+  std::map<Number, Outdated> outdated_;
   std::optional<Turn> latest_;  ///< whose turn was the latest, except that of this gateway
   std::optional<std::size_t> latest_gateway_;  ///< of the other gateways
   bool latest_own_ = false;                    ///< the latest turn was one of this gateway itself

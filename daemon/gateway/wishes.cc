@@ -23,6 +23,12 @@ bool is_asked_for(const core::cluster::Footprint& footprint, const cluster::Stor
   return !footprint.parts.empty() || (!footprint.gateways.empty() && !asked.requests.empty());
 }
 
+/// Whether it is an admission of this gateway.
+bool is_recorded(const control::Request& request, const Recorder& recorder) {
+  const auto* const there = recorder.contents().admissions.find(request.id);
+  return there != nullptr && *there == request;
+}
+
 /// The requests that an entry of the store contains, each of them once.
 class AskedRequests {
  public:
@@ -197,9 +203,8 @@ void Wishes::add_publishers(const core::cluster::Footprint& footprint,
 bool Wishes::is_known(const cluster::StoredRequest& asked) const {
   const auto known = [&](const control::Request& request) {
     // Another gateway was asked for the subscriber alone.
-    if (asked.on_behalf) return !parts_.recorder.contents().admissions.through(request.id).empty();
-    const auto* const there = parts_.recorder.contents().admissions.find(request.id);
-    return there != nullptr && *there == request;
+    return asked.on_behalf ? !parts_.recorder.contents().admissions.through(request.id).empty()
+                           : is_recorded(request, parts_.recorder);
   };
   // What another gateway was asked for is not in the state yet, and so is its channel if it is not
   // described.
@@ -207,12 +212,65 @@ bool Wishes::is_known(const cluster::StoredRequest& asked) const {
          std::ranges::all_of(asked.requests, known) && std::ranges::all_of(asked.also, known);
 }
 
-bool Wishes::needs(const std::string& channel, SharedNetworks::Number number) const {
-  const auto there = state().find_channel(channel);
-  if (!there) return false;
-  return std::ranges::any_of(state().decisions()[*there].verdicts, [&](const core::Verdict& v) {
-    return v.granted && !state().is_permitted_without(v, number);
+bool Wishes::has_publishers_of(const cluster::StoredRequest& asked) const {
+  return std::ranges::all_of(asked.also, [this](const control::Request& request) {
+    return is_recorded(request, parts_.recorder);
   });
+}
+
+/// The granted deliveries that need it. One that was made for another gateway is needed as long as
+/// its subscriber is given anything, so that the other gateway follows the publisher.
+Wishes::Deliveries Wishes::uses_of(SharedNetworks::Number number,
+                                   const Reserving::Held& held) const {
+  const auto there = state().find_channel(held.channel);
+  if (!there) return {};
+  Deliveries uses;
+  for (const core::Verdict& v : state().decisions()[*there].verdicts)
+    if (v.granted && (!state().is_permitted_without(v, number) ||
+                      (!held.for_gateway.empty() && takes_part(v, held.admissions))))
+      uses.push_back(&v);
+  return uses;
+}
+
+bool Wishes::takes_part(const core::Verdict& v, std::span<const core::AdmissionId> ids) const {
+  const core::Members& members = state().members();
+  const auto has = [ids](core::AdmissionId id) { return std::ranges::find(ids, id) != ids.end(); };
+  return has(members.admission_of_publisher(v.publisher)) ||
+         std::ranges::any_of(v.subscribers, [&](std::size_t subscriber) {
+           return has(members.admission_of_subscriber(subscriber));
+         });
+}
+
+/// Of its admissions, with those that take part in one of these deliveries.
+std::optional<Reserving::Wish> Wishes::rest_of(SharedNetworks::Number number,
+                                               const Reserving::Held& held) const {
+  const Deliveries uses = uses_of(number, held);
+  if (uses.empty()) return std::nullopt;
+  Reserving::Wish rest{.footprint = core::cluster::footprint_of(
+                           state(), uses, parts_.session.networks->baseline(), parts_.session.self),
+                       .publisher = {},
+                       .asked = {.channel = held.channel,
+                                 .requests = {},
+                                 .for_gateway = held.for_gateway,
+                                 .for_number = held.for_number}};
+  for (const core::AdmissionId id : held.admissions) {
+    const auto* const request = request_of(id);
+    if (request != nullptr && std::ranges::any_of(uses, [&](const core::Verdict* v) {
+          return takes_part(*v, std::span(&id, 1));
+        }))
+      rest.asked.requests.push_back(*request);
+  }
+  const auto& gateways = state().system().gateways;
+  const auto other = std::ranges::find(gateways, held.for_gateway, &core::Gateway::name);
+  if (other != gateways.end())
+    core::cluster::add_gateway(rest.footprint, static_cast<std::size_t>(other - gateways.begin()));
+  add_publishers(rest.footprint, rest.asked);
+  return rest;
+}
+
+const control::Request* Wishes::request_of(core::AdmissionId id) const {
+  const auto* const own = parts_.recorder.contents().admissions.find(id);
+  return own != nullptr ? own : parts_.session.adopting->request_of(id);
 }
 
 }  // namespace mlcca

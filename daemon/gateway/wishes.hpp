@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -50,9 +51,16 @@ class Wishes {
   void add_publishers(const core::cluster::Footprint& footprint, cluster::StoredRequest& to) const;
   /// Whether what the store has as asked for by this gateway is what it has admitted.
   [[nodiscard]] bool is_known(const cluster::StoredRequest& asked) const;
-  /// Whether a granted delivery of the channel may be used only with this reservation: no other one
-  /// has what it takes, or the agreement of the gateways on its way.
-  [[nodiscard]] bool needs(const std::string& channel, SharedNetworks::Number number) const;
+  /// Whether this gateway still has the admissions whose publishers it counts.
+  [[nodiscard]] bool has_publishers_of(const cluster::StoredRequest& asked) const;
+  /// Whether a granted delivery of its channel needs a reservation: no other one has what the
+  /// delivery takes, or the agreement of the gateways on its way.
+  [[nodiscard]] bool needs(SharedNetworks::Number number, const Reserving::Held& held) const {
+    return !uses_of(number, held).empty();
+  }
+  /// What is to be reserved for these deliveries instead of it; nullopt if there are none.
+  [[nodiscard]] std::optional<Reserving::Wish> rest_of(SharedNetworks::Number number,
+                                                       const Reserving::Held& held) const;
 
  private:
   struct Wished {
@@ -69,6 +77,12 @@ class Wishes {
                                                        core::cluster::Want& want) const;
   [[nodiscard]] cluster::StoredRequest asked_of(const std::string& channel,
                                                 core::cluster::Want& want) const;
+  [[nodiscard]] bool takes_part(const core::Verdict& verdict,
+                                std::span<const core::AdmissionId> admissions) const;
+  [[nodiscard]] const control::Request* request_of(core::AdmissionId id) const;
+  using Deliveries = std::vector<const core::Verdict*>;
+  [[nodiscard]] Deliveries uses_of(SharedNetworks::Number number,
+                                   const Reserving::Held& held) const;
   [[nodiscard]] core::State& state() const { return *parts_.scene.state; }
   [[nodiscard]] Value now() const { return parts_.clock.monotonic_ns(); }
 

@@ -130,10 +130,7 @@ Result<Reserving::Wish> AdmissionsOfOthers::wish(const control::Request& request
   auto footprint =
       core::cluster::footprint_of(wish, parts_.membership->baseline(), parts_.scene.self);
   // The other gateway follows the publisher, also where the way does not lead over it.
-  auto& gateways = footprint.gateways;
-  if (const auto at = std::ranges::lower_bound(gateways, gateway);
-      at == gateways.end() || *at != gateway)
-    gateways.insert(at, gateway);
+  core::cluster::add_gateway(footprint, gateway);
   cluster::StoredRequest for_others{.channel = state.system().channels[asked->channel].name,
                                     .requests = {request}};
   parts_.membership->add_publishers(footprint, for_others);

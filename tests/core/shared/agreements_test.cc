@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -106,6 +107,24 @@ TEST_F(AgreementsTest, WithoutTheStoreTheOtherGatewayIsNotTheReason) {
   static_cast<void>(state().settle());
   EXPECT_EQ(towards(on(kOwn + 1)).obstacle, Obstacle::cluster);
   EXPECT_EQ(towards(on(kOwn + 1)).obstacle_at, on(kShared));
+}
+
+/// What can be given back without a loss.
+TEST_F(AgreementsTest, ADeliveryNeedsTheReservationThatAloneHasTheAgreementOrTheCapacity) {
+  start();
+  const auto needs = [this](std::uint64_t number) {
+    return !state().is_permitted_without(towards(on(kOwn + 1)), number);
+  };
+  hold(1, {kFirst}, {kOther});
+  EXPECT_TRUE(needs(1));
+  EXPECT_FALSE(needs(2)) << "there is none";
+  hold(2, {kFirst}, {kOther});
+  EXPECT_FALSE(needs(1));
+  EXPECT_FALSE(needs(2));
+  hold(2, {kSecond}, {kOther});
+  EXPECT_TRUE(needs(1)) << "the other one has the same capacity, and another agreement";
+  EXPECT_FALSE(needs(2));
+  EXPECT_TRUE(is_granted(on(kOwn + 1))) << "nothing has changed";
 }
 
 TEST_F(AgreementsTest, EachWayOverOtherGatewaysIsAWantOfItsOwn) {
