@@ -77,6 +77,42 @@ std::vector<Scenario> scenarios() {
        .releases = 1,
        .stalls = 1,
        .faulty = {1}},
+      {.name = "replaced",
+       .gateways = 3,
+       .clock_ppm = {0, 0, 0},
+       .steps = 4,
+       .way = true,
+       .wants = {1, 0, 1},
+       .releases = 1,
+       .replaces = 1,
+       .stalls = 1,
+       .faulty = {1}},
+      {.name = "replaced, refused",
+       .gateways = 3,
+       .clock_ppm = {0, 0, 0},
+       .steps = 3,
+       .way = true,
+       .wants = {1, 0, 1},
+       .replaces = 1,
+       .refusals = 1},
+      {.name = "replaced, late",
+       .gateways = 3,
+       .clock_ppm = {0, 0, 0},
+       .steps = 5,
+       .way = true,
+       .wants = {1, 0, 1},
+       .replaces = 1,
+       .late = 1,
+       .lost = 1},
+      {.name = "replaced, dead",
+       .gateways = 3,
+       .clock_ppm = {kSlow, kSlow, kFast},
+       .steps = 8,
+       .way = true,
+       .wants = {1, 0, 1},
+       .replaces = 1,
+       .crashes = 1,
+       .faulty = {0, 1}},
       {.name = "way refused",
        .gateways = 3,
        .clock_ppm = {0, 0, 0},
@@ -214,7 +250,8 @@ std::vector<Wrong> wrong_protocols() {
   paused.pauses = 1;
   crashed.crashes = 1;
   blind.stalls = blind.fences = 1;
-  Scenario ended = way;
+  Scenario ended = way, replaced = way;
+  replaced.replaces = 1;
   const Scenario slow_way{.steps = 4, .way = true, .wants = {1, 0}, .crashes = 1, .faulty = {1}};
   ended.releases = ended.steps = 1;
   const Scenario behalf{.gateways = 3,
@@ -244,6 +281,7 @@ std::vector<Wrong> wrong_protocols() {
        .scenario =
            {.steps = 1, .wants = {1, 0}, .late = 1, .crashes = 1, .mutant = Mutant::no_chain}},
       {.name = "OpenBeforeVotes", .scenario = with(slow_way, Mutant::open_before_votes)},
+      {.name = "GivenBackFirst", .scenario = with(replaced, Mutant::given_back_first)},
       {.name = "EndedAtOnce", .scenario = with(ended, Mutant::ended_at_once)},
       {.name = "AgreedAtOnce", .scenario = with(behalf, Mutant::agreed_at_once)},
       {.name = "KeptAfterItsEnd", .scenario = with(behalf, Mutant::kept_after_its_end)},

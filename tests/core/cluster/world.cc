@@ -47,6 +47,7 @@ World::World(const Scenario& scenario, std::shared_ptr<const Keys> keys)
       hosts_(scenario.gateways),
       wants_(scenario.wants) {
   releases_ = scenario.releases;
+  replaces_ = scenario.replaces;
   lates_ = scenario.late;
   lost_ = scenario.lost;
   twice_ = scenario.twice;
@@ -111,6 +112,7 @@ void World::start(std::size_t g) {
   host.failed.assign(hosts_.size(), true);
   host.found.clear();
   host.agreed.clear();
+  host.replaces.clear();
   host.member->on_state({.reachable = true, .endpoint = {}, .problem = {}}, clock(g));
   turn(g);
 }
@@ -188,17 +190,20 @@ void World::act(std::size_t g, const Event& event) {
                    answer(g, e.id, 1);
                    if (scenario_->behalf && g == 1 && !made_.contains({g, e.id}))
                      broken_ = "an admission is granted that the other gateway has not made";
-                   if (makes_for_others(g) && made_for(g, e.id) == nullptr)
+                   if ((makes_for_others(g) && made_for(g, e.id) == nullptr) ||
+                       is_replaced_in_vain(g, e.id))
                      return member.release(e.id, clock(g));
                    host.held.insert(e.id);
                    // V is stored in the kernel before the gate opens.
                    host.until = member.valid_until();
                    if (serves(g)) on_agreed(g, e.id);
                    if (!scenario_->behalf || g != 1) open_gate(g, {g, e.id});
+                   end_replaced(g, e.id);
                    vote_as(g, e.id, true);
                  },
                  [&](const Refused& e) {
                    answer(g, e.id, 2);
+                   keep_replaced(g, e.id);
                    if (serves(g)) on_refused(g, e.id, e.by && e.why.final);
                    vote_as(g, e.id, false);
                  },
@@ -210,6 +215,7 @@ void World::act(std::size_t g, const Event& event) {
                      return;
                    }
                    answer(g, e.id, 2);
+                   keep_replaced(g, e.id);
                    vote_as(g, e.id, false);
                    member.release(e.id, clock(g));
                  },
@@ -244,6 +250,7 @@ void World::act(std::size_t g, const Event& event) {
                    if (!makes_for_others(g)) open_gate(g, {e.origin.gateway, e.origin.id});
                  },
                  [&](const Ended& e) {
+                   check_replaced(g, e.origin);
                    close(g, {e.origin.gateway, e.origin.id});
                    host.agreed.erase(e.origin);
                    host.rollout.opened.erase({e.origin.gateway, e.origin.id});

@@ -44,6 +44,7 @@ enum class Mutant : std::uint8_t {
   agreed_at_once,          ///< an admission for another gateway is agreed to before it is reserved
   kept_after_its_end,      ///< it is not withdrawn when what was reserved for it ends
   ended_by_a_passing_refusal,  ///< a refusal that is not final releases an admission
+  given_back_first,            ///< a reservation ends before the one that replaces it is in force
   served_without_a_vote,  ///< a subscriber is served as soon as its publisher is known for another
   // Of rollouts.
   counted_without_vote,  ///< who has not staged the description counts as having agreed
@@ -68,10 +69,11 @@ struct Scenario {
   bool elect = false;                   ///< the gateways can replace each other
   std::vector<int> wants = {1, 1};      ///< number of requests of each gateway
   int releases = 0;
-  int late = 0;    ///< transactions that are carried out later or never
-  int lost = 0;    ///< answers that are lost
-  int twice = 0;   ///< answers that come twice
-  int stalls = 0;  ///< watches that stop for a while
+  int replaces = 0;  ///< reservations that their gateway replaces by smaller ones
+  int late = 0;      ///< transactions that are carried out later or never
+  int lost = 0;      ///< answers that are lost
+  int twice = 0;     ///< answers that come twice
+  int stalls = 0;    ///< watches that stop for a while
   int pauses = 0, crashes = 0;
   int fences = 0;       ///< by a hostile client
   int compactions = 0;  ///< after which all must read everything again
@@ -101,6 +103,7 @@ struct Step {
     read_all,
     want,
     release,
+    replace,
     change_mind,
     drain,
     roll_out,
@@ -180,6 +183,7 @@ class World {
     Gate ways;
     std::vector<bool> failed;
     std::set<std::uint64_t> found;
+    std::map<std::uint64_t, std::uint64_t> replaces;  ///< by own admissions: former ones
     std::map<Origin, bool> agreed;
     std::map<Origin, std::uint64_t> behalf;  ///< own admissions for others; 0: not asked for yet
     std::uint64_t next_id = 1;
@@ -224,6 +228,12 @@ class World {
   void step_behalf(std::size_t g);
   void adopt_behalf(std::size_t g, const Origin& origin);
   void end_behalf(std::size_t g, const Origin& origin);
+  [[nodiscard]] bool may_replace(std::size_t g) const;
+  void replace(std::size_t g);
+  [[nodiscard]] bool is_replaced_in_vain(std::size_t g, std::uint64_t id);
+  void keep_replaced(std::size_t g, std::uint64_t id);
+  void end_replaced(std::size_t g, std::uint64_t id);
+  void check_replaced(std::size_t g, const Origin& ended);
   void end_strange_behalf(std::size_t g);
   void check_behalf();
   [[nodiscard]] bool serves(std::size_t g) const;
@@ -291,6 +301,8 @@ class World {
   std::set<int> promised_;    ///< subscribers that were granted and not released
   bool gone_ = false;         ///< the publisher of the subscribers
   std::vector<int> wants_;
+  std::map<Admission, Admission> continued_;  ///< by former admissions: those in place of them
+  int replaces_ = 0;
   int releases_ = 0, lates_ = 0, lost_ = 0, twice_ = 0, stalls_ = 0, pauses_ = 0, crashes_ = 0,
       fences_ = 0, compactions_ = 0, outages_ = 0, restores_ = 0, refusals_ = 0, drains_ = 0;
   std::vector<bool> ordered_;  ///< which of the orders have been given

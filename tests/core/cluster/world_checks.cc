@@ -135,7 +135,7 @@ std::pair<std::uint64_t, std::uint64_t> World::fingerprint() const {
   Fingerprint f;
   f(ordered_, objections_, cannots_, refused_, was_open_[0]);
   f(now_, up_, down_since_, wants_, releases_, lates_, lost_, twice_, stalls_, pauses_, crashes_,
-    fences_, compactions_, outages_, restores_, refusals_, drains_, store_.revision,
+    fences_, replaces_, compactions_, outages_, restores_, refusals_, drains_, store_.revision,
     store_.entries.size());
   for (const auto& [key, entry] : store_.entries) f(key, entry.mod, entry.create, entry.value);
   for (const Host& h : hosts_) {
@@ -151,10 +151,11 @@ std::pair<std::uint64_t, std::uint64_t> World::fingerprint() const {
     if (h.flight) f(h.flight->txn, h.flight->result);
     for (const auto& [origin, ok] : h.agreed) f(origin.gateway, origin.id, origin.asked, ok);
     for (const auto& [origin, id] : h.behalf) f(origin.gateway, origin.id, origin.asked, id);
-    f(h.kept, h.asked_for, h.asked_again);
+    f(h.kept, h.asked_for, h.asked_again, h.replaces);
     for (const auto& [s, gate] : h.locals) f(s, gate.open, gate.closed);
   }
   for (const auto& [gateway, id] : made_) f(gateway, id);
+  for (const auto& [former, now] : continued_) f(former.first, former.second, now.second);
   f(promised_, gone_);
   for (const Late& one : late_) f(one.gateway, one.process, one.txn);
   return f.value();

@@ -9,12 +9,11 @@ namespace mlcca::core::cluster::test {
 
 std::string text_of(const Step& step) {
   constexpr std::array kNames = {
-      "time",      "beats",   "apply",          "answer",  "watch",    "read all",
-      "want",      "release", "change of mind", "drain",   "roll out", "judge",
-      "load",      "object",  "cannot load",    "late",    "lose",     "lose silently",
-      "done late", "again",   "stall",          "unstall", "pause",    "resume",
-      "crash",     "restart", "fence",          "compact", "outage",   "outage ends",
-      "restore"};
+      "time",    "beats",       "apply",          "answer", "watch",         "read all",  "want",
+      "release", "replace",     "change of mind", "drain",  "roll out",      "judge",     "load",
+      "object",  "cannot load", "late",           "lose",   "lose silently", "done late", "again",
+      "stall",   "unstall",     "pause",          "resume", "crash",         "restart",   "fence",
+      "compact", "outage",      "outage ends",    "restore"};
   return std::string(kNames[static_cast<std::size_t>(step.kind)]) + ' ' +
          std::to_string(step.gateway) +
          (step.index == 0 ? std::string() : '/' + std::to_string(step.index));
@@ -59,6 +58,7 @@ std::vector<Step> World::steps(bool faults) const {
       all.push_back({.kind = Step::Kind::want, .gateway = g});
     if (releases_ > 0 && !hosts_[g].held.empty())
       all.push_back({.kind = Step::Kind::release, .gateway = g});
+    if (may_replace(g)) all.push_back({.kind = Step::Kind::replace, .gateway = g});
     if (refusals_ > 0 && !hosts_[g].agreed.empty() && are_all_kept())
       all.push_back({.kind = Step::Kind::change_mind, .gateway = g});
   }
@@ -159,11 +159,16 @@ void World::take(const Step& step) {
       }
       close(g, {g, id});
       host.held.erase(id);
+      continued_.erase({g, id});
       vote_as(g, id, false);
       host.member->release(id, clock(g));
       turn(g);
       break;
     }
+    case Step::Kind::replace:
+      replace(g);
+      turn(g);
+      break;
     case Step::Kind::drain:
       --drains_;
       host.drained = true;
