@@ -10,6 +10,7 @@
 #include <linux/can.h>
 #include <linux/types.h>
 
+/* NOLINTBEGIN(performance-enum-size,readability-identifier-naming,misc-const-correctness): C */
 enum gate_profile {
 #define PROFILE(word, NAME) GATE_PROFILE_##NAME,
 #include "core/profiles/list.inc"
@@ -87,5 +88,6 @@ static inline int gate_has_destinations(__u32 profile) { return profile == GATE_
 
 /* Whether a broker assigns the keys at run time. */
 static inline int gate_has_broker(__u32 profile) { return profile == GATE_PROFILE_FAMOUSO; }
+/* NOLINTEND(performance-enum-size,readability-identifier-naming,misc-const-correctness) */
 
 #endif

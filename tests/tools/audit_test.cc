@@ -246,7 +246,7 @@ TEST_F(AuditReport, FramesOfKindsThatAreNotKnownAreARowAndOtherFiguresAreLowerBo
   audit_.findings = {others, audit_.findings[2]};
   audit_.left_out = 0;
   const std::string text = render(audit_, Color::no);
-  EXPECT_TRUE(text.contains("eth0            others ")) << text;
+  EXPECT_TRUE(text.contains("eth0                  others ")) << text;
   EXPECT_TRUE(text.contains("  19567 ")) << text;
   EXPECT_TRUE(text.contains("  at least 3 ")) << text;
   EXPECT_TRUE(text.contains("others: frames of more kinds than are counted one by one;")) << text;
@@ -380,7 +380,7 @@ TEST_F(AuditReportOfSenders, FramesOfFurtherSendersAreARowOfTheirDelivery) {
   one.at_least = true;
   audit_.findings = {others, one};
   const std::string text = render(audit_, Color::no);
-  EXPECT_TRUE(text.contains("can1       out  emergency-switch of switch  others ")) << text;
+  EXPECT_TRUE(text.contains("can1       out        emergency-switch of switch  others ")) << text;
   EXPECT_TRUE(text.contains("others as the sender: more senders of a delivery than are ")) << text;
   EXPECT_FALSE(text.contains("others: frames of more kinds")) << text;
   EXPECT_TRUE(text.contains("at least 3 ")) << text;

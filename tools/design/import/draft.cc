@@ -145,7 +145,9 @@ class Writer {
     if (message.format != core::FrameFormat::classic)
       put(" format=\"{}\"", core::words::kFrameFormats.of(message.format));
     out_ += '>';
-    const std::uint32_t number = message.id | (message.extended ? core::kExtendedFlag : 0);
+    const bool states_form = core::traits_of(network.profile).form == core::IdentifierForm::stated;
+    const std::uint32_t number =
+        message.id | (states_form && message.extended ? core::kExtendedFlag : 0);
     out_ += binding_element(network.profile, number, message.priority, message.destination);
     out_ += "</Binding>\n";
   }
