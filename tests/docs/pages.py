@@ -102,3 +102,14 @@ def named_cases(page):
     text = "\n".join(line for _, line in page.text)
     for found in re.finditer(r"`[a-z_0-9]+_test:\s+(\w+)\.(\w+|\*)`", text):
         yield page.text[text.count("\n", 0, found.start())][0], found[1], found[2]
+
+
+def matches(expected, printed):
+    """Whether `printed` is `expected`, in which '...' stands for lines and '…' for a text."""
+    pattern = ""
+    for line in expected:
+        if line == "...":
+            pattern += r"(?:.*\n)*?"
+        else:
+            pattern += ".*?".join(re.escape(part) for part in line.split("…")) + r"\n"
+    return re.fullmatch(pattern, "".join(line + "\n" for line in printed)) is not None
