@@ -13,7 +13,7 @@ check-docs: $O/mlccactl $O/mlcca-design $O/mlcca-doctor $O/mlcca-system.5 ## lin
 	$(Q)tests/docs/cluster/story names
 	$(Q)BUILD=$(abspath $O) tests/docs/sessions host
 .PHONY: check-docs
-# Three gateways and an etcd of three members, in network namespaces: about a minute, half of which
+# Three gateways and an etcd of three members, in network namespaces: some 80 s, half of which
 # is spent waiting.
 check-docs-cluster: $O/mlccad $O/mlccactl $O/mlcca-design $O/mlcca-cluster ## the commands of the documentation for gateways that share a store: root
 	$(Q)BUILD=$(abspath $O) tests/docs/cluster/run
