@@ -91,9 +91,8 @@ TEST_F(MembersNamed, AnEntryThatCannotBeReadIsNamedUntilItsGatewayDeletesIt) {
   start_both();
   store.write({{.key = key("r/shared/g1/7"), .value = "not understood"}});
   run();
-  const std::string named = key("r/shared/g1/7") +
-                            " of gateway g1 (it is damaged, or of another "
-                            "version or description)";
+  const std::string named =
+      key("r/shared/g1/7") + " of gateway g1 (it is damaged, or of another version)";
   EXPECT_TRUE(any_has(problems(0), named));
   const std::string text = asked(0, wanted("c2", "own0", "shared"));
   EXPECT_TRUE(text.contains("it is not known what other gateways hold of shared: " + named))
