@@ -78,7 +78,7 @@ class Wishes {
   [[nodiscard]] cluster::StoredRequest asked_of(const std::string& channel,
                                                 core::cluster::Want& want) const;
   [[nodiscard]] bool takes_part(const core::Verdict& verdict,
-                                std::span<const core::AdmissionId> admissions) const;
+                                std::span<const core::AdmissionId> ids) const;
   [[nodiscard]] const control::Request* request_of(core::AdmissionId id) const;
   using Deliveries = std::vector<const core::Verdict*>;
   [[nodiscard]] Deliveries uses_of(SharedNetworks::Number number,

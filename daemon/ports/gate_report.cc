@@ -191,7 +191,9 @@ bool has_report(const GatedPorts& ports, std::size_t port) {
 std::vector<gates::SlotSpec> listed_slots(
     const std::vector<gates::SlotSpec>& slots, std::size_t most,
     const std::function<bool(const gates::SlotSpec&)>& is_control) {
-  std::vector<gates::SlotSpec> control, entering, leaving;
+  std::vector<gates::SlotSpec> control;
+  std::vector<gates::SlotSpec> entering;
+  std::vector<gates::SlotSpec> leaving;
   for (const gates::SlotSpec& slot : slots) {
     auto& of_channels = slot.direction == gates::Direction::ingress ? entering : leaving;
     (is_control(slot) ? control : of_channels).push_back(slot);
