@@ -162,6 +162,10 @@ std::string delivery(const control::Channel& channel, Color color, bool in_full)
   const auto also = [&](std::string_view name, const std::string& value) {
     if (!value.empty()) text += fmt::format("  {:<11}  {}\n", printable(name), printable(value));
   };
+  if (channel.refused_by)
+    also("refused by",
+         channel.refused_by->gateway +
+             (channel.refused_by->hop.empty() ? std::string() : ", at " + channel.refused_by->hop));
   for (const auto& trouble : channel.troubles) also("trouble", trouble);
   also("set", set_in_use(channel));
   also("route", way(channel.route));

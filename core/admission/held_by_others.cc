@@ -47,6 +47,16 @@ const std::vector<HeldBy>& HeldByOthers::of(std::size_t network) const {
   return known_.insert_or_assign(network, std::move(held)).first->second.by;
 }
 
+std::string HeldByOthers::objection_to(const Verdict& v) const {
+  const bool is_left_to_others =
+      v.obstacle == Obstacle::cluster || v.obstacle == Obstacle::disagreed;
+  if (holdings_ == nullptr || !is_left_to_others) return {};
+  std::vector<std::size_t> gateways;
+  for (const Place place : v.route)
+    if (place.kind == Place::Kind::gateway) gateways.push_back(place.index);
+  return holdings_->objection(v.channel, gateways);
+}
+
 std::string HeldByOthers::excess(std::size_t network) const {
   // What is cheap to know comes first.
   const auto& view = world_.meshes[network];

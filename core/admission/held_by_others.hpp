@@ -38,6 +38,9 @@ class HeldByOthers {
   /// Of a refusal for want of room on a shared network: which gateways hold it, as the end of the
   /// line that reason() gives. Empty for all others, and where nobody holds anything.
   [[nodiscard]] std::string of_refusal(const Verdict& verdict) const;
+  /// Of a delivery that is not reserved, or to which other gateways have not agreed: which of them
+  /// does not carry it, and why; see Holdings::objection().
+  [[nodiscard]] std::string objection_to(const Verdict& verdict) const;
 
  private:
   /// What of() has found, as long as that lasts.

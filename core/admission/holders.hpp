@@ -55,6 +55,10 @@ class Holdings {
   /// Which entries cannot be read, so that it is not known what others hold of the network, and
   /// what to do; empty if all can be read.
   [[nodiscard]] virtual std::string unreadable(std::size_t network) const = 0;
+  /// Which of the gateways does not carry the channel, and why, after the latest try: "gateway g1:
+  /// …". Empty if none of them has objected, or nothing that is known of others counts.
+  [[nodiscard]] virtual std::string objection(std::size_t channel,
+                                              std::span<const std::size_t> gateways) const = 0;
 };
 
 /// Adds up what gateways hold, by rising index of the gateway.

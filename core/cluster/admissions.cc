@@ -200,9 +200,12 @@ Value Admissions::wait_of(const Own& own) const {
 }
 
 /// The latest of those who were quicker each time.
-Vote Admissions::taken_meanwhile(const Own& own) {
-  return no("taken by " + own.taken_by + " meanwhile: others were quicker " +
-            std::to_string(own.tries) + (own.tries == 1 ? " time" : " times"));
+Vote Admissions::taken_meanwhile(const Own& own, const View& view) {
+  Vote vote = no("taken by " + own.taken_by + " meanwhile: others were quicker " +
+                 std::to_string(own.tries) + (own.tries == 1 ? " time" : " times"));
+  vote.gateway = view.keys().gateway(own.taken_by.substr(0, own.taken_by.find(' ')));
+  if (own.taken_on) vote.hop = Place{Place::Kind::network, *own.taken_on};
+  return vote;
 }
 
 /// A network of it has another version than the one from which it was decided.
@@ -218,9 +221,10 @@ void Admissions::on_quicker(Own& own, const Done& done, const View& view, Value 
       own.seen = std::max(own.seen, entry.mod);
     }
   own.taken_by = conflict.by;
+  own.taken_on = conflict.network;
   own.again_at = add_saturating(now, wait_of(own));
   if (own.tries >= kMostTries || own.again_at >= add_saturating(own.since, kPatience)) {
-    refuse(own, taken_meanwhile(own), kNobody, events);
+    refuse(own, taken_meanwhile(own, view), kNobody, events);
     return;
   }
   own.state = State::decide;
@@ -287,8 +291,7 @@ void Admissions::step_votes(Own& own, const View& view, Value now,
     if (vote && !vote->vote.ok) objection = vote->vote;
     if (!vote && own.state != State::prepared)
       objection = no(view.keys().gateway_name(gateway) + " does not carry it any more");
-    if (!is_there(view, gateway, now))
-      objection = no(view.keys().gateway_name(gateway) + " is not there");
+    if (!is_there(view, gateway, now)) objection = no(view.absence(gateway, now));
     if (objection && own.state != State::granted) {
       refuse(own, std::move(*objection), gateway, events);
       give_up(own, now);
@@ -304,16 +307,33 @@ void Admissions::step_votes(Own& own, const View& view, Value now,
   events.emplace_back(Reserved{.id = own.wanted.id, .revision = own.opened});
 }
 
+/// The first gateway for whose vote it waits, or which has not opened what is granted. nullopt:
+/// nothing was asked of others yet, or the view is not so far.
+std::optional<std::size_t> Admissions::silent_gateway(const Own& own, const View& view) const {
+  const bool is_asked = own.state == State::prepared || own.state == State::opening;
+  if (!is_asked || !view.records().asked.contains({self_, own.wanted.id})) return std::nullopt;
+  const auto is_silent = [&](std::size_t gateway) {
+    const auto& beat = view.records().members[gateway].beat;
+    return vote_of(view, gateway, self_, own.wanted.id) == nullptr ||
+           (own.state == State::opening && (!beat || beat->applied < own.opened));
+  };
+  const auto& gateways = own.wanted.footprint.gateways;
+  const auto first = std::ranges::find_if(gateways, is_silent);
+  return first == gateways.end() ? std::nullopt : std::optional(*first);
+}
+
 void Admissions::step(const View& view, Value now, std::vector<Event>& events) {
   for (auto it = own_.begin(); it != own_.end();) {
     Own& own = it->second;
     const bool waits = !own.answered && own.state <= State::opening;
     if (waits && now >= add_saturating(own.since, kPatience)) {
-      refuse(own,
-             own.state <= State::decide && own.tries != 0
-                 ? taken_meanwhile(own)
-                 : no("the store or a gateway on the way does not answer"),
-             kNobody, events);
+      const auto silent = silent_gateway(own, view);
+      if (silent)
+        refuse(own, no(view.keys().gateway_name(*silent) + " does not answer"), silent, events);
+      else if (own.state <= State::decide && own.tries != 0)
+        refuse(own, taken_meanwhile(own, view), kNobody, events);
+      else
+        refuse(own, no("the store does not answer"), kNobody, events);
       if (nowhere_but_here(own)) {
         it = own_.erase(it);
         continue;

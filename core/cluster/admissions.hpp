@@ -94,6 +94,7 @@ class Admissions {
     std::int64_t seen = 0;                           ///< when the view has this revision
     Value again_at = 0;                              ///< and not before
     std::string taken_by = {};                       ///< the latest one that was quicker
+    std::optional<std::size_t> taken_on = {};        ///< the network of which that one took
     std::int64_t opened = 0;                         ///< revision at which it was granted
     Value erase_from = 0;                            ///< nothing of it waits in a queue any more
     std::int64_t ended = 0;  ///< revision at which it was said to end; 0: not yet
@@ -117,7 +118,8 @@ class Admissions {
                   std::vector<Event>& events) const;
   void step_votes(Own& own, const View& view, Value now, std::vector<Event>& events) const;
   static void step_quicker(Own& own, const View& view, Value now, std::vector<Event>& events);
-  static Vote taken_meanwhile(const Own& own);
+  static Vote taken_meanwhile(const Own& own, const View& view);
+  [[nodiscard]] std::optional<std::size_t> silent_gateway(const Own& own, const View& view) const;
   [[nodiscard]] Value wait_of(const Own& own) const;
   [[nodiscard]] Work reservation(const Own& own, const View& view, const Codec& codec) const;
   [[nodiscard]] std::optional<Work> opening(const Own& own, const View& view,

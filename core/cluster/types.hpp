@@ -88,10 +88,12 @@ struct Origin {
 /// A decision about an admission of another gateway.
 struct Vote {
   bool ok = false;
-  Place hop;
-  std::string reason;  ///< at most 512 bytes, printable
+  std::optional<Place> hop;  ///< network or gateway where it does not fit, if it is about one
+  std::string reason;        ///< at most 512 bytes, printable
   /// Of a refusal: what it was asked for is gone, so that there is no use in asking again.
   bool final = false;
+  /// Another gateway that has refused what this vote depends on, or that was quicker.
+  std::optional<std::size_t> gateway = std::nullopt;
   bool operator==(const Vote&) const = default;
 };
 

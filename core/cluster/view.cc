@@ -227,6 +227,25 @@ Alive View::alive(std::size_t gateway, Value now) const {
   return now < timer.counts_until ? Alive::present : Alive::silent;
 }
 
+std::string View::absence(std::size_t gateway, Value now) const {
+  const std::string& name = keys_->gateway_name(gateway);
+  switch (alive(gateway, now)) {
+    case Alive::present:
+    case Alive::standby:
+      return {};
+    case Alive::silent:
+      return is_fenced(gateway) ? name + " is not there: it is dead" : name + " does not answer";
+    case Alive::fenced:
+      return name + " is not there: it is dead";
+    case Alive::draining:
+      return name + " is not there: it is being drained";
+    case Alive::absent:
+      break;
+  }
+  return name + (timers_[gateway].drained ? " is not there: it is drained, or was stopped"
+                                          : " is not there");
+}
+
 bool View::surely_closed(std::size_t gateway, std::int64_t revision, Value now) const {
   const Alive state = alive(gateway, now);
   if (state == Alive::absent || state == Alive::fenced) return true;

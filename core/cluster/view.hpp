@@ -50,6 +50,8 @@ class View {
   void adopt(std::size_t gateway, std::uint64_t id, bool adopted);
 
   [[nodiscard]] Alive alive(std::size_t gateway, Value now) const;
+  /// Why the gateway cannot decide at present, with its name; empty: it can.
+  [[nodiscard]] std::string absence(std::size_t gateway, Value now) const;
   /// A gateway was fenced and has not joined since.
   [[nodiscard]] bool is_fenced(std::size_t gateway) const;
   /// When its latest beat was seen; nullopt: it is not there.

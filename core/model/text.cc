@@ -222,9 +222,11 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
       return "events of the publisher reach " + at() + " by another route already: they would " +
              "arrive twice";
     case Obstacle::cluster:
+      if (!problem.empty()) return "waits for " + problem;
       return "waits for the store: other gateways use " + at() +
              " too, and this is not reserved there";
     case Obstacle::disagreed:
+      if (!problem.empty()) return "waits for " + problem;
       return "waits for gateway " + at() + ", which does not carry it now";
     case Obstacle::crowded:
       return "other gateways use " + at() +

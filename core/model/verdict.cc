@@ -83,6 +83,17 @@ const Row* deciding_row(const Verdict& verdict) {
   return fit == verdict.rows.end() ? nullptr : &*fit;
 }
 
+std::optional<Place> refusing_hop(const Verdict& verdict) {
+  if (verdict.granted || verdict.obstacle == Obstacle::no_route ||
+      verdict.obstacle == Obstacle::withdrawn)
+    return std::nullopt;
+  if (verdict.obstacle != Obstacle::none) return verdict.obstacle_at;
+  const Row* const row = deciding_row(verdict);
+  const bool is_of_hop =
+      row != nullptr && row->against != Against::end_to_end && row->against != Against::traffic;
+  return is_of_hop ? std::optional(row->place) : std::nullopt;
+}
+
 AttributeSet reaction_terms(const Verdict& verdict) {
   AttributeSet terms;
   for (const Attribute a : {Attribute::omission, Attribute::period})

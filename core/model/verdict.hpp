@@ -160,6 +160,9 @@ struct Decision {
 /// The row that explains the verdict: of a refusal the one that refused, of a grant the one with
 /// the smallest relative margin. Null if no row qualifies.
 [[nodiscard]] const Row* deciding_row(const Verdict& verdict);
+/// The network or gateway at which a refused delivery fails; nullopt if that is no single one, or
+/// the delivery is granted.
+[[nodiscard]] std::optional<Place> refusing_hop(const Verdict& verdict);
 
 /// The terms of the worst-case reaction: the required Omission and Period, and the provided Latency
 /// and Jitter.

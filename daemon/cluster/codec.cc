@@ -273,14 +273,18 @@ std::optional<cc::RouteRequest> Codec::asked(Text value) const {
 }
 
 std::string Codec::write(const cc::VoteOf& vote) const {
-  const core::Place hop = vote.vote.hop;
-  const auto& names = hop.kind == core::Place::Kind::network ? networks_ : gateways_;
-  const bool named = !vote.vote.ok && hop.index < names.size();
-  return control::bytes_of(VoteEntry{.asked = number_of(vote.asked),
-                                     .agrees = vote.vote.ok,
-                                     .hop = named ? names[hop.index] : std::string(),
-                                     .reason = bounded(vote.vote.reason),
-                                     .final = !vote.vote.ok && vote.vote.final});
+  const auto name_in = [&](const std::vector<std::string>& names, std::size_t index) {
+    return !vote.vote.ok && index < names.size() ? names[index] : std::string();
+  };
+  const auto& hop = vote.vote.hop;
+  const bool is_network = hop && hop->kind == core::Place::Kind::network;
+  return control::bytes_of(VoteEntry{
+      .asked = number_of(vote.asked),
+      .agrees = vote.vote.ok,
+      .hop = hop ? name_in(is_network ? networks_ : gateways_, hop->index) : std::string(),
+      .reason = bounded(vote.vote.reason),
+      .final = !vote.vote.ok && vote.vote.final,
+      .gateway = vote.vote.gateway ? name_in(gateways_, *vote.vote.gateway) : std::string()});
 }
 
 std::optional<cc::VoteOf> Codec::vote(Text value) const {
@@ -291,12 +295,16 @@ std::optional<cc::VoteOf> Codec::vote(Text value) const {
                            .hop = {},
                            .reason = bounded(entry->reason),
                            .final = !entry->agrees && entry->final}};
+  if (entry->agrees) return vote;
   const auto place = [&](const std::vector<std::string>& names, core::Place::Kind kind) {
     const auto it = std::ranges::find(names, entry->hop);
-    if (it != names.end()) vote.vote.hop = {kind, static_cast<std::size_t>(it - names.begin())};
+    if (it != names.end())
+      vote.vote.hop = core::Place{kind, static_cast<std::size_t>(it - names.begin())};
   };
   place(gateways_, core::Place::Kind::gateway);
   place(networks_, core::Place::Kind::network);
+  if (const auto it = std::ranges::find(gateways_, entry->gateway); it != gateways_.end())
+    vote.vote.gateway = static_cast<std::size_t>(it - gateways_.begin());
   return vote;
 }
 

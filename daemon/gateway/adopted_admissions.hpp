@@ -25,7 +25,7 @@ class AdoptedAdmissions {
 
   /// Why the admission would not fit with everything reserved that it needs, also one that is there
   /// already; empty if it would.
-  [[nodiscard]] virtual std::string misfit(const control::Request& request) = 0;
+  [[nodiscard]] virtual Reserving::Refusal misfit(const control::Request& request) = 0;
   /// Adds the admission to state and gates, if it is not there. The error says why nothing was
   /// changed.
   virtual Result<void> admit(const control::Request& request) = 0;
@@ -37,8 +37,8 @@ class AdoptedAdmissions {
   virtual void restore(const control::Request& request) = 0;
   /// What to reserve for a subscriber that another gateway has asked this one to admit. The error
   /// says why it does not fit.
-  [[nodiscard]] virtual Result<Reserving::Wish> wish(const control::Request& request,
-                                                     std::size_t gateway) = 0;
+  [[nodiscard]] virtual std::expected<Reserving::Wish, Reserving::Refusal> wish(
+      const control::Request& request, std::size_t gateway) = 0;
   /// Whether nobody publishes any more what that subscriber was admitted for.
   [[nodiscard]] virtual bool is_without_publisher(const control::Request& request) = 0;
   /// Whether that is for good: no admission of this gateway brings such a publisher, not even one

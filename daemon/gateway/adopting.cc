@@ -71,9 +71,9 @@ std::optional<control::Request> with_publisher_of(const control::Request& one,
 }  // namespace
 
 /// A vote: against it for that reason, or for it if there is none.
-core::cluster::Vote Adopting::vote_of(std::string why) {
-  const bool ok = why.empty();
-  return {.ok = ok, .hop = {}, .reason = std::move(why)};
+core::cluster::Vote Adopting::vote_of(Refusal why) {
+  return {
+      .ok = why.why.empty(), .hop = why.hop, .reason = std::move(why.why), .gateway = why.gateway};
 }
 
 void Adopting::on(const core::cluster::Adopt& event) {
@@ -253,7 +253,7 @@ void Adopting::replace(Adopted& former) {
   }
   hold_nothing(former);
   networks_.count(former.number, former.footprint, former.origin.gateway);
-  former.answer = vote_of(kReplaced);
+  former.answer = vote_of({.why = kReplaced});
   set_due(former, Due::answer);
 }
 
@@ -361,13 +361,13 @@ void Adopting::vote(Adopted& adopted, core::cluster::Member& member, Value now) 
     begin_on_behalf(adopted);
     return;
   }
-  std::string why = is_unwanted(adopted) ? kUnwanted : kNotUnderstood;
-  if (!adopted.refusal.empty()) why = adopted.refusal;
+  Refusal why{.why = is_unwanted(adopted) ? kUnwanted : kNotUnderstood};
+  if (!adopted.refusal.empty()) why.why = adopted.refusal;
   if (adopted.asked && !is_unwanted(adopted)) {
-    why = name_all(adopted);
+    why.why = name_all(adopted);
     networks_.leave_out(adopted.number);
     hands_.bring_in_line();
-    if (why.empty()) why = misfit(adopted);
+    if (why.why.empty()) why = misfit(adopted);
     networks_.leave_out(std::nullopt);
   }
   const core::cluster::Origin origin = adopted.origin;
@@ -446,11 +446,11 @@ void Adopting::act_on(Adopted& adopted, core::cluster::Member& member, Value now
     vote(adopted, member, now);
   } else if (due == Due::open && !adopted.is_on_behalf()) {
     if (std::string why = open(adopted); !why.empty())
-      member.vote(origin, vote_of(std::move(why)), now);
+      member.vote(origin, vote_of({.why = std::move(why)}), now);
   } else if (due == Due::resume) {
     const auto done = admissions_.admit(adopted.ours.front());
     if (!done) close(adopted);
-    answer(adopted, done ? std::string() : done.error().text);
+    answer(adopted, {.why = done ? std::string() : done.error().text});
   } else if (due == Due::answer) {
     member.vote(origin, adopted.answer, now);
   }
@@ -507,10 +507,10 @@ Adopting::Adopted* Adopting::find(const Ref& ref) {
 }
 
 /// The other gateway asks again after a refusal, unless the publisher is gone.
-void Adopting::answer(Adopted& adopted, const std::string& why) {
+void Adopting::answer(Adopted& adopted, const Refusal& why) {
   adopted.answer = vote_of(why);
   adopted.answer.final =
-      !why.empty() && !adopted.ours.empty() && admissions_.is_publisher_gone(adopted.ours.front());
+      !why.why.empty() && !adopted.ours.empty() && admissions_.is_publisher_gone(adopted.ours.front());
   set_due(adopted, Due::answer);
 }
 
@@ -518,21 +518,22 @@ void Adopting::answer(Adopted& adopted, const std::string& why) {
 void Adopting::begin_on_behalf(Adopted& adopted) {
   const auto& requests = adopted.asked->requests;
   if (requests.size() != 1 || describes_publisher(std::get<control::Admit>(requests.front().body)))
-    return answer(adopted, kNotUnderstood);
+    return answer(adopted, {.why = kNotUnderstood});
   const WhichRequest& which = adopted.asks.back();
-  if (const std::string why = end_former(adopted, which); !why.empty()) return answer(adopted, why);
-  if (requests_.held(which) != nullptr) return answer(adopted, kAskedBefore);
+  if (const std::string why = end_former(adopted, which); !why.empty())
+    return answer(adopted, {.why = why});
+  if (requests_.held(which) != nullptr) return answer(adopted, {.why = kAskedBefore});
   hold(adopted, which, with_own_number(requests.front()));
   const Ref ref{.origin = adopted.origin, .number = adopted.number};
   const auto asked = hands_.reserve({.decide = [this, ref] { return wish_on_behalf(ref); },
                                      .granted = [this, ref] { return open_on_behalf(ref); },
                                      .refused =
-                                         [this, ref](const std::string& why) {
+                                         [this, ref](const Refusal& why) {
                                            if (auto* const there = find(ref)) answer(*there, why);
                                          },
                                      .gateway = ref.origin.gateway,
                                      .adopted = ref.number});
-  if (!asked) answer(adopted, asked.error().text);
+  if (!asked) answer(adopted, {.why = asked.error().text});
 }
 
 /// An earlier process of this gateway may have admitted it, and it is reserved.
@@ -553,7 +554,7 @@ std::optional<Reserving::Wish> Adopting::wish_on_behalf(const Ref& ref) {
   if (adopted == nullptr) return std::nullopt;
   auto wish = admissions_.wish(adopted->ours.front(), ref.origin.gateway);
   if (!wish) {
-    answer(*adopted, wish.error().text);
+    answer(*adopted, wish.error());
     return std::nullopt;
   }
   wish->asked.for_gateway = hands_.name_of(ref.origin.gateway);
@@ -566,7 +567,7 @@ bool Adopting::open_on_behalf(const Ref& ref) {
   if (adopted == nullptr) return false;
   const auto done = admissions_.admit(adopted->ours.front());
   adopted->open = done.has_value();
-  answer(*adopted, done ? std::string() : done.error().text);
+  answer(*adopted, {.why = done ? std::string() : done.error().text});
   return adopted->open;
 }
 
@@ -581,11 +582,11 @@ void Adopting::publishers_gone() { to_check_.insert(on_behalf_.begin(), on_behal
 bool Adopting::ends_with_publisher(Adopted& adopted) {
   if (!adopted.open || !admissions_.is_without_publisher(adopted.ours.front())) return false;
   close(adopted);
-  answer(adopted, "the publisher that it is for is not admitted any more");
+  answer(adopted, {.why = "the publisher that it is for is not admitted any more"});
   return true;
 }
 
-void Adopting::withdrawn(core::AdmissionId id, const std::string& why) {
+void Adopting::withdrawn(core::AdmissionId id, const Refusal& why) {
   const auto holder = holders_.find(id);
   if (holder == holders_.end()) return;
   Adopted& adopted = adopted_.at(holder->second);
@@ -599,36 +600,35 @@ void Adopting::withdrawn(core::AdmissionId id, const std::string& why) {
 /// Each request is tried alone, and one that only adds a subscriber also with publishers that come
 /// with it. On average each request has one further try. What comes only for its publisher need not
 /// fit.
-std::string Adopting::misfit(const Adopted& adopted) const {
-  if (!mapped(adopted)) return "it takes traffic of an admission that is not known here";
+Adopting::Refusal Adopting::misfit(const Adopted& adopted) const {
+  if (!mapped(adopted)) return {.why = "it takes traffic of an admission that is not known here"};
   std::size_t further = adopted.ours.size();
   std::vector<const control::Request*> publishers;
   for (std::size_t i = 0; i < adopted.ours.size(); ++i) {
     const control::Request& request = adopted.ours[i];
-    std::string why =
-        is_also(adopted, adopted.theirs[i]) ? std::string() : admissions_.misfit(request);
-    for (auto it = publishers.begin(); it != publishers.end() && !why.empty(); ++it) {
+    Refusal why = is_also(adopted, adopted.theirs[i]) ? Refusal() : admissions_.misfit(request);
+    for (auto it = publishers.begin(); it != publishers.end() && !why.why.empty(); ++it) {
       const auto both = with_publisher_of(**it, request);
       if (!both) continue;
       if (further == 0) return why;
       --further;
       why = admissions_.misfit(*both);
     }
-    if (!why.empty()) return why;
+    if (!why.why.empty()) return why;
     if (has_publisher(request)) publishers.push_back(&request);
   }
   return misfit_of_held(adopted);
 }
 
 /// Of what another admission of the same gateway holds, and this one asks for, too.
-std::string Adopting::misfit_of_held(const Adopted& adopted) const {
+Adopting::Refusal Adopting::misfit_of_held(const Adopted& adopted) const {
   for (const WhichRequest& which : adopted.asks) {
     const auto* const held = requests_.held(which);
     const bool is_of_another = held != nullptr && held->holder != key_of(adopted);
     const control::Request* const there =
         is_of_another && !is_also(adopted, which) ? ours_of(which) : nullptr;
     if (there == nullptr) continue;
-    if (std::string why = admissions_.misfit(*there); !why.empty()) return why;
+    if (Refusal why = admissions_.misfit(*there); !why.why.empty()) return why;
   }
   return {};
 }

@@ -27,6 +27,7 @@ namespace mlcca {
 class Adopting {
  public:
   using Number = SharedNetworks::Number;
+  using Refusal = Reserving::Refusal;
 
   /// What adopting needs of the membership.
   class Hands {
@@ -73,7 +74,7 @@ class Adopting {
   /// Publishers may have gone for which subscribers of other gateways were admitted here.
   void publishers_gone();
   /// What was reserved for an admission that was made for another gateway was withdrawn.
-  void withdrawn(core::AdmissionId id, const std::string& why);
+  void withdrawn(core::AdmissionId id, const Refusal& why);
   /// This gateway does not want any more what it has asked for under that number of its own: closes
   /// what another gateway has made for it.
   void close_made_for(Number number);
@@ -122,7 +123,7 @@ class Adopting {
   };
 
   static constexpr const char* kAskedBefore = "it was asked for before";
-  static core::cluster::Vote vote_of(std::string why);
+  static core::cluster::Vote vote_of(Refusal why);
   static Key key_of(const Adopted& adopted) { return {adopted.origin.gateway, adopted.origin.id}; }
   void set_due(Adopted& adopted, Due due);
   void set_not_due(const Key& key);
@@ -144,8 +145,8 @@ class Adopting {
   [[nodiscard]] std::string name_request(Adopted& adopted, const control::Request& request,
                                          const WhichRequest& which);
   [[nodiscard]] std::string name_all(Adopted& adopted);
-  [[nodiscard]] std::string misfit(const Adopted& adopted) const;
-  [[nodiscard]] std::string misfit_of_held(const Adopted& adopted) const;
+  [[nodiscard]] Refusal misfit(const Adopted& adopted) const;
+  [[nodiscard]] Refusal misfit_of_held(const Adopted& adopted) const;
   [[nodiscard]] std::optional<core::cluster::Footprint> mapped(const Adopted& adopted) const;
   [[nodiscard]] std::string open(Adopted& adopted);
   [[nodiscard]] std::string admit_all(const Adopted& adopted) const;
@@ -162,7 +163,7 @@ class Adopting {
   [[nodiscard]] Adopted* find(const Ref& ref);
   [[nodiscard]] bool is_made_for_this(const Adopted& adopted) const;
   [[nodiscard]] bool is_unwanted(const Adopted& adopted) const;
-  void answer(Adopted& adopted, const std::string& why);
+  void answer(Adopted& adopted, const Refusal& why);
   [[nodiscard]] const Adopted* holder_of(core::AdmissionId id) const;
   void begin_on_behalf(Adopted& adopted);
   void resume(Adopted& adopted);

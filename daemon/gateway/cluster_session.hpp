@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #pragma once
-#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -39,9 +38,6 @@ struct ClusterSession {
     using core::cluster::Alive;
     const Alive alive = member->view().alive(gateway, now);
     return alive == Alive::present || alive == Alive::standby;
-  }
-  [[nodiscard]] bool are_there(const std::vector<std::size_t>& gateways, Value now) const {
-    return std::ranges::all_of(gateways, [&](std::size_t g) { return is_there(g, now); });
   }
 };
 

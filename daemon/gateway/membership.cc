@@ -124,12 +124,17 @@ void Membership::begin() {
           .rest = [this](Number number,
                          const Reserving::Held& held) { return wishes_.rest_of(number, held); },
           .withdrawn =
-              [this](const auto& admissions, bool ended, const std::string& why) {
+              [this](const auto& admissions, bool ended, const Reserving::Refusal& why) {
                 for (const core::AdmissionId id : admissions) {
                   session_.adopting->withdrawn(id, why);
-                  waiting_.note_refusal(id, why);
-                  if (ended) waiting_.withdraw(id, why);
+                  waiting_.note_refusal(id, why.why);
+                  if (ended) waiting_.withdraw(id, why.why);
                 }
+              },
+          .objected =
+              [this](const std::string& channel, std::vector<std::size_t> gateways,
+                     const Reserving::Refusal& why) {
+                wishes_.note_objection(channel, std::move(gateways), why);
               },
           .ended = [this](Number number) { session_.adopting->close_made_for(number); },
           .in_the_way = [this] { return former_.in_the_way(*session_.member); },
@@ -147,6 +152,7 @@ void Membership::begin() {
   session_.lapsed_at.reset();
   session_.early.clear();
   wish_anew();
+  wishes_.forget_objections();
   former_.forget();
   ++generation_;
   // A gateway that takes no part removes what the store may still have of it.
@@ -720,6 +726,12 @@ std::string Membership::unreadable(std::size_t network) const {
   return session_.member
              ? cc::unreadable_words(session_.member->view().records(), *session_.keys, network)
              : std::string();
+}
+
+std::string Membership::objection(std::size_t channel,
+                                  std::span<const std::size_t> gateways) const {
+  if (!session_.member || !permits().is_open()) return {};
+  return wishes_.objection(state().system().channels[channel].name, gateways);
 }
 
 }  // namespace mlcca

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -232,6 +233,8 @@ class Membership final : private core::Holdings, private Adopting::Hands {
   [[nodiscard]] core::cluster::Foreign of_others(std::size_t network) const override;
   [[nodiscard]] std::map<std::size_t, core::MadeFor> made_for(std::size_t network) const override;
   [[nodiscard]] std::string unreadable(std::size_t network) const override;
+  [[nodiscard]] std::string objection(std::size_t channel,
+                                      std::span<const std::size_t> gateways) const override;
   [[nodiscard]] core::State& state() const { return *parts_.scene.state; }
 
   Parts parts_;

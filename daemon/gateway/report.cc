@@ -115,6 +115,8 @@ std::string why(const core::State& state, const core::Verdict& v) {
     if (const auto* found =
             state.world().conditions[v.obstacle_at.index].contradiction_of(v.channel))
       problem = found->how;
+  if (std::string objection = state.held_by_others().objection_to(v); !objection.empty())
+    problem = std::move(objection);
   return core::reason(state.system(), state.members(), v, problem) +
          state.held_by_others().of_refusal(v);
 }
@@ -134,8 +136,7 @@ control::MediumUse medium_report(const core::State& state, const core::Verdict& 
   return out;
 }
 
-control::Channel channel_report(const core::State& state, const core::Verdict& v,
-                                const Frames& frames) {
+control::Channel delivery_report(const core::State& state, const core::Verdict& v) {
   const core::System& system = state.system();
   const core::Members& members = state.members();
   const core::EventChannel& channel = system.channels[v.channel];
@@ -144,28 +145,37 @@ control::Channel channel_report(const core::State& state, const core::Verdict& v
   out.subject = channel.subject;
   out.name = channel.name;
   out.description = channel.description;
+  out.importance = channel.importance;
   out.publisher = publisher.name;
   out.from = core::name_of(system, publisher.place);
   out.to = core::name_of(system, v.to);
-  out.admission = members.admission_of_publisher(v.publisher);
   for (const std::size_t s : v.subscribers) {
     if (out.subscribers.size() < control::Channel::kMostSubscribers)
       out.subscribers.push_back(members.subscriber(s).name);
     else
       ++out.subscribers_left_out;
-    if (out.admission == 0) out.admission = members.admission_of_subscriber(s);
   }
+  out.set = static_cast<std::uint32_t>(v.set);
+  out.sets = static_cast<std::uint32_t>(core::sets_of(system, v.channel));
+  for (const core::Place place : v.route) out.route.push_back(core::name_of(system, place));
+  return out;
+}
+
+control::Channel channel_report(const core::State& state, const core::Verdict& v,
+                                const Frames& frames) {
+  const core::System& system = state.system();
+  const core::Members& members = state.members();
+  control::Channel out = delivery_report(state, v);
+  out.admission = members.admission_of_publisher(v.publisher);
+  for (const std::size_t s : v.subscribers)
+    if (out.admission == 0) out.admission = members.admission_of_subscriber(s);
   out.granted = v.granted;
   out.sporadic = v.sporadic;
   out.withdrawn = v.obstacle == core::Obstacle::withdrawn;
-  out.set = static_cast<std::uint32_t>(v.set);
-  out.sets = static_cast<std::uint32_t>(core::sets_of(system, v.channel));
-  out.importance = channel.importance;
   for (const core::MediumUse& use : v.media)
     out.media.push_back(medium_report(state, v, use, Own::is_available));
   out.reason = why(state, v);
   out.margin = margin_report(state, v);
-  for (const core::Place place : v.route) out.route.push_back(core::name_of(system, place));
   const auto rows = listed_rows(v);
   out.rows_left_out = static_cast<std::uint32_t>(v.rows.size() - rows.size());
   for (const std::size_t at : rows) {

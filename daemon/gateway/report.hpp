@@ -20,6 +20,9 @@ enum class Own : std::uint8_t { is_available, is_taken };
 [[nodiscard]] control::MediumUse medium_report(const core::State& state,
                                                const core::Verdict& verdict,
                                                const core::MediumUse& use, Own own);
+/// Which delivery a verdict is about: names and places, without the verdict itself.
+[[nodiscard]] control::Channel delivery_report(const core::State& state,
+                                               const core::Verdict& verdict);
 [[nodiscard]] control::Channel channel_report(const core::State& state,
                                               const core::Verdict& verdict, const Frames& frames);
 /// Notes why nothing reports the silence of the publisher, so that no reaction time is promised. An

@@ -45,11 +45,14 @@ std::optional<std::size_t> made_for(const cluster::StoredRequest& asked,
 }
 
 /// With the name of the gateway that has refused, if one has.
-std::string words(const core::cluster::Vote& why, std::optional<std::size_t> by,
-                  const core::cluster::Member& member) {
-  if (!by) return why.reason;
+Reserving::Refusal refusal_of(const core::cluster::Vote& why, std::optional<std::size_t> by,
+                              const core::cluster::Member& member) {
+  Reserving::Refusal refusal{
+      .why = why.reason, .gateway = why.gateway ? why.gateway : by, .hop = why.hop};
+  if (!by) return refusal;
   const std::string name = member.view().keys().gateway_name(*by);
-  return why.reason.starts_with(name) ? why.reason : name + ": " + why.reason;
+  if (!why.reason.starts_with(name)) refusal.why = name + ": " + why.reason;
+  return refusal;
 }
 
 }  // namespace
@@ -97,7 +100,7 @@ bool Reserving::refuse(const std::string& key, const std::string& why) {
   const Job job = it->job;
   it->abandoned = true;
   if (!it->asked) jobs_.erase(it);
-  job.refused(why);
+  job.refused({.why = why});
   return true;
 }
 
@@ -134,7 +137,7 @@ void Reserving::session_closed(std::uint64_t session) {
 void Reserving::refuse_all(const std::string& why, const std::string& to_do) {
   for (const Open& open : std::exchange(jobs_, {})) {
     parts_.networks.drop(open.number);
-    if (!open.abandoned) open.job.refused(open.job.user ? why + to_do : why);
+    if (!open.abandoned) open.job.refused({.why = open.job.user ? why + to_do : why});
   }
 }
 
@@ -211,14 +214,15 @@ void Reserving::put_in_force(const Open& open) {
   // The publisher of the channel may have been admitted together with it.
   parts_.networks.leave_out(open.number);
   static_cast<void>(parts_.bring_in_line());
-  const bool withdrawn = !open.withdrawn.empty();
+  const bool withdrawn = !open.withdrawn.why.empty();
   const bool used = !withdrawn && !open.abandoned && open.job.granted();
   parts_.networks.leave_out(std::nullopt);
   if (used) return;
   give_back(open.number);
-  if (withdrawn && !open.abandoned)
-    open.job.refused((open.wish.asked.on_behalf ? "" : "what was reserved for it was withdrawn: ") +
-                     open.withdrawn);
+  if (!withdrawn || open.abandoned) return;
+  Refusal why = open.withdrawn;
+  if (!open.wish.asked.on_behalf) why.why.insert(0, "what was reserved for it was withdrawn: ");
+  open.job.refused(why);
 }
 
 void Reserving::on(const core::cluster::Reserved& event, const core::cluster::Member& /*member*/) {
@@ -264,17 +268,21 @@ void Reserving::on(const core::cluster::Refused& event, const core::cluster::Mem
   if (open.abandoned) return;
   const bool for_good = event.by && event.why.final && open.job.refused_for_good;
   const auto& refused = for_good ? open.job.refused_for_good : open.job.refused;
-  refused(words(event.why, event.by, member));
+  refused(refusal_of(event.why, event.by, member));
 }
 
 void Reserving::on(const core::cluster::Withdrawn& event, const core::cluster::Member& member) {
-  const std::string why = words(event.why, event.by, member);
+  const Refusal why = refusal_of(event.why, event.by, member);
   // The reservation was made and withdrawn before this gateway had put it in force.
   if (const auto job = find(event.id); job != jobs_.end()) job->withdrawn = why;
   const auto it = held_.find(event.id);
   if (it == held_.end()) return;
   const Held held = it->second;
-  if (!held.on_behalf) parts_.log("what " + held.channel + " had reserved is withdrawn: " + why);
+  if (!held.on_behalf) {
+    parts_.log("what " + held.channel + " had reserved is withdrawn: " + why.why);
+    if (const auto* const there = parts_.networks.footprint(event.id); there != nullptr)
+      parts_.objected(held.channel, there->gateways, why);
+  }
   give_back(event.id);
   parts_.withdrawn(held.admissions, held.on_behalf && event.by && event.why.final, why);
 }
@@ -314,7 +322,7 @@ bool Reserving::step(core::cluster::Member& member, Value now) {
     }
     const Open open = std::move(*it);
     it = jobs_.erase(it);
-    open.job.refused(why_waiting(member, now));
+    open.job.refused({.why = why_waiting(member, now)});
   }
   replace_outdated(now);
   const auto next = next_turn();
@@ -330,7 +338,7 @@ bool Reserving::step(core::cluster::Member& member, Value now) {
   }
   if (wish->asked.size() > cluster::StoredRequest::kMostRequests ||
       cluster::text_of(wish->asked).size() > kMostText) {
-    next->job.refused("what is asked for is too long for the store");
+    next->job.refused({.why = "what is asked for is too long for the store"});
     jobs_.erase(next);
     return true;
   }
@@ -384,7 +392,7 @@ void Reserving::replace_outdated(Value now) {
              if (held_.contains(number)) give_back(number);
              return true;
            },
-       .refused = [this, number](const std::string& why) { keep_outdated(number, why); },
+       .refused = [this, number](const Refusal& why) { keep_outdated(number, why.why); },
        .replaces = number},
       now);
 }

@@ -44,15 +44,23 @@ class Reserving {
     std::string for_gateway{};
     std::uint64_t for_number = 0;
   };
+  /// Why something is not reserved.
+  struct Refusal {
+    std::string why;  ///< one line, with the name of the gateway that refuses; empty: no refusal
+    /// The other gateway that has refused it, that is not there, or that was quicker; nullopt:
+    /// none.
+    std::optional<std::size_t> gateway{};
+    std::optional<core::Place> hop{};  ///< network or gateway where it does not fit, if it is one
+  };
   /// A request for a reservation. Its functions are called when everything is settled.
   struct Job {
     /// Decides what to reserve; nullopt if it is no longer wanted or has already been answered.
     std::function<std::optional<Wish>()> decide;
     /// Called when it is reserved and may be used. False if it is not used after all.
     std::function<bool()> granted;
-    std::function<void(const std::string& why)> refused;
+    std::function<void(const Refusal& why)> refused;
     /// Called instead of `refused` if another gateway has refused it for good; empty: `refused` is.
-    std::function<void(const std::string& why)> refused_for_good{};
+    std::function<void(const Refusal& why)> refused_for_good{};
     std::uint64_t session = 0;             ///< the job ends with this session; 0: with none
     std::string key{};                     ///< at most one job has this key; empty: no key
     std::optional<uid_t> user{};           ///< who has asked; nullopt: a gateway
@@ -73,8 +81,12 @@ class Reserving {
     std::function<std::optional<Wish>(Number number, const Held& held)> rest;
     /// Called when what was reserved for these admissions is withdrawn. `ended`: another gateway
     /// had made them for this one, and will not make them again.
-    std::function<void(const std::vector<core::AdmissionId>&, bool ended, const std::string& why)>
+    std::function<void(const std::vector<core::AdmissionId>&, bool ended, const Refusal& why)>
         withdrawn;
+    /// Called when another gateway has ended what was reserved for a channel over these gateways.
+    std::function<void(const std::string& channel, std::vector<std::size_t> gateways,
+                       const Refusal& why)>
+        objected;
     /// Called when nothing with that number is asked for or held here any more.
     std::function<void(Number number)> ended;
     /// Why something of an earlier process is in the way of a further job; empty: nothing is.
@@ -151,7 +163,7 @@ class Reserving {
     Value since = 0;
     bool asked = false;
     bool abandoned = false;
-    std::string withdrawn{};  ///< why the store has withdrawn it; empty: it has not
+    Refusal withdrawn{};  ///< why it was withdrawn from the store; empty: it was not
     Wish wish{};
     std::vector<core::AdmissionId> gone{};  ///< what has ended since that was decided
   };

@@ -168,9 +168,9 @@ void WaitingForOthers::ask_again(core::AdmissionId id, std::size_t gateway) {
                                     *there, gateway);
   };
   const auto granted = [this, id] { return is_taken_in(id); };
-  const auto refused = [this, id](const std::string& why) { note_refusal(id, why); };
-  const auto refused_for_good = [this, id](const std::string& why) {
-    withdrawn_.try_emplace(id, Withdrawn{.why = why});
+  const auto refused = [this, id](const Reserving::Refusal& why) { note_refusal(id, why.why); };
+  const auto refused_for_good = [this, id](const Reserving::Refusal& why) {
+    withdrawn_.try_emplace(id, Withdrawn{.why = why.why});
   };
   parts_.ask({.decide = decide,
               .granted = granted,

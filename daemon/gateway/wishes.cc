@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/gateway/wishes.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iterator>
 #include <memory>
@@ -91,14 +93,51 @@ void Wishes::wish(std::size_t channel) {
   parts_.ask({.decide = [this, name, wished] { return wish_next(name, *wished); },
               .granted =
                   [this, name, wished, again_in] {
+                    objections_.erase({name, wished->gateways});
                     again_in(wished->all ? kGrantedWishAgain : 0);
                     return is_granted(name, *wished);
                   },
               .refused =
-                  [this, name, again_in](const std::string& why) {
+                  [this, name, wished, again_in](const Reserving::Refusal& why) {
+                    note_objection(name, wished->gateways, why);
                     again_in(kRefusedWishAgain);
-                    parts_.log.info(Kind::gateway, name + " waits: " + why);
+                    parts_.log.info(Kind::gateway, name + " waits: " + why.why);
                   }});
+}
+
+void Wishes::note_objection(const std::string& channel, std::vector<std::size_t> gateways,
+                            const Reserving::Refusal& why) {
+  if (why.gateway)
+    objections_.insert_or_assign({channel, std::move(gateways)},
+                                 Objection{.gateway = *why.gateway, .why = why.why});
+  else
+    objections_.erase({channel, std::move(gateways)});
+}
+
+std::string Wishes::objection(const std::string& channel,
+                              std::span<const std::size_t> gateways) const {
+  const auto is_on_way = [&](std::size_t g) {
+    return std::ranges::find(gateways, g) != gateways.end();
+  };
+  for (auto it = objections_.lower_bound({channel, {}});
+       it != objections_.end() && it->first.first == channel; ++it) {
+    if (!std::ranges::all_of(it->first.second, is_on_way)) continue;
+    const std::string& name = state().system().gateways[it->second.gateway].name;
+    const std::string own = name + ": ";
+    const std::string& why = it->second.why;
+    return fmt::format("gateway {}: {}", name, why.starts_with(own) ? why.substr(own.size()) : why);
+  }
+  return {};
+}
+
+/// Whether all of them can decide now. The first one that cannot is noted.
+bool Wishes::are_there(const std::string& channel, const std::vector<std::size_t>& gateways) {
+  for (const std::size_t g : gateways)
+    if (std::string why = parts_.session.member->view().absence(g, now()); !why.empty()) {
+      note_objection(channel, gateways, {.why = std::move(why), .gateway = g});
+      return false;
+    }
+  return true;
 }
 
 /// Those of which a gateway on the way is not there wait, and the others take turns.
@@ -110,7 +149,7 @@ std::optional<Reserving::Wish> Wishes::wish_next(const std::string& channel, Wis
   for (core::cluster::Want& want : core::cluster::wants_of(proposal, parts_.session.self)) {
     const auto again = want_again_.find({channel, want.gateways});
     const bool is_due = again == want_again_.end() || again->second <= now();
-    if (!is_due || !parts_.session.are_there(want.gateways, now())) continue;
+    if (!is_due || !are_there(channel, want.gateways)) continue;
     const std::size_t wanted = want.deliveries.size();
     auto wish = wish_of(channel, proposal, want);
     if (!wish) continue;

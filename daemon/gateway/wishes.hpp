@@ -41,6 +41,15 @@ class Wishes {
   void anew();
   /// To be called now and then.
   void forget_past_pauses();
+  /// Another gateway, or one that was quicker, has kept the channel from being reserved over those
+  /// gateways. Without a gateway in `why` nobody has objected.
+  void note_objection(const std::string& channel, std::vector<std::size_t> gateways,
+                      const Reserving::Refusal& why);
+  /// Another description begins.
+  void forget_objections() { objections_.clear(); }
+  /// The latest objection to the channel over some of these gateways, as Holdings::objection().
+  [[nodiscard]] std::string objection(const std::string& channel,
+                                      std::span<const std::size_t> gateways) const;
 
   /// Adds to `to` the admissions here that the deliveries of a newcomer need beside its own,
   /// because other gateways on the way have not agreed to any of them: subscribers that were
@@ -68,9 +77,14 @@ class Wishes {
     std::vector<core::Delivery> deliveries;
     bool all = true;  ///< of that way
   };
+  /// A channel and the other gateways on its way, by rising index.
+  using Way = std::pair<std::string, std::vector<std::size_t>>;
+
   void wish(std::size_t channel);
   [[nodiscard]] std::optional<Reserving::Wish> wish_next(const std::string& channel,
                                                          Wished& wished);
+  [[nodiscard]] bool are_there(const std::string& channel,
+                               const std::vector<std::size_t>& gateways);
   [[nodiscard]] bool is_granted(const std::string& channel, const Wished& wished) const;
   [[nodiscard]] std::optional<Reserving::Wish> wish_of(const std::string& channel,
                                                        const core::Proposal& proposal,
@@ -89,7 +103,12 @@ class Wishes {
   Parts parts_;
   std::map<std::string, Value> wish_again_;  ///< when a channel's wish is tried again, by channel
   /// The same of one of its wants: by channel and the other gateways on the way.
-  std::map<std::pair<std::string, std::vector<std::size_t>>, Value> want_again_;
+  std::map<Way, Value> want_again_;
+  struct Objection {
+    std::size_t gateway = 0;
+    std::string why;
+  };
+  std::map<Way, Objection> objections_;
 };
 
 }  // namespace mlcca

@@ -131,6 +131,26 @@ TEST_F(CodecTest, NumbersOfAnotherDescriptionMeanNothingHere) {
   EXPECT_FALSE(codec.taken(codec.write(taken), 0));
 }
 
+TEST_F(CodecTest, AVoteThatIsAboutNoSingleHopNamesNone) {
+  const auto vote = codec.vote(
+      codec.write(cc::VoteOf{.asked = 5, .vote = {.ok = false, .hop = {}, .reason = "no way"}}));
+  ASSERT_TRUE(vote);
+  EXPECT_FALSE(vote->vote.hop);
+  EXPECT_FALSE(vote->vote.gateway);
+}
+
+TEST_F(CodecTest, AnAgreementNamesNobodyWhoRefuses) {
+  const auto vote =
+      codec.vote(codec.write(cc::VoteOf{.asked = 5,
+                                        .vote = {.ok = true,
+                                                 .hop = core::Place{core::Place::Kind::network, 1},
+                                                 .reason = {},
+                                                 .gateway = 1}}));
+  ASSERT_TRUE(vote);
+  EXPECT_FALSE(vote->vote.hop);
+  EXPECT_FALSE(vote->vote.gateway);
+}
+
 TEST_F(CodecTest, TheOthersAreReadAsTheyWereWritten) {
   const auto asked = codec.asked(codec.write(
       cc::RouteRequest{.stage = cc::Stage::ending, .admission = "text", .gateways = {1}}));
@@ -138,12 +158,16 @@ TEST_F(CodecTest, TheOthersAreReadAsTheyWereWritten) {
   EXPECT_EQ(asked->stage, cc::Stage::ending);
   EXPECT_EQ(asked->admission, "text");
   EXPECT_EQ(asked->gateways, std::vector<std::size_t>{1});
-  const auto vote = codec.vote(codec.write(cc::VoteOf{
-      .asked = 5,
-      .vote = {.ok = false, .hop = {core::Place::Kind::network, 1}, .reason = "no\nway"}}));
+  const auto vote =
+      codec.vote(codec.write(cc::VoteOf{.asked = 5,
+                                        .vote = {.ok = false,
+                                                 .hop = core::Place{core::Place::Kind::network, 1},
+                                                 .reason = "no\nway",
+                                                 .gateway = 1}}));
   ASSERT_TRUE(vote);
   EXPECT_EQ(vote->asked, 5);
   EXPECT_EQ(vote->vote.hop, (core::Place{core::Place::Kind::network, 1}));
+  EXPECT_EQ(vote->vote.gateway, 1U);
   EXPECT_EQ(vote->vote.reason, "no?way");
   const auto current = codec.current(codec.write(cc::Current{
       .generation = 2, .digest = some_digest(1), .former = {}, .open = true, .waits = {"gw1"}}));

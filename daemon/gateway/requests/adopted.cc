@@ -53,37 +53,46 @@ class Tagged {
   bool unlisted_;
 };
 
+Reserving::Refusal refusal_by(const core::State& state, const core::Verdict& v) {
+  return {.why = verdict_line(state, v), .hop = core::refusing_hop(v)};
+}
+
 /// The reason why a proposal does not fit.
-std::string first_refusal(const core::State& state, const core::Proposal& proposal) {
+Reserving::Refusal first_refusal(const core::State& state, const core::Proposal& proposal) {
   for (const core::Verdict* v : proposal.verdicts())
-    if (!v->granted) return verdict_line(state, *v);
-  return kNobodyThere;
+    if (!v->granted) return refusal_by(state, *v);
+  return {.why = kNobodyThere};
+}
+
+std::unexpected<Reserving::Refusal> refuse(std::string why) {
+  return std::unexpected(Reserving::Refusal{.why = std::move(why)});
 }
 
 }  // namespace
 
-std::string AdmissionsOfOthers::misfit_of_present(core::AdmissionId id, std::size_t channel) const {
+Reserving::Refusal AdmissionsOfOthers::misfit_of_present(core::AdmissionId id,
+                                                         std::size_t channel) const {
   core::State& state = *parts_.scene.state;
   const core::Proposal wish = state.wish(channel);
   bool is_anybody_there = false;
   for (const core::Verdict& v : wish.decision().verdicts) {
     if (!parts_.deliveries.concerns(v, id)) continue;
-    if (!v.granted) return verdict_line(state, v);
+    if (!v.granted) return refusal_by(state, v);
     is_anybody_there = true;
   }
-  return is_anybody_there ? "" : kNobodyThere;
+  return {.why = is_anybody_there ? "" : kNobodyThere};
 }
 
-std::string AdmissionsOfOthers::misfit(const control::Request& request) {
+Reserving::Refusal AdmissionsOfOthers::misfit(const control::Request& request) {
   core::State& state = *parts_.scene.state;
   if (const auto known = state.admissions().find(request.id); known != state.admissions().end())
     return misfit_of_present(request.id, known->second);
   const auto asked = understood_adopted(state, request);
   const Tagged tagged(parts_.tags, request);
-  if (!asked) return asked.error().text;
-  if (const auto lack = lacks_pairs(state, *asked)) return *lack;
+  if (!asked) return {.why = asked.error().text};
+  if (auto lack = lacks_pairs(state, *asked)) return {.why = std::move(*lack)};
   const core::Proposal wish = state.wish(*asked->admission);
-  return wish.fit() ? std::string() : first_refusal(state, wish);
+  return wish.fit() ? Reserving::Refusal() : first_refusal(state, wish);
 }
 
 bool AdmissionsOfOthers::is_without_publisher(const control::Request& request) {
@@ -114,19 +123,19 @@ bool AdmissionsOfOthers::is_publisher_gone(const control::Request& request) {
       });
 }
 
-Result<Reserving::Wish> AdmissionsOfOthers::wish(const control::Request& request,
-                                                 std::size_t gateway) {
+std::expected<Reserving::Wish, Reserving::Refusal> AdmissionsOfOthers::wish(
+    const control::Request& request, std::size_t gateway) {
   core::State& state = *parts_.scene.state;
   const auto asked = understood_adopted(state, request);
   const Tagged tagged(parts_.tags, request);
-  if (!asked) return std::unexpected(asked.error());
-  if (!asked->admission->subscriber) return fail("it asks for no new subscriber");
+  if (!asked) return refuse(asked.error().text);
+  if (!asked->admission->subscriber) return refuse("it asks for no new subscriber");
   if (asked->admission->publisher || is_without_publisher(request))
-    return fail("no publisher of it is admitted here");
-  if (auto lack = lacks_pairs(state, *asked)) return fail(std::move(*lack));
+    return refuse("no publisher of it is admitted here");
+  if (auto lack = lacks_pairs(state, *asked)) return refuse(std::move(*lack));
   const core::Proposal wish = state.wish(*asked->admission);
-  if (auto lack = wish.exceeds_capacity(parts_.scene.self)) return fail(std::move(*lack));
-  if (!wish.fit()) return fail(first_refusal(state, wish));
+  if (auto lack = wish.exceeds_capacity(parts_.scene.self)) return refuse(std::move(*lack));
+  if (!wish.fit()) return std::unexpected(first_refusal(state, wish));
   auto footprint =
       core::cluster::footprint_of(wish, parts_.membership->baseline(), parts_.scene.self);
   // The other gateway follows the publisher, also where the way does not lead over it.
@@ -148,7 +157,7 @@ Result<void> AdmissionsOfOthers::admit(const control::Request& request) {
   {
     core::Proposal proposal = state.propose(*asked->admission);
     if (const auto lack = proposal.exceeds_capacity(parts_.scene.self)) return fail(*lack);
-    if (!proposal.fit()) return fail(first_refusal(state, proposal));
+    if (!proposal.fit()) return fail(first_refusal(state, proposal).why);
     if (const auto done = parts_.gates.apply(proposal.changes(parts_.scene.self)); done)
       std::move(proposal).accept();
     else

@@ -2,8 +2,8 @@
 // The operations on admissions of other gateways that cross this one.
 #pragma once
 #include <cstddef>
+#include <expected>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "base/result.hpp"
@@ -43,18 +43,19 @@ class AdmissionsOfOthers final : public AdoptedAdmissions {
   };
   explicit AdmissionsOfOthers(const Parts& parts) : parts_(parts) {}
 
-  [[nodiscard]] std::string misfit(const control::Request& request) override;
+  [[nodiscard]] Reserving::Refusal misfit(const control::Request& request) override;
   Result<void> admit(const control::Request& request) override;
   Result<void> take_in(const control::Request& request) override;
   void remove(const std::vector<core::AdmissionId>& gone) override;
   void restore(const control::Request& request) override;
-  [[nodiscard]] Result<Reserving::Wish> wish(const control::Request& request,
-                                             std::size_t gateway) override;
+  [[nodiscard]] std::expected<Reserving::Wish, Reserving::Refusal> wish(
+      const control::Request& request, std::size_t gateway) override;
   [[nodiscard]] bool is_without_publisher(const control::Request& request) override;
   [[nodiscard]] bool is_publisher_gone(const control::Request& request) override;
 
  private:
-  [[nodiscard]] std::string misfit_of_present(core::AdmissionId id, std::size_t channel) const;
+  [[nodiscard]] Reserving::Refusal misfit_of_present(core::AdmissionId id,
+                                                     std::size_t channel) const;
 
   Parts parts_;
 };

@@ -11,8 +11,12 @@
 #include <utility>
 
 #include "core/cluster/footprint.hpp"
+#include "core/model/text.hpp"
+#include "daemon/gateway/event_log.hpp"
 #include "daemon/gateway/membership.hpp"
 #include "daemon/gateway/recorder.hpp"
+#include "daemon/gateway/report.hpp"
+#include "daemon/gateway/report_size.hpp"
 #include "daemon/gateway/requests/admitting.hpp"
 #include "daemon/gateway/requests/elsewhere.hpp"
 #include "daemon/gateway/tag_bindings.hpp"
@@ -37,14 +41,15 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
 
   [[nodiscard]] Reserving::Job job() {
     const auto self = shared_from_this();
-    return {
-        .decide = [self] { return self->acting([&] { return self->decide(); }); },
-        .granted = [self] { return self->acting([&] { return self->put_in_force(); }); },
-        .refused =
-            [self](const std::string& why) { self->answer(failed("nothing was changed: " + why)); },
-        .session = request_.hold ? asker_.peer.session : 0,
-        .key = request_.key,
-        .user = asker_.peer.uid};
+    return {.decide = [self] { return self->acting([&] { return self->decide(); }); },
+            .granted = [self] { return self->acting([&] { return self->put_in_force(); }); },
+            .refused =
+                [self](const Reserving::Refusal& why) {
+                  self->acting([&] { return self->refuse(why); });
+                },
+            .session = request_.hold ? asker_.peer.session : 0,
+            .key = request_.key,
+            .user = asker_.peer.uid};
   }
 
   [[nodiscard]] std::optional<serve::Slice> slice() const {
@@ -113,6 +118,7 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
                  parts_.membership->why_closed()));
       return std::nullopt;
     }
+    note_deliveries(*wish);
     const auto& channel = state.system().channels[asked->channel];
     cluster::StoredRequest for_others{.channel = channel.name,
                                       .requests = {{.id = *id_, .body = request_}}};
@@ -132,8 +138,61 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
     }
     const core::System& system = parts_.scene.state->system();
     through_ = system.gateways[*gateway].name;
+    deliveries_.channels = {delivery_elsewhere(system.channels[asked.channel])};
     return wish_elsewhere(system.channels[asked.channel].name, {.id = *id_, .body = request_},
                           *gateway);
+  }
+
+  void note_deliveries(const core::Proposal& wish) {
+    const core::State& state = *context_.scene.state;
+    auto verdicts = wish.verdicts();
+    deliveries_ = {};
+    deliveries_.left_out = leave_out(state, verdicts);
+    for (const core::Verdict* v : verdicts)
+      deliveries_.channels.push_back(delivery_report(state, *v));
+  }
+
+  /// The delivery of a publisher that this gateway does not know.
+  [[nodiscard]] control::Channel delivery_elsewhere(const core::EventChannel& channel) const {
+    control::Channel out;
+    out.subject = channel.subject;
+    out.name = channel.name;
+    out.description = channel.description;
+    out.importance = channel.importance;
+    out.publisher = request_.publisher;
+    out.from = request_.from;
+    out.to = request_.to;
+    if (!request_.subscriber.empty()) out.subscribers = {request_.subscriber};
+    return out;
+  }
+
+  /// A refusal by another gateway is a decision. Everything else, such as a store that does not
+  /// answer, is an error of the surroundings.
+  bool refuse(const Reserving::Refusal& why) {
+    const core::System& system = context_.scene.state->system();
+    if (!why.gateway || deliveries_.channels.empty()) {
+      answer(failed("nothing was changed: " + why.why));
+      return false;
+    }
+    const control::RefusedBy by{.gateway = system.gateways[*why.gateway].name,
+                                .hop = why.hop ? core::name_of(system, *why.hop) : std::string()};
+    for (control::Channel& one : deliveries_.channels) {
+      one.reason = why.why;
+      one.refused_by = by;
+      context_.log.write(
+          {.kind = Kind::refused,
+           .priority = 4,
+           .message = fmt::format(
+               "{} ({}) refused from {} to {}: {}", one.name, core::format_subject(one.subject),
+               one.from.empty() ? "the place of its publisher" : one.from, one.to, why.why),
+           .subject = one.subject,
+           .channel = one.name,
+           .network = one.to,
+           .from = one.from,
+           .publisher = one.publisher});
+    }
+    answer(std::exchange(deliveries_, {}));
+    return false;
   }
 
   bool put_in_force() {
@@ -172,7 +231,8 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
   std::shared_ptr<const core::AdmissionId> id_;
   std::optional<control::Actor> actor_;
   Decides decides_;
-  std::string through_;  ///< the gateway that has decided; empty: this one
+  std::string through_;           ///< the gateway that has decided; empty: this one
+  control::Channels deliveries_;  ///< what was asked of others, without a verdict
   std::optional<Body> body_;
   core::AdmissionId owned_ = 0;
   bool is_answered_ = false;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -24,6 +25,10 @@ class Stated final : public Holdings {
   }
   std::string unreadable(std::size_t network) const override {
     return network == there ? strange : std::string();
+  }
+  [[nodiscard]] std::string objection(std::size_t /*channel*/,
+                                      std::span<const std::size_t> /*gateways*/) const override {
+    return {};
   }
   void add_rate(std::size_t gateway, Value bytes, AdmissionId admission = 1) {
     held.rates.push_back(

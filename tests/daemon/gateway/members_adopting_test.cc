@@ -23,19 +23,19 @@ namespace cc = core::cluster;
 /// Decides about each request: subscribers fit with one publisher alone.
 class FakeAdmissions final : public AdoptedAdmissions {
  public:
-  std::string misfit(const control::Request& request) override {
+  Reserving::Refusal misfit(const control::Request& request) override {
     ++decisions;
     const auto& admit = std::get<control::Admit>(request.body);
     const bool fits = admit.to.empty() || admit.publisher == fitting;
-    return fits ? std::string() : "nobody publishes";
+    return {.why = fits ? "" : "nobody publishes"};
   }
   Result<void> admit(const control::Request& /*request*/) override { return {}; }
   Result<void> take_in(const control::Request& /*request*/) override { return {}; }
   void remove(const std::vector<core::AdmissionId>& /*gone*/) override {}
   void restore(const control::Request& /*request*/) override {}
-  Result<Reserving::Wish> wish(const control::Request& /*request*/,
-                               std::size_t /*gateway*/) override {
-    return fail("nothing is reserved");
+  std::expected<Reserving::Wish, Reserving::Refusal> wish(const control::Request& /*request*/,
+                                                          std::size_t /*gateway*/) override {
+    return std::unexpected(Reserving::Refusal{.why = "nothing is reserved"});
   }
   bool is_without_publisher(const control::Request& /*request*/) override { return false; }
   bool is_publisher_gone(const control::Request& /*request*/) override { return false; }
