@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #pragma once
 #include <cstddef>
+#include <expected>
 #include <string>
 #include <vector>
 

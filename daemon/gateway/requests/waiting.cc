@@ -144,7 +144,7 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
   }
 
   void note_deliveries(const core::Proposal& wish) {
-    const core::State& state = *context_.scene.state;
+    const core::State& state = *parts_.scene.state;
     auto verdicts = wish.verdicts();
     deliveries_ = {};
     deliveries_.left_out = leave_out(state, verdicts);
@@ -169,7 +169,7 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
   /// A refusal by another gateway is a decision. Everything else, such as a store that does not
   /// answer, is an error of the surroundings.
   bool refuse(const Reserving::Refusal& why) {
-    const core::System& system = context_.scene.state->system();
+    const core::System& system = parts_.scene.state->system();
     if (!why.gateway || deliveries_.channels.empty()) {
       answer(failed("nothing was changed: " + why.why));
       return false;
@@ -179,7 +179,7 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
     for (control::Channel& one : deliveries_.channels) {
       one.reason = why.why;
       one.refused_by = by;
-      context_.log.write(
+      parts_.log.write(
           {.kind = Kind::refused,
            .priority = 4,
            .message = fmt::format(
