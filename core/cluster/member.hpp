@@ -93,6 +93,10 @@ class Member {
   void stage(Rollout rollout) { rollouts_.stage(std::move(rollout)); }
   /// Continues a rollout that the previous process had staged.
   void resume_rollout(const Digest& digest) { rollouts_.resume(digest); }
+  /// See Rollouts::cancel().
+  void cancel_rollout(const Digest& digest, std::string why) {
+    rollouts_.cancel(digest, std::move(why));
+  }
   void vote_rollout(const Digest& digest, bool ok, std::string reason);
   /// The description that is coming into force cannot be put in force here, so the rollout is to be
   /// undone.

@@ -67,6 +67,7 @@ void Rollouts::stage(Rollout rollout) {
   chunk_ = 0;
   claimed_ = 0;
   has_called_off_ = false;
+  cancelled_.reset();
   trouble_.clear();
 }
 
@@ -79,6 +80,7 @@ void Rollouts::give_up(std::string why, std::vector<Event>& events) {
 }
 
 void Rollouts::vote(const Digest& digest, bool ok, std::string reason) {
+  if (cancelled_ && cancelled_->first == digest) return;
   if (proposed_ == digest && judged_ == next_seen_ && judged_ != 0)
     ballot_ = RolloutVote{.next = judged_, .ok = ok, .reason = std::move(reason)};
 }
@@ -89,6 +91,36 @@ void Rollouts::cannot_switch(const View& view, std::string reason) {
     ballot_ = RolloutVote{.next = current.mod, .ok = false, .reason = std::move(reason)};
 }
 
+void Rollouts::cancel(const Digest& digest, std::string why) {
+  cancelled_.emplace(digest, std::move(why));
+}
+
+/// Votes against the entry with that revision, unless that was done.
+void Rollouts::object(const View& view, std::int64_t to) {
+  const auto& vote = view.records().rollout_votes[self_].value;
+  const auto is_objection = [to](const auto& one) { return one && one->next == to && !one->ok; };
+  if (!is_objection(vote) && !is_objection(ballot_))
+    ballot_ = RolloutVote{.next = to, .ok = false, .reason = cancelled_->second};
+}
+
+/// The vote of this gateway ends a proposal, or brings the former description back. What was not
+/// sent to the store yet is dropped.
+void Rollouts::step_cancelled(const View& view, bool caught_up, std::vector<Event>& events) {
+  if (!cancelled_ || !caught_up) return;
+  const auto& [digest, why] = *cancelled_;
+  const auto& next = view.records().next;
+  const auto& current = view.records().current;
+  if (next.value && next.value->digest == digest) {
+    object(view, next.mod);
+  } else if (current.value && current.value->digest == digest && !current.value->open &&
+             !current.value->undone) {
+    object(view, current.mod);
+  } else {
+    if (staged_ && claimed_ == 0 && staged_->digest == digest) give_up(why, events);
+    cancelled_.reset();
+  }
+}
+
 /// Reports a new proposal, once its text is complete in the store, so that it is judged.
 void Rollouts::judge(const View& view, std::vector<Event>& events) {
   const auto& next = view.records().next;
@@ -96,7 +128,8 @@ void Rollouts::judge(const View& view, std::vector<Event>& events) {
   auto content = content_of(view.records(), *next.value);
   if (!content) return;
   judged_ = next.mod;
-  events.emplace_back(Judge{.digest = next.value->digest, .content = std::move(*content)});
+  events.emplace_back(Judge{
+      .digest = next.value->digest, .content = std::move(*content), .force = next.value->force});
 }
 
 /// Notices that the proposal d/next has changed or ended, and reports the end of the former one.
@@ -183,6 +216,7 @@ void Rollouts::step_pending(const View& view, std::vector<Event>& events) {
 void Rollouts::step(const View& view, Value now, bool caught_up, std::vector<Event>& events) {
   const Records& records = view.records();
   step_next(view, now, events);
+  step_cancelled(view, caught_up, events);
   step_staged(view, now, events);
   if (caught_up) step_pending(view, events);
   if (records.current.mod != current_seen_) {
@@ -212,6 +246,7 @@ std::optional<Work> Rollouts::propose(const View& view, const Codec& codec) cons
   const std::string digest = hex_of(staged_->digest);
   const auto& current = records.current.value;
   if (claimed_ == 0) {
+    if (cancelled_ && cancelled_->first == staged_->digest) return std::nullopt;
     if (records.next.mod != 0 && !gives_way(records, staged_->without)) return std::nullopt;
     return Work{.kind = Work::Kind::propose,
                 .stage = stage_,
@@ -224,7 +259,8 @@ std::optional<Work> Rollouts::propose(const View& view, const Codec& codec) cons
                                    .chunks = static_cast<std::uint32_t>(staged_->chunks.size()),
                                    .by = keys.gateway_name(self_),
                                    .without = staged_->without,
-                                   .patience = patience_})}}};
+                                   .patience = patience_,
+                                   .force = staged_->force})}}};
   }
   Work work{.kind = Work::Kind::chunk,
             .number = chunk_,

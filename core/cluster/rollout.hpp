@@ -38,6 +38,9 @@ class Rollouts {
   /// Continues to wait for a rollout that a former Member of this process staged; it ends as in
   /// stage().
   void resume(const Digest& digest) { pending_ = digest; }
+  /// An operator gives up the rollout of that description, whoever proposes it: while gateways vote
+  /// on it, or while not all have followed it. What opens already stays.
+  void cancel(const Digest& digest, std::string why);
   /// Whether the present proposal gives way to one for the gateways without `without`. If no
   /// description is in force, gateways propose theirs on their own and call nobody off; such a
   /// proposal gives way to one that calls gateways off.
@@ -66,7 +69,7 @@ class Rollouts {
   void visit_state(Visit&& visit) const {
     visit(staged_, stage_, chunk_, claimed_, current_since_, quiet_until_, current_seen_,
           next_seen_, judged_, next_since_, proposed_, why_, ballot_, left_at_, not_before_,
-          pending_, trouble_, has_called_off_);
+          pending_, trouble_, has_called_off_, cancelled_);
   }
 
  private:
@@ -95,6 +98,8 @@ class Rollouts {
   void step_pending(const View& view, std::vector<Event>& events);
   void give_up(std::string why, std::vector<Event>& events);
   void step_next(const View& view, Value now, std::vector<Event>& events);
+  void step_cancelled(const View& view, bool caught_up, std::vector<Event>& events);
+  void object(const View& view, std::int64_t to);
   void on_staged(const Done& done, std::vector<Event>& events);
   [[nodiscard]] std::optional<Work> decide(const View& view, const Codec& codec, Value now);
   [[nodiscard]] std::optional<Work> open(const View& view, const Codec& codec, Value now);
@@ -127,6 +132,8 @@ class Rollouts {
   Value next_since_ = 0;
   std::optional<Digest> proposed_;
   std::string why_;  ///< why it was given up
+  /// A rollout that an operator gives up, and why.
+  std::optional<std::pair<Digest, std::string>> cancelled_;
   std::optional<RolloutVote> ballot_;
   /// Since when all are known to have left the former description; nullopt: not all have.
   std::optional<Value> left_at_;

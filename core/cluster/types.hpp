@@ -120,6 +120,7 @@ struct Next {
   std::string by;                    ///< name of the gateway that proposes it
   std::vector<std::string> without;  ///< gateways that are switched off, according to the operator
   Value patience = 0;
+  bool force = false;  ///< the operator wants it although deliveries lose their grants
 };
 
 /// d/vote/<gateway>: a vote on a proposed description, or against the one in force.
@@ -180,6 +181,7 @@ struct Rollout {
   Digest digest = {};
   std::vector<std::string> chunks;
   std::vector<std::string> without;
+  bool force = false;  ///< see Next
 };
 
 /// What is known of another gateway.
@@ -262,6 +264,7 @@ struct Failed {
 struct Judge {
   Digest digest = {};
   std::string content;
+  bool force = false;  ///< see Next
 };
 /// A rollout did not come into force; `why` names the first gateway that objected.
 struct NotRolledOut {

@@ -337,7 +337,8 @@ std::string Codec::write(const cc::Next& next) const {
                                      .chunks = next.chunks,
                                      .by = next.by,
                                      .without = next.without,
-                                     .patience_ns = next.patience});
+                                     .patience_ns = next.patience,
+                                     .force = next.force});
 }
 
 std::optional<cc::Next> Codec::next(Text value) const {
@@ -350,7 +351,8 @@ std::optional<cc::Next> Codec::next(Text value) const {
                   .chunks = entry->chunks,
                   .by = std::move(entry->by),
                   .without = std::move(entry->without),
-                  .patience = entry->patience_ns};
+                  .patience = entry->patience_ns,
+                  .force = entry->force};
 }
 
 std::string Codec::write(const cc::RolloutVote& vote) const {

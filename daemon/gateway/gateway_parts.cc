@@ -5,6 +5,9 @@
 
 #include <utility>
 
+#include "core/model/progress.hpp"
+#include "daemon/gateway/losses.hpp"
+
 namespace mlcca {
 
 GatewayParts::GatewayParts(Options given, Outside around)
@@ -91,6 +94,13 @@ std::unique_ptr<Rollout> GatewayParts::make_rollout() {
           [this](Described& described) {
             const auto done = reloads.complete(described);
             return done ? std::string() : done.error().lines.front();
+          },
+      .losses =
+          [this](Described& described) {
+            const core::Progress alive(pulse);
+            const auto& own = recorder.contents().admissions;
+            return lost_grants(*scene.state, *described.state,
+                               [&own](core::AdmissionId id) { return own.find(id) != nullptr; });
           },
       .load = [this](ReadDescription read,
                      auto done) { return reloads.begin(std::move(read), std::move(done)); },

@@ -142,7 +142,11 @@ std::optional<Rollout::Digest> Rollout::pending() const {
 
 cc::Rollout Rollout::own() {
   const Digest& digest = parts_.scene.digest;
-  return {.digest = digest, .chunks = chunks_of(kept(digest).value_or("")), .without = {}};
+  // The first description of a cluster replaces none.
+  return {.digest = digest,
+          .chunks = chunks_of(kept(digest).value_or("")),
+          .without = {},
+          .force = true};
 }
 
 void Rollout::report_damage(const std::string& damage) {
@@ -171,7 +175,8 @@ Rollout::Text Rollout::in_store(const Digest& digest, const cc::Member& member) 
 // --- what the store says -------------------------------------------------------------------------
 
 void Rollout::on(const cc::Judge& event) {
-  const bool known = checked_ && checked_->digest == event.digest;
+  // What was found usable may be lossy for those who are admitted by now.
+  const bool known = checked_ && checked_->digest == event.digest && checked_->force == event.force;
   if (known || event.digest == parts_.scene.digest) {
     vote_.emplace(event.digest, why_not_kept(event));
     return;
@@ -185,7 +190,8 @@ void Rollout::on(const cc::Judge& event) {
   next_check_ =
       std::make_shared<Check>(Check{.why = Why::judge,
                                     .digest = event.digest,
-                                    .text = std::make_shared<const std::string>(event.content)});
+                                    .text = std::make_shared<const std::string>(event.content),
+                                    .force = event.force});
 }
 
 /// A gateway that votes for a description must be able to load it after a crash, so its text is
@@ -257,7 +263,20 @@ std::string Rollout::why_not(Check& check) const {
   if (check.why == Why::propose)
     if (const auto name = unknown_gateway(*read); !name.empty())
       return fmt::format("there is no gateway '{}', neither in it nor in the one in force", name);
-  return parts_.misfit(*read);
+  if (std::string why = parts_.misfit(*read); !why.empty() || check.force) return why;
+  return check.why == Why::follow ? std::string() : why_lost(*read);
+}
+
+/// Which grants would be lost here; empty: none.
+std::string Rollout::why_lost(Described& next) const {
+  constexpr std::size_t most = 3;
+  std::vector<std::string> lost = parts_.losses(next);
+  if (lost.empty()) return {};
+  const std::size_t all = lost.size();
+  if (all > most) lost.resize(most);
+  return fmt::format("{} would be lost: {}{}; --force rolls it out all the same",
+                     many(all, "grant"), fmt::join(lost, "; "),
+                     all > most ? fmt::format("; and {} more", all - most) : "");
 }
 
 /// The first name in own_.without that no description has; empty if there is none.
@@ -290,15 +309,16 @@ bool Rollout::begin_check() {
   }
   if (!check_ || check_begun_ || busy_) return false;
   // The thread works on its own copy, because a check may be given up meanwhile.
-  const auto check = std::make_shared<Check>(
-      Check{.why = check_->why, .digest = check_->digest, .text = check_->text});
+  const auto check = std::make_shared<Check>(Check{
+      .why = check_->why, .digest = check_->digest, .text = check_->text, .force = check_->force});
   check_begun_ = parts_.reading.begin(
       [check, kept = parts_.texts.reader(), from = parts_.read] {
         if (check->why == Why::follow)
           check->text = TextSource{check->digest, kept, check->text}.text(check->damage);
         if (check->text) check->read = from(*check->text);
       },
-      [this, check] {
+      [this, check, begun = check_] {
+        if (check_ != begun) return;  // it was given up
         check_.reset();
         checked(*check);
       });
@@ -334,7 +354,8 @@ void Rollout::lack(const Digest& digest) {
 }
 
 void Rollout::end(const Check& check, const std::string& why) {
-  if (why.empty()) checked_ = Checked{.digest = check.digest, .text = check.text};
+  if (why.empty())
+    checked_ = Checked{.digest = check.digest, .text = check.text, .force = check.force};
   switch (check.why) {
     case Why::judge:
       vote_.emplace(check.digest, why);
@@ -344,8 +365,10 @@ void Rollout::end(const Check& check, const std::string& why) {
       if (!why.empty())
         finish(why);
       else
-        staged_ = cc::Rollout{
-            .digest = check.digest, .chunks = chunks_of(*check.text), .without = own_.without};
+        staged_ = cc::Rollout{.digest = check.digest,
+                              .chunks = chunks_of(*check.text),
+                              .without = own_.without,
+                              .force = own_.force};
       break;
     case Why::follow:
       if (!why.empty()) cannot_ = Cannot{.digest = check.digest, .why = why};
@@ -508,10 +531,11 @@ ReadDescription Rollout::reader(ReadDescription read, const cc::Member* member) 
 void Rollout::session_closed(std::uint64_t session) { uploads_.end(session); }
 
 Response Rollout::take(const Asker& asker, const control::RolloutRequest& request,
-                       const cc::Member& member) {
+                       cc::Member& member) {
   const std::uint64_t session = asker.peer.session;
-  if (request.back || request.accept) {
+  if (request.back || request.accept || request.cancel) {
     uploads_.end(session);
+    if (request.cancel) return cancel(member);
     return request.back ? back(request, member) : accept(member);
   }
   if (request.more) {
@@ -521,10 +545,36 @@ Response Rollout::take(const Asker& asker, const control::RolloutRequest& reques
   }
   auto text = uploads_.finish(session, asker.peer.uid, request.part);
   if (!text) return not_handed_over(text.error().text);
-  return begin(std::move(*text), request.without, member);
+  return begin(std::move(*text), request.without, request.force, member);
 }
 
-Response Rollout::begin(std::string text, const std::vector<std::string>& without,
+/// Ends what is not decided yet: here, or by a vote against it, whichever gateway proposes it.
+Response Rollout::cancel(cc::Member& member) {
+  const auto& records = member.view().records();
+  const auto& current = records.current.value;
+  const std::string why = fmt::format("an operator has given it up at {}",
+                                      member.view().keys().gateway_name(member.self()));
+  if (own_.state == "checking" || staged_) {
+    for (auto* const one : {&check_, &next_check_})
+      if (*one && (*one)->why == Why::propose) one->reset();
+    staged_.reset();
+    finish(why);
+    return state(member);
+  }
+  std::optional<Digest> digest;
+  if (records.next.value)
+    digest = records.next.value->digest;
+  else if (current && !current->open && !current->undone)
+    digest = current->digest;
+  else if (own_.state == "staging")
+    digest = own_.digest;
+  if (!digest) return failed("nothing was changed: no description is being rolled out");
+  parts_.log.notice(Kind::rollout, fmt::format("description {}: {}", shown_digits(*digest), why));
+  member.cancel_rollout(*digest, why);
+  return state(member);
+}
+
+Response Rollout::begin(std::string text, const std::vector<std::string>& without, bool force,
                         const cc::Member& member) {
   const auto& keys = member.view().keys();
   if (text.empty()) return invalid("there is no description");
@@ -546,11 +596,13 @@ Response Rollout::begin(std::string text, const std::vector<std::string>& withou
              .state = "checking",
              .why = {},
              .without = without,
-             .actor = parts_.log.actor()};
+             .actor = parts_.log.actor(),
+             .force = force};
   next_check_ =
       std::make_shared<Check>(Check{.why = Why::propose,
                                     .digest = {},
-                                    .text = std::make_shared<const std::string>(std::move(text))});
+                                    .text = std::make_shared<const std::string>(std::move(text)),
+                                    .force = force});
   return state(member);
 }
 
@@ -565,7 +617,8 @@ Response Rollout::back(const control::RolloutRequest& request, const cc::Member&
   if (!text)
     return failed(fmt::format("nothing was changed: description {} is not kept any more",
                               shown_digits(before)));
-  return begin(std::move(*text), request.without, member);
+  // The way back is open whatever it loses.
+  return begin(std::move(*text), request.without, true, member);
 }
 
 Response Rollout::accept(const cc::Member& member) {

@@ -49,6 +49,9 @@ class Rollout {
     ReadText read;
     /// Why a description cannot be used here with what is admitted; empty if it can.
     std::function<std::string(Described&)> misfit;
+    /// What is granted here now and would be refused with that description, for which misfit() has
+    /// been called: one line each.
+    std::function<std::vector<std::string>(Described&)> losses;
     /// Puts another description in force, as a reload does. False if that is not possible now.
     /// `done` gets why it is not in force; empty if it is.
     std::function<bool(ReadDescription, std::function<void(const std::string&)> done)> load;
@@ -91,7 +94,7 @@ class Rollout {
 
   /// Takes a part of a text, or its last part with what is to be done with it.
   Response take(const Asker& asker, const control::RolloutRequest& request,
-                const core::cluster::Member& member);
+                core::cluster::Member& member);
   [[nodiscard]] control::Rollout state(const core::cluster::Member& member) const;
 
  private:
@@ -104,11 +107,13 @@ class Rollout {
     Text text;        ///< null for a description to follow that is not in the store
     std::string damage = {};
     std::optional<DescribedResult> read = {};
+    bool force = false;  ///< losses are no reason against it
   };
   /// The latest text that was found usable together with what is in force here; at most 8 MiB.
   struct Checked {
     Digest digest{};
     Text text;
+    bool force = false;  ///< losses did not count
   };
   /// A description that cannot be put in force here, with the reason.
   struct Cannot {
@@ -122,9 +127,11 @@ class Rollout {
     std::string state, why;
     std::vector<std::string> without;
     std::optional<control::Actor> actor;
+    bool force = false;
   };
 
   [[nodiscard]] std::string why_not(Check& check) const;
+  [[nodiscard]] std::string why_lost(Described& next) const;
   [[nodiscard]] std::string unknown_gateway(const Described& next) const;
   void checked(Check& check);
   void lack(const Digest& digest);
@@ -144,8 +151,9 @@ class Rollout {
   [[nodiscard]] std::optional<std::string> kept(const Digest& digest);
   [[nodiscard]] static Text in_store(const Digest& digest, const core::cluster::Member& member);
   void report_damage(const std::string& damage);
-  Response begin(std::string text, const std::vector<std::string>& without,
+  Response begin(std::string text, const std::vector<std::string>& without, bool force,
                  const core::cluster::Member& member);
+  Response cancel(core::cluster::Member& member);
   Response back(const control::RolloutRequest& request, const core::cluster::Member& member);
   Response accept(const core::cluster::Member& member);
 

@@ -181,11 +181,13 @@ TEST_F(CodecTest, TheOthersAreReadAsTheyWereWritten) {
                                                     .chunks = 7,
                                                     .by = "gw/2",
                                                     .without = {"gw1"},
-                                                    .patience = 60}));
+                                                    .patience = 60,
+                                                    .force = true}));
   ASSERT_TRUE(next);
   EXPECT_EQ(next->chunks, 7U);
   EXPECT_EQ(next->by, "gw/2");
   EXPECT_EQ(next->patience, 60U);
+  EXPECT_TRUE(next->force);
   const auto judged =
       codec.rollout_vote(codec.write(cc::RolloutVote{.next = 4, .ok = true, .reason = {}}));
   ASSERT_TRUE(judged);

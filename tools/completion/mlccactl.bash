@@ -195,7 +195,7 @@ _mlccactl() {
 		words+=" --unset --priority --remove-set --dry-run $offline"
 		;;
 	format) words="--short --paper --in-place --output --force $offline" ;;
-	rollout) words+=" --off --wait --back --accept" ;;
+	rollout) words+=" --off --wait --back --accept --force --cancel" ;;
 	doctor) words="--can --send --id --fifo-depth --bus-off --bpf-root --json --help" ;;
 	generate) words="--component --out --force $offline" ;;
 	learn)

@@ -283,6 +283,8 @@ __mlccactl_option 'rollout' -l off -x -a '(__mlccactl_places)' -d 'a gateway tha
 __mlccactl_option 'rollout' -l wait -x -d 'how long it is followed'
 __mlccactl_option 'rollout' -l back -d 'the description before the one that is in force'
 __mlccactl_option 'rollout' -l accept -d 'take up the one that is in force in the cluster'
+__mlccactl_option 'rollout' -l force -d 'although check finds errors, or grants would be lost'
+__mlccactl_option 'rollout' -l cancel -d 'give up the one that is being rolled out'
 
 __mlccactl_option 'doctor' -l can -x -a '(__mlccactl_can)' -d 'the interface'
 __mlccactl_option 'doctor' -l send -d 'send frames on the bus'

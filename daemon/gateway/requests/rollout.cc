@@ -18,7 +18,7 @@ Response rollout(const RolloutParts& parts, const Asker& asker,
   if (parts.membership == nullptr) return invalid(kAlone);
   if (const std::string why = parts.membership->rollout_bar(); !why.empty())
     return failed("nothing was changed: " + why);
-  return parts.membership->rollout().take(asker, request, parts.membership->member());
+  return parts.membership->rollout().take(asker, request, parts.membership->own_member());
 }
 
 Response rollout_state(const RolloutParts& parts, const Asker& /*asker*/,

@@ -23,13 +23,7 @@ Style style_of(core::Severity severity) {
 }
 
 void write(std::string& out, const ReportedFinding& f, Color color) {
-  const auto& info = core::info(f.id);
-  std::string where = f.file;
-  if (f.line > 0) where += fmt::format(":{}", f.line);
-  const auto what = fmt::format("{} {}:", to_text(info.severity), core::code_of(f.id));
-  fmt::format_to(std::back_inserter(out), "{}: {} {}{}\n", styled(where, Style::bold, color),
-                 styled(what, style_of(info.severity), color),
-                 f.element.empty() ? "" : printable("<" + f.element + ">: "), printable(f.text));
+  out += line_of(f, color) + "\n";
   if (!f.hint.empty())
     fmt::format_to(std::back_inserter(out), "    {}\n",
                    styled("hint: " + f.hint, Style::dim, color));
@@ -52,6 +46,17 @@ std::string channels_line(const SystemReport& system) {
 }
 
 }  // namespace
+
+std::string line_of(const ReportedFinding& f, Color color) {
+  const auto& info = core::info(f.id);
+  std::string where = f.file;
+  if (f.line > 0) where += fmt::format(":{}", f.line);
+  const auto what = fmt::format("{} {}:", to_text(info.severity), core::code_of(f.id));
+  return fmt::format("{}: {} {}{}", styled(where, Style::bold, color),
+                     styled(what, style_of(info.severity), color),
+                     f.element.empty() ? "" : printable("<" + f.element + ">: "),
+                     printable(f.text));
+}
 
 std::string write_text(const Report& report, Color color) {
   std::string out;

@@ -8,6 +8,9 @@
 
 namespace mlcca::tools::design {
 
+/// "FILE:LINE: error MLCCA021: text", without the hint.
+[[nodiscard]] std::string line_of(const ReportedFinding& finding, Color color);
+
 /// Text: lines "FILE:LINE: error MLCCA021: text" with a hint below each, then a summary.
 std::string write_text(const Report& report, Color color);
 
