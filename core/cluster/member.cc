@@ -285,6 +285,19 @@ Member::Standing Member::standing(Value now) const {
   return now < view_.leases_end() ? Standing::waiting : Standing::joined;
 }
 
+/// Which lease may last longest, and how long it may.
+std::string Member::why_leases_last() const {
+  if (const auto longest = view_.with_too_long_lease())
+    return ", and " + keys_->gateway_name(*longest) + " states one of " +
+           format_span(view_.lease(*longest));
+  const std::string most =
+      ": that takes at most " + format_span(view_.longest_awaited()) + " and a second";
+  const auto unread = view_.with_unread_beat();
+  return unread
+             ? most + ", because the entry of " + keys_->gateway_name(*unread) + " cannot be read"
+             : most;
+}
+
 std::string Member::why_no_description() const {
   const auto& current = view_.records().current;
   if (current.mod == 0) return "no description is in force yet";
@@ -303,14 +316,11 @@ std::string Member::why_not(std::uint64_t id, Value now) const {
     case Standing::joining:
       return "this gateway is joining the cluster";
     case Standing::gone_back:
-      return "the store has gone back: it needs another epoch (docs/how-to/cluster-etcd.md)";
-    case Standing::waiting: {
-      const auto longest = view_.with_too_long_lease();
-      return "the store was restored: leases from before have not ended yet" +
-             (longest ? ", and " + keys_->gateway_name(*longest) + " states one of " +
-                            format_span(view_.lease(*longest))
-                      : std::string());
-    }
+      return "the store has gone back, or somebody has changed the entry of this gateway (" +
+             keys_->member(identity_.gateway) +
+             "): it needs another epoch (docs/how-to/shared-closed.md)";
+    case Standing::waiting:
+      return "the store was restored: leases from before have not ended yet" + why_leases_last();
     case Standing::other_digest:
       return why_no_description();
     case Standing::draining:

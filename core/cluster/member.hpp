@@ -163,6 +163,7 @@ class Member {
   [[nodiscard]] bool same_epoch() const;
   [[nodiscard]] bool digest_in_force() const;
   [[nodiscard]] bool other_is_open() const;
+  [[nodiscard]] std::string why_leases_last() const;
   [[nodiscard]] std::string why_no_description() const;
   [[nodiscard]] std::string no_answer() const {
     return std::string(full_ ? kFull : kNoAnswer) + (problem_.empty() ? "" : ": " + problem_);

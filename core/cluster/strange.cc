@@ -45,8 +45,12 @@ std::string why_strange(const Records& records, const Keys& keys, const std::opt
     case Strangeness::too_long:
       return "it has " + std::to_string(entry.octets) + " octets, and may have " +
              std::to_string(kMostEntryBytes);
-    case Strangeness::value:
-      return "it is damaged, or of another version";
+    case Strangeness::value: {
+      const std::string what = "it is damaged, or of another version";
+      if (!key || key->kind != Key::Kind::member) return what;
+      return what + ": " + keys.gateway_name(key->gateway) + " counts as sending for " +
+             format_span(kMostLease) + " from then on";
+    }
     case Strangeness::other:
       return "it belongs to another description";
     case Strangeness::lease: {
@@ -75,6 +79,9 @@ std::string remedy(const Keys& keys, std::string_view name, const std::optional<
   if (entry.why == Strangeness::lease && key)
     return "restart mlccad on " + keys.gateway_name(key->gateway) + " with a --lease of " +
            format_span(kLeastLease) + " to " + format_span(kMostLease);
+  if (key && key->kind == Key::Kind::member)
+    return "'mlccactl cluster status' on " + keys.gateway_name(key->gateway) +
+           " says what to do; if mlccad does not run there, start it, which replaces the entry";
   if (written_by_one)
     return "restart mlccad on " + keys.gateway_name(key->gateway) +
            ", which replaces or deletes it; if that gateway is off, the others do so when its "

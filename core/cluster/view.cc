@@ -383,16 +383,27 @@ void View::adopt(std::size_t gateway, std::uint64_t id, bool adopted) {
       touch_reservation(n, gateway);
 }
 
-Value View::all_leases_end(Value now, Value own_lease) const {
+Value View::longest_lease(Value own_lease) const {
   Value longest = own_lease;
   for (std::size_t g = 0; g < timers_.size(); ++g)
     if (g != self_ && timers_[g].mod != 0) longest = std::max(longest, timers_[g].lease);
-  return may_fence_at(now, longest);
+  return longest;
+}
+
+Value View::all_leases_end(Value now, Value own_lease) const {
+  return may_fence_at(now, longest_lease(own_lease));
 }
 
 void View::await_leases(Value now, Value own_lease) {
   leases_end_ = all_leases_end(now, own_lease);
   lawful_end_ = std::min(leases_end_, may_fence_at(now, std::max(own_lease, kMostLease)));
+  longest_awaited_ = std::min(longest_lease(own_lease), std::max(own_lease, kMostLease));
+}
+
+std::optional<std::size_t> View::with_unread_beat() const {
+  for (std::size_t g = 0; g < timers_.size(); ++g)
+    if (g != self_ && timers_[g].mod != 0 && !records_.members[g].beat) return g;
+  return std::nullopt;
 }
 
 std::optional<std::size_t> View::with_too_long_lease() const {

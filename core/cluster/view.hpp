@@ -68,11 +68,18 @@ class View {
   [[nodiscard]] bool surely_closed(std::size_t gateway, std::int64_t revision, Value now) const;
   /// When nobody who is known now can hold anything any more by what was committed before now.
   [[nodiscard]] Value all_leases_end(Value now, Value own_lease) const;
+  /// The longest lease for which another gateway counts that the store knows, or `own_lease`.
+  [[nodiscard]] Value longest_lease(Value own_lease) const;
   /// Waits for these leases, as they are now. A longer one than a gateway may have counts as the
   /// longest that it may have once its entry is deleted or replaced by a beat.
   void await_leases(Value now, Value own_lease);
   /// When the leases end for which await_leases() waits; 0: it was not called.
   [[nodiscard]] Value leases_end() const { return leases_end_; }
+  /// The longest of these leases, ns, as far as it may be.
+  [[nodiscard]] Value longest_awaited() const { return longest_awaited_; }
+  /// Another gateway whose beat cannot be read, so that it counts for the longest lease; nullopt:
+  /// there is none.
+  [[nodiscard]] std::optional<std::size_t> with_unread_beat() const;
   /// Another gateway that states a longer lease than it may have; nullopt: none does.
   [[nodiscard]] std::optional<std::size_t> with_too_long_lease() const;
   /// The lease for which a gateway counts.
@@ -141,6 +148,7 @@ class View {
   std::set<std::size_t> changed_;
   std::set<Records::AskedKey> touched_;
   Value leases_end_ = 0, lawful_end_ = 0;  ///< see await_leases()
+  Value longest_awaited_ = 0;              ///< the same as a lease, for texts
 
   /// What foreign() has found, by network, of each gateway that has something there; null: it may
   /// have something else since. Of many gateways one changes at a time.
