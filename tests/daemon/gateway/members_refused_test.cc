@@ -106,8 +106,9 @@ TEST_F(MembersRefused, TheLogSaysThatItWasRefused) {
   for (const auto& event : at(0).published)
     if (event.kind == "refused" && event.channel == "c3") {
       ++said;
-      EXPECT_EQ(event.message,
-                "c3 (0x0000000000000004) refused from own0 to own1: " + delivery.reason);
+      EXPECT_TRUE(event.message.starts_with("c3 (0x0000000000000004) refused from own0 to own1: " +
+                                            delivery.reason))
+          << event.message;
     }
   EXPECT_EQ(said, 1U);
 }
@@ -119,7 +120,7 @@ TEST_F(MembersRefused, WhatTheGatewayOfThePublisherDoesNotAdmitIsRefusedByIt) {
   auto request = subscriber_on("own1");
   request.required = {attribute_of("Deadline", 1000)};
   const auto delivery = delivery_in(1, request);
-  expect_refused(delivery, "g0", "shared");
+  expect_refused(delivery, "g0", "own0");
   EXPECT_EQ(delivery.name, "c3");
   EXPECT_EQ(delivery.from, "own0");
   EXPECT_EQ(delivery.to, "own1");
