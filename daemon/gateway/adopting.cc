@@ -509,8 +509,8 @@ Adopting::Adopted* Adopting::find(const Ref& ref) {
 /// The other gateway asks again after a refusal, unless the publisher is gone.
 void Adopting::answer(Adopted& adopted, const Refusal& why) {
   adopted.answer = vote_of(why);
-  adopted.answer.final =
-      !why.why.empty() && !adopted.ours.empty() && admissions_.is_publisher_gone(adopted.ours.front());
+  adopted.answer.final = !why.why.empty() && !adopted.ours.empty() &&
+                         admissions_.is_publisher_gone(adopted.ours.front());
   set_due(adopted, Due::answer);
 }
 

@@ -40,7 +40,7 @@ constexpr Statuses kStatuses[] = {
     {"generate", "0 done", kOfAll},
     {"import", "0 done", kWrites},
     {"new", "0 done, 1 ended at a question", kWrites},
-    {"rollout", "0 it is in force, or given up as asked; 1 refused", kOfAll},
+    {"rollout", "0 it is in force, or given up as asked, 1 refused", kOfAll},
 };
 
 /// Adds what holds for all verbs.
