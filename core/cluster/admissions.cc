@@ -322,18 +322,22 @@ std::optional<std::size_t> Admissions::silent_gateway(const Own& own, const View
   return first == gateways.end() ? std::nullopt : std::optional(*first);
 }
 
+/// Nobody has decided in time: says who has not, or what was in the way.
+void Admissions::refuse_late(Own& own, const View& view, std::vector<Event>& events) const {
+  if (const auto silent = silent_gateway(own, view))
+    refuse(own, no(view.keys().gateway_name(*silent) + " does not answer"), silent, events);
+  else if (own.state <= State::decide && own.tries != 0)
+    refuse(own, taken_meanwhile(own, view), kNobody, events);
+  else
+    refuse(own, no("the store does not answer"), kNobody, events);
+}
+
 void Admissions::step(const View& view, Value now, std::vector<Event>& events) {
   for (auto it = own_.begin(); it != own_.end();) {
     Own& own = it->second;
     const bool waits = !own.answered && own.state <= State::opening;
     if (waits && now >= add_saturating(own.since, kPatience)) {
-      const auto silent = silent_gateway(own, view);
-      if (silent)
-        refuse(own, no(view.keys().gateway_name(*silent) + " does not answer"), silent, events);
-      else if (own.state <= State::decide && own.tries != 0)
-        refuse(own, taken_meanwhile(own, view), kNobody, events);
-      else
-        refuse(own, no("the store does not answer"), kNobody, events);
+      refuse_late(own, view, events);
       if (nowhere_but_here(own)) {
         it = own_.erase(it);
         continue;

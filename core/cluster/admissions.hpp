@@ -119,6 +119,7 @@ class Admissions {
   void step_votes(Own& own, const View& view, Value now, std::vector<Event>& events) const;
   static void step_quicker(Own& own, const View& view, Value now, std::vector<Event>& events);
   static Vote taken_meanwhile(const Own& own, const View& view);
+  void refuse_late(Own& own, const View& view, std::vector<Event>& events) const;
   [[nodiscard]] std::optional<std::size_t> silent_gateway(const Own& own, const View& view) const;
   [[nodiscard]] Value wait_of(const Own& own) const;
   [[nodiscard]] Work reservation(const Own& own, const View& view, const Codec& codec) const;

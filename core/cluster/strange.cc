@@ -46,7 +46,7 @@ std::string why_strange(const Records& records, const Keys& keys, const std::opt
       return "it has " + std::to_string(entry.octets) + " octets, and may have " +
              std::to_string(kMostEntryBytes);
     case Strangeness::value: {
-      const std::string what = "it is damaged, or of another version";
+      std::string what = "it is damaged, or of another version";
       if (!key || key->kind != Key::Kind::member) return what;
       return what + ": " + keys.gateway_name(key->gateway) + " counts as sending for " +
              format_span(kMostLease) + " from then on";

@@ -169,7 +169,7 @@ class Membership final : private core::Holdings, private Adopting::Hands {
   /// The same in one short text; empty if nothing does.
   [[nodiscard]] std::string standing() const;
   [[nodiscard]] const core::cluster::Member& member() const { return *session_.member; }
-  [[nodiscard]] core::cluster::Member& own_member() { return *session_.member; }
+  [[nodiscard]] core::cluster::Member& own_member() const { return *session_.member; }
   /// nullptr before begin().
   [[nodiscard]] const core::cluster::Member* begun_member() const { return session_.member.get(); }
   [[nodiscard]] const core::Permits& permits() const { return session_.networks->permits(); }
