@@ -91,7 +91,7 @@ class Client::Data {
     std::weak_ptr<Channel::Part> part;
     SharedEndpoint endpoint;
     std::uint64_t until = 0;  ///< events are sent to it until then, CLOCK_MONOTONIC in ns; later it
-                              ///< is only told how many there were
+                              ///< learns only how many there were
   };
   /// What became of an event at one endpoint.
   enum class Passed : std::uint8_t {

@@ -136,16 +136,20 @@ control::MediumUse medium_report(const core::State& state, const core::Verdict& 
   return out;
 }
 
-control::Channel delivery_report(const core::State& state, const core::Verdict& v) {
-  const core::System& system = state.system();
-  const core::Members& members = state.members();
-  const core::EventChannel& channel = system.channels[v.channel];
-  const core::Publisher& publisher = members.publisher(v.publisher);
+control::Channel described_row(const core::EventChannel& channel) {
   control::Channel out;
   out.subject = channel.subject;
   out.name = channel.name;
   out.description = channel.description;
   out.importance = channel.importance;
+  return out;
+}
+
+control::Channel delivery_report(const core::State& state, const core::Verdict& v) {
+  const core::System& system = state.system();
+  const core::Members& members = state.members();
+  const core::Publisher& publisher = members.publisher(v.publisher);
+  control::Channel out = described_row(system.channels[v.channel]);
   out.publisher = publisher.name;
   out.from = core::name_of(system, publisher.place);
   out.to = core::name_of(system, v.to);

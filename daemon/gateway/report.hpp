@@ -20,6 +20,8 @@ enum class Own : std::uint8_t { is_available, is_taken };
 [[nodiscard]] control::MediumUse medium_report(const core::State& state,
                                                const core::Verdict& verdict,
                                                const core::MediumUse& use, Own own);
+/// What the description says of a channel itself.
+[[nodiscard]] control::Channel described_row(const core::EventChannel& channel);
 /// Which delivery a verdict is about: names and places, without the verdict itself.
 [[nodiscard]] control::Channel delivery_report(const core::State& state,
                                                const core::Verdict& verdict);

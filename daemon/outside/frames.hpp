@@ -26,7 +26,7 @@ struct Refusals {
 struct Frames {
   std::uint64_t passed = 0;
   std::uint64_t dropped = 0;
-  std::uint64_t excess = 0;                      ///< beyond what was admitted, dropped or not
+  std::uint64_t excess = 0;                      ///< more than was admitted, dropped or not
   std::uint64_t excess_dropped = 0;              ///< a part of dropped and of excess
   std::uint64_t would_drop = 0;                  ///< passed in audit mode; not a part of dropped
   std::uint64_t would_exceed = 0;                ///< a part of would_drop and of excess

@@ -154,11 +154,7 @@ class Waiting : public std::enable_shared_from_this<Waiting> {
 
   /// The delivery of a publisher that this gateway does not know.
   [[nodiscard]] control::Channel delivery_elsewhere(const core::EventChannel& channel) const {
-    control::Channel out;
-    out.subject = channel.subject;
-    out.name = channel.name;
-    out.description = channel.description;
-    out.importance = channel.importance;
+    control::Channel out = described_row(channel);
     out.publisher = request_.publisher;
     out.from = request_.from;
     out.to = request_.to;

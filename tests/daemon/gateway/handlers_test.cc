@@ -391,7 +391,7 @@ TEST_F(Handlers, AnnouncementsOfUnknownGatewaysAreRefused) {
   describe(with_subscriptions());
   const requests::PresenceParts parts{scene_, presence_};
   control::PresenceRequest received;
-  received.gateway = "stranger";
+  received.gateway = "unknown";
   received.network = "eth0";
   received.lasts_ns = kSecondNs;
   EXPECT_NE(forbidden_as(requests::presence(parts, asks(1000), received)), "");

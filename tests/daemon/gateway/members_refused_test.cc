@@ -206,7 +206,7 @@ TEST_F(MembersObjected, WhenTheGatewayIsBackItIsGranted) {
   EXPECT_EQ(asked(0, wanted("c3", "own0", "own1")), "granted");
 }
 
-/// It is no decision of anybody.
+/// No gateway has decided it.
 TEST_F(MembersRefused, AStoreThatDoesNotAnswerIsAnErrorOfTheSurroundings) {
   start_all();
   link(0).answers = false;
