@@ -161,10 +161,12 @@ demo: ensure-deps ## the emergency stop, shown on real SocketCAN and systemd (DE
 test: ensure-deps ## everything: layers, format, unit, kernel and guest tests
 	$(Q)$(MAKE) BUNDLE=$(BUNDLE_IF_BARE) test-all
 
+# The tests of the second line wait as often as they compute, so there is one more of them than there are processors.
 test-all:
-	$(Q)$(MAKE) all check-layers check-format cppcheck tidy check-mcu
-	$(Q)$(MAKE) FUZZ_OPT=-O0 check-cluster check-node check-fuzz check-work check-sanitized check-plain check-docs check-docs-cluster check-install check-reproducible check-fault check-memory check-torn check-neighbour check-quotas check-client check-exporter check-cockpit
-	$(Q)$(MAKE) check-harness check-lintian check-guest
+	$(Q)$(TIMED) $(MAKE) all check-layers check-format cppcheck tidy check-mcu
+	$(Q)$(TIMED) $(MAKE) -j$(shell expr $$(nproc) + 1) FUZZ_OPT=-O0 check-cluster check-node check-fuzz check-work check-sanitized check-plain check-docs check-docs-cluster check-install check-reproducible check-fault check-memory check-torn check-neighbour check-quotas check-client check-exporter check-cockpit
+	$(Q)$(TIMED) $(MAKE) check-harness check-lintian check-guest
+TIMED := tests/support/timed
 
 lint: check-layers check-format cppcheck tidy ## layering, clang-format-19, cppcheck and clang-tidy-19
 

@@ -29,11 +29,11 @@ $O/fuzz/obj/tests/%.o $O/fuzz/obj/bundle/tests/%.o: FUZZ_INTO := -O0
 $O/fuzz/obj/bundle/tests/%.o: CPPFLAGS += $(TOOLS_CPPFLAGS)
 $O/fuzz/obj/tests/fuzz/%.o: FUZZ_FLAGS += $(WARN)
 $O/fuzz/obj/tests/fuzz/%.o: FUZZ_INTO := $(FUZZ_OPT) -fsanitize=fuzzer-no-link
-$O/fuzz/obj/%.o: %.cc | $(BPF_SKELETONS) $(BPF_TEST_SKELETONS) $(CONTROL_HEADERS) $(DESCRIPTION_TABLES)
+$O/fuzz/obj/%.o: %.cc | $(BPF_SKELETONS) $(BPF_TEST_SKELETONS) $(CONTROL_HEADERS) $(DESCRIPTION_TABLES) $(PROTOBUF_HEADERS)
 	$(call say,FUZZCXX,$<)
 	$(Q)mkdir -p $(@D) && $(FUZZ_CXX) $(FUZZ_FLAGS) $(FUZZ_INTO) -fsanitize=$(FUZZ_SANITIZERS) \
 		$(CPPFLAGS) -MMD -MP -c $< -o $@
-$O/fuzz/obj/bundle/%.o: $O/bundle/%.cc | $(BPF_SKELETONS) $(BPF_TEST_SKELETONS) $(CONTROL_HEADERS) $(DESCRIPTION_TABLES)
+$O/fuzz/obj/bundle/%.o: $O/bundle/%.cc | $(BPF_SKELETONS) $(BPF_TEST_SKELETONS) $(CONTROL_HEADERS) $(DESCRIPTION_TABLES) $(PROTOBUF_HEADERS)
 	$(call say,FUZZCXX,$(patsubst $O/bundle/%.cc,%,$<))
 	$(Q)mkdir -p $(@D) && $(FUZZ_CXX) $(FUZZ_FLAGS) $(FUZZ_INTO) -fsanitize=$(FUZZ_SANITIZERS) \
 		$(CPPFLAGS) -MMD -MP -c $< -o $@
