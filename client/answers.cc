@@ -48,7 +48,7 @@ Delivery delivery_of(const control::Channel& from) {
                .to = from.to,
                .reason = from.reason,
                .set = from.set,
-               .trouble = from.troubles.empty() ? "" : from.troubles.front(),
+               .problem = from.problems.empty() ? "" : from.problems.front(),
                .route = from.route,
                .checks = {}};
   out.checks.reserve(from.rows.size());

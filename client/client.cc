@@ -34,19 +34,19 @@ const char* name_of(Cause cause) {
     case Cause::missed:
       return "missed";
     case Cause::network_down:
-      return "network down";
+      return "network-down";
     case Cause::late:
       return "late";
     case Cause::gates_closed:
-      return "gates closed";
+      return "gates-closed";
     case Cause::mode:
       return "mode";
     case Cause::lagged:
       return "lagged";
     case Cause::daemon_gone:
-      return "daemon gone";
+      return "daemon-gone";
     case Cause::daemon_back:
-      return "daemon back";
+      return "daemon-back";
     case Cause::other:
       break;
   }

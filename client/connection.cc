@@ -475,9 +475,9 @@ void Client::Connection::withdraw(const PartOf& part, const control::Event& even
 
 void Client::Connection::on_happened(const PartOf& part, const control::Event& event) {
   const Cause cause = cause_of(event);
-  const bool is_outdated = cause == Cause::restored && part->forget_trouble(event);
+  const bool is_outdated = cause == Cause::restored && part->forget_problem(event);
   part->note(cause, event.message, &event);
-  if (is_outdated) ask_again(part);  // the delivery may have other troubles
+  if (is_outdated) ask_again(part);  // the delivery may have other problems
 }
 
 bool Client::Connection::has_exceptions() {

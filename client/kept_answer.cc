@@ -104,7 +104,7 @@ control::Channel channel_of(const Delivery& delivery) {
   out.to = delivery.to;
   out.reason = delivery.reason;
   out.set = delivery.set;
-  if (!delivery.trouble.empty()) out.troubles.push_back(delivery.trouble);
+  if (!delivery.problem.empty()) out.problems.push_back(delivery.problem);
   out.route = delivery.route;
   const Words words(out.publisher, out.route);
   for (std::string* place : {&out.from, &out.to}) words.shorten(*place);

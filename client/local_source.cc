@@ -95,7 +95,7 @@ control::Event LocalSource::event(const char* kind) const {
 }
 
 control::Event LocalSource::excess() {
-  control::Event out = event("excess");
+  control::Event out = event("policed");
   out.frames = std::exchange(excess_, 0);
   out.message =
       events_text(out.frames) + " dropped of programs on this gateway: more than is admitted";

@@ -35,7 +35,7 @@ class LocalSource {
   /// Counts events that were lost before this one because the kernel had no room for them.
   void miss(std::uint64_t events, std::uint64_t now);
 
-  /// The next event to report, of kind excess, missed, missing or restored. Call it until it
+  /// The next event to report, of kind policed, missed, missing or restored. Call it until it
   /// returns nullopt.
   [[nodiscard]] std::optional<control::Event> happened(std::uint64_t now);
   /// When happened() may return something next; nullopt: not before another event has arrived.

@@ -109,16 +109,16 @@ void Channel::Part::take(const std::shared_ptr<const Answer>& now) {
            "there is no delivery of " + d.publisher + " to " + d.to + " any more");
 }
 
-bool Channel::Part::forget_trouble(const control::Event& event) {
+bool Channel::Part::forget_problem(const control::Event& event) {
   const auto is_of = [&](const Delivery& d) {
-    return !d.trouble.empty() && (event.publisher.empty() || d.publisher == event.publisher) &&
+    return !d.problem.empty() && (event.publisher.empty() || d.publisher == event.publisher) &&
            (event.network.empty() || d.to == event.network || d.from == event.network);
   };
   const auto before = answer.get();
   if (std::ranges::none_of(before->deliveries, is_of)) return false;
   const auto now = std::make_shared<Answer>(*before);
   for (Delivery& d : now->deliveries)
-    if (is_of(d)) d.trouble.clear();
+    if (is_of(d)) d.problem.clear();
   answer = KeptAnswer(now);
   return true;
 }

@@ -55,8 +55,8 @@ struct Channel::Part {
   /// Takes the daemon's answer, and adds an exception for each delivery that is decided otherwise
   /// than before.
   void take(const std::shared_ptr<const Answer>& now);
-  /// Removes the trouble of deliveries of which events arrive again. Returns false if none had any.
-  bool forget_trouble(const control::Event& event);
+  /// Removes the problem of deliveries of which events arrive again. Returns false if none had any.
+  bool forget_problem(const control::Event& event);
   /// Whether a delivery on the gateway itself is granted.
   [[nodiscard]] bool is_granted_here() const;
   /// Marks the deliveries that the event withdraws as refused, before the daemon is asked.

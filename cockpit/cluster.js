@@ -23,12 +23,12 @@ function standing(cluster) {
       standingFact("reserved lasts", cluster.lasts_ns ? `${duration(cluster.lasts_ns)} surely` : "no more", cluster.lasts_ns > 0),
       standingFact("description", cluster.generation ? `generation ${count(cluster.generation)}${same ? "" : ": another one"}` : "none in force", same),
       standingFact("store", `${cluster.store_up ? "answers" : "does not answer"} for ${duration(cluster.store_for_ns)}`, cluster.store_up)),
-    h("ul", {}, cluster.health.reasons.map((reason) => h("li", { class: "trouble" }, reason))),
+    h("ul", {}, cluster.health.reasons.map((reason) => h("li", { class: "problem" }, reason))),
     h("p", { class: "quiet" }, `Networks of several gateways: ${cluster.networks.join(", ") || "none"}`)];
 }
 function gatewayTable(members) {
-  return table("Gateways", ["State", "Gateway", "Latest beat", "Lasts", "Description", "Reserved", "Carries"], members.map((m) => cells(
-    stateWord(m.state, kWell.includes(m.state)), m.own ? `${m.name} (this one)` : m.name, m.beats ? `${elapsed(m.beat_age_ns)} ago` : "",
+  return table("Gateways", ["State", "Gateway", "Beat age", "Lasts", "Description", "Reserved", "Carries"], members.map((m) => cells(
+    stateWord(m.state, kWell.includes(m.state)), m.own ? `${m.name} (this one)` : m.name, m.beats ? elapsed(m.beat_age_ns) : "",
     m.lasts_ns ? duration(m.lasts_ns) : "", m.digest ? `${m.digest.slice(0, kDigits)}${m.other ? ": another one" : ""}` : "",
     m.shares.map((s) => `${s.network}: ${count(s.reservations)}`).join(", "),
     `${m.carries.join(", ")}${m.carries_left_out ? ` and ${count(m.carries_left_out)} more` : ""}`)));

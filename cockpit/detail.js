@@ -37,7 +37,7 @@ export function channelFacts(c) {
     fact("Margin", marginOf(c)), fact("Attribute set", c.sets > 1 ? `${c.granted ? c.set + 1 : "none"} of ${c.sets}` : ""),
     c.media.map((m) => fact(`On ${m.network}`, [
       m.response_ns ? `response ${duration(m.response_ns)}, at most ${duration(m.guaranteed_ns)}` : "",
-      m.nodes.length ? `path ${m.nodes.join(" › ")}` : "", m.available ? `${rate(m.available)} left` : ""].filter(Boolean).join("; "))),
+      m.path.length ? `path ${m.path.join(" › ")}` : "", m.available ? `${rate(m.available)} left` : ""].filter(Boolean).join("; "))),
     fact("Frames", c.crosses_no_gate ? "not counted: they cross no gate of this gateway" :
       `${count(c.passed)} passed, ${count(c.dropped)} dropped, ${count(c.excess)} in excess`),
     fact("Would drop", c.would_drop ? `${count(c.would_drop)} that passed in audit mode` : ""),
@@ -49,7 +49,7 @@ export function channelFacts(c) {
 export function channelDetail(c, actions, taken) {
   return [
     h("p", { class: "lead" }, verdict(c.state), h("br"), c.reason),
-    ...c.troubles.map((t) => h("p", { class: "trouble" }, forPeople(t))),
+    ...c.problems.map((t) => h("p", { class: "problem" }, forPeople(t))),
     asOf(taken),
     c.description ? h("p", {}, c.description) : null,
     h("ol", { class: "hops", "aria-label": "Route" }, c.route.map((place) => h("li", {}, place))),
@@ -81,7 +81,7 @@ export function placeFacts(p, resources) {
 export function placeDetail(p, resources) {
   if (p.gateway) return [placeFacts(p, resources)];
   return [
-    p.network.problem ? h("p", { class: "trouble" }, p.network.problem) : null,
+    p.network.problem ? h("p", { class: "problem" }, p.network.problem) : null,
     placeFacts(p, resources),
     p.links.length ? table("Links", ["From", "To", "Rate", "Loss", "State"], p.links.map((l) => h("tr", {},
       h("td", {}, l.from), h("td", {}, l.to), h("td", {}, l.believed_rate ? bits(l.believed_rate) : "0"),

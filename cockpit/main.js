@@ -16,7 +16,7 @@ const kFindings = 200; // most findings that are shown
 const kEntries = 200; // entries of the history that are shown, and that are asked for without a search
 const kSearched = 10000; // entries that are asked for with a search: the most that mlccactl gives
 const kSamples = 240; // most samples of a resource, since the page was opened
-const kLoud = ["withdrawn", "revoked", "network-down", "removed", "refused", "missing", "lapsed", "drift", "bypass", "mode", "trouble"];
+const kLoud = ["withdrawn", "revoked", "network-down", "removed", "refused", "missing", "lapsed", "drift", "bypass", "mode", "problem"];
 const now = { status: null, networks: [], channels: [], reservations: [], routes: { links: [] }, history: [], audit: null, cluster: null, members: null, taken_there: null, live: false, taken: 0, health_taken: 0, health_asked: false,
   counted: new Counted() };
 const samples = new Map();
@@ -120,10 +120,10 @@ function openChannel(c, keep = false) {
 // --- tabs -----------------------------------------------------------------------------------------
 
 const filter = { text: "", state: "all" };
-const whyOf = (c) => h("span", {}, forPeople(c.troubles[0] ?? c.reason));
+const whyOf = (c) => h("span", {}, forPeople(c.problems[0] ?? c.reason));
 const list = new List({
   label: "Deliveries", open: (c) => openChannel(c), every: !kLive,
-  columns: [["state", "Verdict"], ["name", "Channel"], ["ends", "Way"], ["why", "Why"], ["margin", "Margin"], ["number passed", "Passed"], ["number dropped", "Dropped"],
+  columns: [["state", "Verdict"], ["name", "Channel"], ["ends", "Route"], ["why", "Reason"], ["margin", "Margin"], ["number passed", "Passed"], ["number dropped", "Dropped"],
     ["number would", "Would drop"], ["events", "Events"]],
   cells: (c) => [verdict(c.state), cut(c.name), h("span", {}, cut(c.from, 8), " › ", cut(c.to, 8)), whyOf(c), marginOf(c), passed(c), count(c.dropped),
     c.would_drop ? count(c.would_drop) : "", silence(c)],
@@ -199,7 +199,7 @@ function search() {
 }
 function showHistory() {
   const text = past.text.toLowerCase();
-  const found = now.history.filter((e) => (!past.people || e.by)
+  const found = now.history.filter((e) => (!past.people || e.client)
     && (!text || `${e.kind} ${e.channel} ${e.from} ${e.to} ${e.network} ${e.message}`.toLowerCase().includes(text)));
   put("past", found.length ? h("ol", { class: "history" }, found.slice(0, kEntries).map((e) => h("li", {},
     h("time", { datetime: new Date(e.unix_ns / 1e6).toISOString() }, moment(e.unix_ns)), h("span", { class: `kind ${e.kind}` }, e.kind),

@@ -5,18 +5,18 @@ import { inWords } from "./place.js";
 
 export const key = (c) => [c.subject, c.publisher, c.admission, c.from, c.to].join("\n");
 
-/** The state of a delivery: the first of withdrawn, refused, silent, trouble, degraded and granted that holds. */
+/** The state of a delivery: the first of withdrawn, refused, silent, problem, degraded and granted that holds. */
 export function stateOf(c) {
   if (c.withdrawn) return "withdrawn";
   if (!c.granted) return "refused";
   if (c.watch?.silent_ns) return "silent";
-  if (c.troubles.length) return "trouble";
+  if (c.problems.length) return "problem";
   return c.set > 0 ? "degraded" : "granted";
 }
 export const kStates = {
   refused: { mark: "✕", rank: 0, bad: true },
   silent: { mark: "!", rank: 1, bad: true },
-  trouble: { mark: "!", rank: 2, bad: true },
+  problem: { mark: "!", rank: 2, bad: true },
   withdrawn: { mark: "–", rank: 3 },
   degraded: { mark: "↓", rank: 4 },
   granted: { mark: "✓", rank: 5 },
@@ -91,7 +91,7 @@ export class Counted {
       const name = `${c.name}\n${c.publisher}`;
       if (!c.granted || !w || w.shared || events.has(name)) continue; // another delivery of the same events
       const before = this.#events.get(name);
-      const hertz = before !== undefined && before <= w.events ? (w.events - before) / seconds : (w.rate_mhz ?? 0) / 1000;
+      const hertz = before !== undefined && before <= w.events ? (w.events - before) / seconds : (w.rate_millihertz ?? 0) / 1000;
       events.set(name, w.events);
       share.set(name, hertz * w.period_ns / 1e9);
     }

@@ -69,7 +69,7 @@ class Slicer {
   std::vector<Reply> operator()(Routes& all) {
     slice<Routes>();
     for (RouteReport& row : all.routes) {
-      const std::size_t lines = 1 + row.places.size() + lines_of(row.media);
+      const std::size_t lines = 1 + row.route.size() + lines_of(row.media);
       slice<Routes>().routes.push_back(std::move(row));
       filled_ += lines;
     }
@@ -182,7 +182,7 @@ class Slicer {
  private:
   static std::size_t lines_of(const std::vector<MediumUse>& media) {
     std::size_t lines = 0;
-    for (const MediumUse& use : media) lines += 1 + use.nodes.size();
+    for (const MediumUse& use : media) lines += 1 + use.path.size();
     return lines;
   }
   template <class Body>

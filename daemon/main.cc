@@ -130,7 +130,7 @@ ControlGroup control_group(const Options& options, const SystemLog& journal, Con
                              [&gateway] { gateway.beat(); });
   if (found && *found) return {**found, false};
   journal.write(
-      {Kind::trouble,
+      {Kind::problem,
        4,
        (found ? found->error().text
               : "within 5 s the look-up of groups has not answered for " + options.group) +
@@ -144,7 +144,7 @@ ControlGroup control_group(const Options& options, const SystemLog& journal, Con
 }
 
 int give_up(const SystemLog& journal, const std::string& line) {
-  journal.write({Kind::trouble, 3, line, 0, {}, {}, {}, {}});
+  journal.write({Kind::problem, 3, line, 0, {}, {}, {}, {}});
   return kFailed;
 }
 
@@ -152,7 +152,7 @@ int give_up(const SystemLog& journal, const std::string& line) {
 int close_and_give_up(const SystemLog& journal, const std::string& why) {
   const auto closed = gates::close_unpinned();
   if (!closed)
-    journal.write({Kind::trouble,
+    journal.write({Kind::problem,
                    2,
                    "not every gate could be closed: " + closed.error().text,
                    0,
@@ -230,7 +230,7 @@ int run(const Options& options) {
   gateway.hold(std::move(*alone));
   if (const auto problem = gateway.start()) {
     for (const std::string& line : problem->lines)
-      journal.write({Kind::trouble, 3, line, 0, {}, {}, {}, {}});
+      journal.write({Kind::problem, 3, line, 0, {}, {}, {}, {}});
     // Another daemon may run with another bpffs, whose gates are open.
     journal.write({Kind::stopped,
                    3,

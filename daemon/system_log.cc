@@ -105,6 +105,7 @@ bool SystemLog::send(const Note& note, const std::string& message) const {
   if (!note.channel.empty()) add_field(fields, "CHANNEL", note.channel);
   if (!note.network.empty()) add_field(fields, "NETWORK", note.network);
   if (!note.from.empty()) add_field(fields, "FROM", note.from);
+  if (!note.publisher.empty()) add_field(fields, "PUBLISHER", note.publisher);
   if (note.by) {
     add_field(fields, "CLIENT_UID", std::to_string(note.by->uid));
     add_field(fields, "CLIENT_PID", std::to_string(note.by->pid));

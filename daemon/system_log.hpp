@@ -35,7 +35,7 @@ enum class Kind : std::uint8_t {
 
 /// One event, with everything that the log has about it.
 struct Note {
-  Kind kind = Kind::trouble;
+  Kind kind = Kind::problem;
   int priority = 6;  ///< as in syslog: 2 critical, 3 error, 4 warning, 5 notice, 6 information
   std::string message = {};
   std::uint64_t subject = 0;  ///< 0: not about a subject
@@ -46,7 +46,7 @@ struct Note {
   std::vector<std::uint64_t> admissions = {};  ///< the run-time admissions that it concerns
   std::uint64_t silent_ns = 0;            ///< of missing and restored: how long nothing has come
   std::uint64_t missing = 0;              ///< the number of events missing in that time
-  std::uint64_t frames = 0;               ///< of dropping and excess: since the last report
+  std::uint64_t frames = 0;               ///< of dropped and policed: since the last report
   std::uint64_t late = 0;                 ///< of late: events since the last report
   std::uint64_t longest_ns = 0;           ///< the longest time of one of these events
   std::string network_down = {};          ///< of network_down: the unavailable network

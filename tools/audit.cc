@@ -123,7 +123,7 @@ std::string render(const control::Audit& audit, Color color) {
                    {"WOULD DROP", Align::right},
                    {"DROPPED", Align::right},
                    {"FIRST"},
-                   {"LATEST"},
+                   {"LAST"},
                    {"REASON"}});
   const auto number = [](const control::Finding& f, std::uint64_t n) {
     if (n == 0) return std::string();

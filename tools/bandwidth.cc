@@ -191,7 +191,7 @@ std::string to_json(const Question& question, const Numbers& numbers) {
   for (const auto& link : question.graph.links)
     links.push_back({{"rate_bit_s", link.quality.rate},
                      {"loss", static_cast<double>(link.quality.loss) / kCertainLoss}});
-  Json json = {{"paper_bit_s", numbers.paper},
+  Json json = {{"path_rate_bit_s", numbers.paper},
                {"available_bit_s", numbers.available},
                {"limited_by", numbers.limited_by},
                {"limit", share_of_time(mesh::limit_of(question.mesh))},

@@ -98,7 +98,7 @@ Json of(const control::GateSlot& s) {
 /// Slots of an Ethernet gate have no identifier, because they are found by subject.
 Json of(const control::Gate& g) {
   auto out = fields_of(g);
-  if (g.masked_room != 0) return out;
+  if (g.masked_slots_limit != 0) return out;
   for (const char* list : {"control", "channels"})
     for (auto& slot : out[list])
       for (const char* of_can : {"id", "mask", "identifier"}) slot.erase(of_can);
@@ -135,7 +135,7 @@ Json of(const control::Endpoint& e) {
 /// Rates are meaningful only for a mesh.
 Json of(const control::MediumUse& m) {
   auto out = fields_of(m);
-  if (m.paper_rate == 0) out["available"] = nullptr;
+  if (m.path_rate == 0) out["available"] = nullptr;
   return out;
 }
 

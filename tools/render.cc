@@ -32,16 +32,12 @@ Cell frames(std::uint64_t count, Style style = Style::plain) {
   return {fmt::format("{}", count), count == 0 ? Style::plain : style};
 }
 
-/// The first trouble of a channel now, and how many more there are.
-Cell now_cell(const control::Channel& channel) {
+/// The first problem of a channel, and how many more there are.
+Cell problems_cell(const control::Channel& channel) {
   if (channel.withdrawn) return {"WITHDRAWN", Style::bad};
-  if (!channel.carried_by.empty())
-    return {fmt::format("{} forwards it",
-                        printable(fmt::format("{}", fmt::join(channel.carried_by, ", ")))),
-            Style::plain};
-  if (channel.troubles.empty()) return {};
-  const auto more = channel.troubles.size() - 1;
-  return {channel.troubles.front() + (more == 0 ? "" : fmt::format(" (and {} more)", more)),
+  if (channel.problems.empty()) return {};
+  const auto more = channel.problems.size() - 1;
+  return {channel.problems.front() + (more == 0 ? "" : fmt::format(" (and {} more)", more)),
           Style::bad};
 }
 
@@ -87,7 +83,7 @@ std::string verdict_line(const control::Channel& channel, Color color) {
 std::string media_of(const control::Channel& channel) {
   std::vector<std::string> parts;
   for (const auto& use : channel.media) {
-    if (use.paper_rate != 0)
+    if (use.path_rate != 0)
       parts.push_back(
           fmt::format("{} {} free or its own", use.network, bytes_per_second(use.available)));
     if (use.response_ns != 0)
@@ -112,8 +108,8 @@ std::string arrivals_of(const control::Watch& watch) {
         "ago{}",
         about(watch.since_last_ns), watch.missing_now ? ": MISSING" : "");
   std::string text = many(watch.events, "event");
-  if (watch.rate_mhz != 0)
-    text += fmt::format(", {} a second", static_cast<double>(watch.rate_mhz) / 1e3);
+  if (watch.rate_millihertz != 0)
+    text += fmt::format(", {} a second", static_cast<double>(watch.rate_millihertz) / 1e3);
   text += fmt::format(", jitter {}, {} missing; the latest {} ago", about(watch.jitter_ns),
                       watch.missing, about(watch.since_last_ns));
   if (watch.missing_now) text += ": MISSING";
@@ -166,7 +162,7 @@ std::string delivery(const control::Channel& channel, Color color, bool in_full)
     also("refused by",
          channel.refused_by->gateway +
              (channel.refused_by->hop.empty() ? std::string() : ", at " + channel.refused_by->hop));
-  for (const auto& trouble : channel.troubles) also("trouble", trouble);
+  for (const auto& problem : channel.problems) also("problem", problem);
   also("set", set_in_use(channel));
   also("route", way(channel.route));
   for (const auto& use : channel.media) also(use.network, describe(use));
@@ -213,7 +209,8 @@ std::string render(const control::Channels& channels, Color color) {
                    {"FROM"},
                    {"TO"},
                    {"VERDICT"},
-                   {"NOW"},
+                   {"PROBLEMS"},
+                   {"CARRIED BY"},
                    {"SET"},
                    {"PASSED", Align::right},
                    {"DROPPED", Align::right},
@@ -227,7 +224,8 @@ std::string render(const control::Channels& channels, Color color) {
                {channel.from},
                {channel.to},
                verdict_cell(channel.granted),
-               now_cell(channel),
+               problems_cell(channel),
+               {fmt::format("{}", fmt::join(channel.carried_by, ", "))},
                {set_in_use(channel)},
                channel.crosses_no_gate ? Cell{"-"} : frames(channel.passed),
                frames(channel.dropped, Style::warning),

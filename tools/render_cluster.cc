@@ -158,7 +158,7 @@ std::string render(const control::ClusterMembers& members, Color color) {
   if (members.system.empty()) return in_no_cluster(members.gateway);
   TextTable table({{"GATEWAY"},
                    {"STATE"},
-                   {"BEAT", Align::right},
+                   {"BEAT AGE", Align::right},
                    {"LEASE", Align::right},
                    {"LASTS", Align::right},
                    {"DESCRIPTION"},
@@ -170,7 +170,7 @@ std::string render(const control::ClusterMembers& members, Color color) {
     for (const auto& share : one.shares) reserved += share.reservations;
     table.add({{one.own ? one.name + " *" : one.name, Style::bold},
                state_cell(one.state),
-               {one.beats ? about_time(one.beat_age_ns) + " ago" : ""},
+               {one.beats ? about_time(one.beat_age_ns) : ""},
                {one.lease_ns == 0 ? "" : print_duration(one.lease_ns)},
                {one.lasts_ns == 0 ? "" : about_time(one.lasts_ns)},
                description_cell(one),

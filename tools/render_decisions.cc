@@ -18,25 +18,25 @@ namespace mlcca::tools {
 namespace {
 
 /// The effects of a change on a delivery, in the order of printing.
-enum class Effect : std::uint8_t { lost, switched_down, switched_up, gained, same };
+enum class Effect : std::uint8_t { lost, degraded, upgraded, gained, same };
 constexpr std::size_t kEffects = 5;
 
 Effect effect_of(const control::Outlook& outlook) {
   if (loses(outlook)) return Effect::lost;
   if (!outlook.granted_then) return Effect::same;
   if (!outlook.granted_now) return Effect::gained;
-  if (outlook.set_then > outlook.set_now) return Effect::switched_down;
-  return outlook.set_then < outlook.set_now ? Effect::switched_up : Effect::same;
+  if (outlook.set_then > outlook.set_now) return Effect::degraded;
+  return outlook.set_then < outlook.set_now ? Effect::upgraded : Effect::same;
 }
 
 Cell cell_of(Effect effect) {
   switch (effect) {
     case Effect::lost:
       return {"lost", Style::bad};
-    case Effect::switched_down:
-      return {"switched down", Style::warning};
-    case Effect::switched_up:
-      return {"switched up", Style::good};
+    case Effect::degraded:
+      return {"degraded", Style::warning};
+    case Effect::upgraded:
+      return {"upgraded", Style::good};
     case Effect::gained:
       return {"gained", Style::good};
     case Effect::same:
@@ -76,8 +76,8 @@ std::string render(const control::WhatIf& what_if, Color color) {
   }
   const auto count = [&](Effect effect) { return counts[static_cast<std::size_t>(effect)]; };
   return table.text(color) +
-         fmt::format("{} lost, {} switched, {} gained, {} as now\n", count(Effect::lost),
-                     count(Effect::switched_down) + count(Effect::switched_up),
+         fmt::format("{} lost, {} degraded, {} upgraded, {} gained, {} as now\n",
+                     count(Effect::lost), count(Effect::degraded), count(Effect::upgraded),
                      count(Effect::gained), count(Effect::same) + what_if.unchanged);
 }
 

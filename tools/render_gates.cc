@@ -31,7 +31,7 @@ std::string limit(const control::GateSlot& slot) {
   return {};
 }
 
-Cell state(const control::GateSlot& slot, bool control) {
+Cell verdict(const control::GateSlot& slot, bool control) {
   if (slot.passes) return {"passes", Style::good};
   return control ? Cell{"off", Style::dim} : Cell{"refused", Style::bad};
 }
@@ -68,7 +68,7 @@ std::string slots(const std::vector<control::GateSlot>& all, bool control, bool 
                    {"MASK"},
                    {"FORMATS"},
                    {"MAX LENGTH", Align::right},
-                   {"STATE"},
+                   {"VERDICT"},
                    {"LIMIT"},
                    {"PASSED", Align::right},
                    {"DROPPED", Align::right},
@@ -83,7 +83,7 @@ std::string slots(const std::vector<control::GateSlot>& all, bool control, bool 
                mask(slot, ethernet),
                {slot.formats},
                ethernet && control ? Cell{} : Cell{fmt::format("{}", slot.max_length)},
-               state(slot, control),
+               verdict(slot, control),
                {limit(slot)},
                number(slot.passed),
                number(slot.dropped, Style::warning),
@@ -128,15 +128,15 @@ std::string render(const control::Gates& gates, const std::vector<control::Inter
                    Color color) {
   std::string text;
   for (const auto& gate : gates.gates) {
-    const bool ethernet = gate.masked_room == 0;
+    const bool ethernet = gate.masked_slots_limit == 0;
     const control::Interface* const interface = interface_of(gate, interfaces);
     if (!text.empty()) text += '\n';
     text += fmt::format("{} on {}: profile {}, {}, {} of {}",
                         styled(gate.interface, Style::bold, color), printable(gate.network),
                         printable(gate.profile), attachment(gate, interface, color), gate.slots,
-                        many(gate.room, "slot"));
-    if (gate.masked != 0)
-      text += fmt::format(", {} of {}", gate.masked, many(gate.masked_room, "mask"));
+                        many(gate.slots_limit, "slot"));
+    if (gate.masked_slots != 0)
+      text += fmt::format(", {} of {}", gate.masked_slots, many(gate.masked_slots_limit, "mask"));
     text += '\n';
     if (!gate.problem.empty()) text += "  " + styled(gate.problem, Style::bad, color) + '\n';
     text +=

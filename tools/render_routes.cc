@@ -22,7 +22,7 @@ Cell count_cell(std::uint32_t n, Style style) {
 }
 
 Cell places_of(const control::RouteReport& route) {
-  if (!route.places.empty()) return {way(route.places)};
+  if (!route.route.empty()) return {way(route.route)};
   return {route.problem.empty() ? "none" : "none: " + route.problem, Style::bad};
 }
 
@@ -40,26 +40,26 @@ std::string ways(const std::vector<control::RouteReport>& all, Color color) {
 
 void add_medium(TextTable& table, const control::RouteReport& route,
                 const control::MediumUse& use) {
-  const bool mesh = use.paper_rate != 0;
+  const bool mesh = use.path_rate != 0;
   table.add({{route.from},
              {route.to},
              {use.network},
              {use.response_ns == 0 ? "" : print_duration(use.response_ns)},
              {use.guaranteed_ns == 0 ? "" : print_duration(use.guaranteed_ns)},
-             {way(use.nodes)},
-             {mesh ? by_the_links(use) : ""},
+             {way(use.path)},
+             {mesh ? path_rate(use) : ""},
              {mesh ? bytes_per_second(use.available) : ""},
-             {use.limiting_domain}});
+             {use.limited_by}});
 }
 
 std::string media(const std::vector<control::RouteReport>& all, Color color) {
   TextTable table({{"FROM"},
                    {"TO"},
-                   {"MEDIUM"},
+                   {"NETWORK"},
                    {"RESPONSE", Align::right},
                    {"GUARANTEED", Align::right},
                    {"PATH"},
-                   {"BY THE LINKS", Align::right},
+                   {"PATH RATE", Align::right},
                    {"AVAILABLE", Align::right},
                    {"LIMITED BY"}});
   for (const auto& route : all)
@@ -77,7 +77,7 @@ std::string links(const std::vector<control::MeshLink>& all, Color color) {
                    {"FROM"},
                    {"TO"},
                    {"RATE", Align::right},
-                   {"BELIEVED", Align::right},
+                   {"BELIEVED RATE", Align::right},
                    {"KIND"},
                    {"LOSS", Align::right},
                    {"BUSY", Align::right},
@@ -123,12 +123,12 @@ std::string can_rules(const std::vector<control::CanRule>& all, Color color) {
                    {"TO"},
                    {"FILTER"},
                    {"FORMAT"},
-                   {"WHOSE"},
+                   {"OWNER"},
                    {"HANDLED", Align::right},
                    {"DROPPED", Align::right},
                    {"DELETED", Align::right},
                    {"HOPS", Align::right},
-                   {"CHANGES"},
+                   {"CHANGE"},
                    {"CHANNEL"}});
   for (const auto& rule : all)
     table.add({{rule.from},
@@ -199,14 +199,15 @@ std::string render(const control::Presence& presence, Color /*color*/) {
 }
 
 std::string render(const control::Subscriptions& subscriptions, Color color) {
-  TextTable networks({{"NETWORK"}, {"INTERFACE"}, {"FROM"}, {"MOST", Align::right}, {"PROBLEM"}});
+  TextTable networks(
+      {{"NETWORK"}, {"INTERFACE"}, {"ACCEPTS"}, {"MOST", Align::right}, {"PROBLEM"}});
   for (const auto& one : subscriptions.networks)
     networks.add({{one.network},
                   {one.endpoint.interface},
                   {std::string(subscribers_of(one))},
                   {fmt::format("{}", one.most)},
                   {one.problem, Style::bad}});
-  TextTable onward({{"CHANNEL"}, {"SUBSCRIBED ON"}, {"REQUIRED"}, {"PROBLEM"}});
+  TextTable onward({{"CHANNEL"}, {"NETWORK"}, {"REQUIRED"}, {"PROBLEM"}});
   for (const auto& one : subscriptions.onward) {
     std::string required;
     for (const auto& attribute : one.required)

@@ -138,7 +138,7 @@ std::string unknown_frames(const std::vector<control::Interface>& all, Color col
                    {"IDENTIFIER"},
                    {"FORMAT"},
                    {"LENGTH", Align::right},
-                   {"SEEN", Align::right},
+                   {"FRAMES", Align::right},
                    {"SENDER"},
                    {"CHANNEL"}});
   for (const auto& one : all)
@@ -248,7 +248,7 @@ std::string render(const control::Status& status, Color color) {
   // For a newer daemon the reasons of its health include these.
   const bool older = status.health.state == control::HealthState::unknown;
   if (older && !status.problem.empty()) line("problem", status.problem, Style::bad);
-  if (older && !status.last_error.empty()) line("last reload", status.last_error, Style::bad);
+  if (older && !status.reload_error.empty()) line("last reload", status.reload_error, Style::bad);
   if (!status.interfaces.empty()) text += '\n' + interfaces(status.interfaces, color);
   return text + (older ? problems(status.interfaces, color) : "") +
          reasons(status.interfaces, color) + unknown_frames(status.interfaces, color);

@@ -80,8 +80,8 @@ std::string percent(std::uint64_t parts, std::uint64_t whole) {
   return decimal(thousandths / 2 + thousandths % 2, 1'000) + " %";
 }
 
-std::string by_the_links(const control::MediumUse& use) {
-  return bits_per_second(mul_saturating(use.paper_rate, kBitsPerByte));
+std::string path_rate(const control::MediumUse& use) {
+  return bits_per_second(mul_saturating(use.path_rate, kBitsPerByte));
 }
 
 std::string way(const std::vector<std::string>& places) {
@@ -95,11 +95,11 @@ std::string describe(const control::MediumUse& use) {
     if (use.guaranteed_ns != 0)
       parts.push_back(fmt::format("at most {} guaranteed", print_duration(use.guaranteed_ns)));
   }
-  if (!use.nodes.empty()) parts.push_back("path " + way(use.nodes));
-  if (use.paper_rate != 0) {
-    parts.push_back(by_the_links(use) + " by the links");
+  if (!use.path.empty()) parts.push_back("path " + way(use.path));
+  if (use.path_rate != 0) {
+    parts.push_back("path rate " + path_rate(use));
     parts.push_back(bytes_per_second(use.available) + " free or its own");
-    if (!use.limiting_domain.empty()) parts.back() += ", in " + use.limiting_domain;
+    if (!use.limited_by.empty()) parts.back() += ", in " + use.limited_by;
   }
   return fmt::format("{}", fmt::join(parts, ", "));
 }

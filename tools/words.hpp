@@ -29,13 +29,13 @@ std::string bits_per_second(std::uint64_t rate);
 std::string percent(std::uint64_t parts, std::uint64_t whole);
 
 /// The rate of the links of `use` one after another: "7.543 Mbit/s".
-std::string by_the_links(const control::MediumUse& use);
+std::string path_rate(const control::MediumUse& use);
 
 /// The places of a route: "laptop > relay > control".
 std::string way(const std::vector<std::string>& places);
 
 /// What a bus or mesh gives a channel: "response 310 us, at most 5 ms guaranteed" or "path laptop >
-/// relay > control, 7.543 Mbit/s by the links, 600 kB/s left in all links". Empty for a network
+/// relay > control, path rate 7.543 Mbit/s, 600 kB/s left in all links". Empty for a network
 /// that is neither.
 std::string describe(const control::MediumUse& use);
 

@@ -133,7 +133,7 @@ void Admissions::report_left_out() {
   for (const auto& [id, why] : left_out_)
     if (const auto before = reported_.find(id);
         !waits(id) && (before == reported_.end() || before->second != why))
-      log_.warning(Kind::trouble, words_of(why), about(id));
+      log_.warning(Kind::problem, words_of(why), about(id));
   reported_ = left_out_;
 }
 
@@ -315,7 +315,7 @@ bool Admissions::end_some() {
   if (expired.empty()) return false;
   const auto done = release(expired, "its lease ended and was not renewed");
   if (done) return true;
-  log_.error(Kind::trouble, done.error().text);
+  log_.error(Kind::problem, done.error().text);
   // What could not be written to disk stays reserved, and is tried again.
   for (const core::AdmissionId id : expired) leases_.postpone(id, kTryAgain, clock_.monotonic_ns());
   return true;

@@ -27,7 +27,7 @@ void AuditKeeper::restore(store::History& from) {
   const auto* const audit =
       reply && *reply ? std::get_if<control::Audit>(&(*reply)->body) : nullptr;
   if (audit == nullptr) {
-    log_.warning(Kind::trouble,
+    log_.warning(Kind::problem,
                  "what audit mode has found so far is lost: it cannot be read by this version");
     return;
   }
@@ -53,7 +53,7 @@ Result<void> AuditKeeper::keep(store::History& to) {
   const std::string bytes = control::encode(control::Reply{0, std::move(audit)});
   const auto kept = patience_.wait_for([&] { return to.keep_note(kName, bytes); });
   if (problem_.is_new(kept ? "" : "what audit mode has found is not kept: " + kept.error().text))
-    log_.warning(Kind::trouble, problem_.text());
+    log_.warning(Kind::problem, problem_.text());
   is_behind_ = !kept;
   if (!kept) return std::unexpected(kept.error());
   kept_when_clean_ = when_clean;

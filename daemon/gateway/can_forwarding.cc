@@ -17,7 +17,7 @@ CanForwarding::CanForwarding(const Scene& scene, const PortFacts& gates, const L
       forwarder_(std::move(kernel),
                  [&log](const std::string& line, bool problem) {
                    if (problem)
-                     log.warning(Kind::trouble, line);
+                     log.warning(Kind::problem, line);
                    else
                      log.info(Kind::interface, line);
                  }),
@@ -45,7 +45,7 @@ void CanForwarding::want(std::size_t channel) {
   if (why.empty()) {
     if (known != obstacles_.end()) obstacles_.erase(known);
   } else if (known == obstacles_.end() || known->second != why) {
-    log_.warning(Kind::trouble, why);
+    log_.warning(Kind::problem, why);
     obstacles_[channel] = std::move(why);
   }
 }

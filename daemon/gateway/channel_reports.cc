@@ -48,7 +48,7 @@ std::vector<control::Channel> ChannelReports::report(
       continue;
     }
     auto supervision = health_.supervision_of(*v, rules, shared);
-    channel.troubles = health_.troubles_of(*v, rules, shared, supervision);
+    channel.problems = health_.troubles_of(*v, rules, shared, supervision);
     channel.watch = std::move(supervision.watch);
     set_not_supervised(channel, std::move(supervision.lacking));
   }

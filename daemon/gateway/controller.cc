@@ -34,7 +34,7 @@ void Controller::stop() {
 
 void Controller::gates_reported() {
   if (const auto read = parts_.outside.control.read_reports(); !read)
-    parts_.outside.log.error(Kind::trouble, read.error().text);
+    parts_.outside.log.error(Kind::problem, read.error().text);
 }
 
 void Controller::act() {
@@ -69,7 +69,7 @@ void Controller::beat() {
                     words_of(reason, core::format_value(Attribute::latency, control.grace()))));
   }
   if (!alive)
-    parts_.outside.log.critical(Kind::trouble,
+    parts_.outside.log.critical(Kind::problem,
                                 "the gates close soon: no heart-beat, " + alive.error().text);
 }
 

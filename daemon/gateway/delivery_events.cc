@@ -187,7 +187,8 @@ void DeliveryEvents::changes(const std::vector<core::DecisionChange>& changes) {
       if (v.granted && !was) verdict(Kind::granted, v, verdict_line(*scene_.state, v));
       if (!v.granted && was) verdict(withdrawal_of(v), v, verdict_line(*scene_.state, v));
       if (v.granted && was && v.set != old->set)
-        verdict(Kind::switched, v, switch_line(*scene_.state, v, old->set));
+        verdict(v.set > old->set ? Kind::degraded : Kind::upgraded, v,
+                switch_line(*scene_.state, v, old->set));
       else if (v.granted && was && v.route != old->route)
         verdict(Kind::rerouted, v, reroute_line(*scene_.state, v, old->route));
       pulse_();
@@ -201,7 +202,7 @@ void DeliveryEvents::dropped(const core::Verdict& v, Fate fate, std::uint64_t fr
   const std::string which = v.granted ? fmt::format("that named {} ({}) and differ from the grant",
                                                     c.name, core::format_subject(c.subject))
                                       : "of " + verdict_line(*scene_.state, v);
-  log_.warning(Kind::dropping, dropped_line(fate, frames, which),
+  log_.warning(Kind::dropped, dropped_line(fate, frames, which),
                {.subject = c.subject,
                 .channel = c.name,
                 .network = core::name_of(scene_.state->system(), publisher.place),
@@ -211,7 +212,7 @@ void DeliveryEvents::dropped(const core::Verdict& v, Fate fate, std::uint64_t fr
 
 void DeliveryEvents::dropped_before(std::size_t channel, Fate fate, std::uint64_t frames) {
   const core::EventChannel& c = scene_.state->system().channels[channel];
-  log_.warning(Kind::dropping,
+  log_.warning(Kind::dropped,
                dropped_line(fate, frames,
                             fmt::format("of {} ({}) before it was granted", c.name,
                                         core::format_subject(c.subject))),
@@ -235,7 +236,7 @@ void DeliveryEvents::excess(const std::vector<const core::Verdict*>& verdicts, F
   const core::Publisher& publisher = scene_.state->members().publisher(first.publisher);
   const AttributeSet& said = core::attributes_in(publisher, first.set);
   const Attribute what = said.has(Attribute::period) ? Attribute::period : Attribute::bandwidth;
-  log_.warning(Kind::excess,
+  log_.warning(Kind::policed,
                fmt::format("{} sent {} of {} ({}) more than was admitted{}: {} said {} {}",
                            fmt::join(who, " or "), many(frames, "frame"), channel.name,
                            core::format_subject(channel.subject),

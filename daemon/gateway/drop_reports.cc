@@ -237,7 +237,7 @@ void DropReports::poll_unknown(std::size_t port, Reporting reporting) {
     const auto fresh = of_ports_.sample({port, fate}, counted, clock_.monotonic_s());
     if (!fresh || reporting == Reporting::no) return;
     const std::string& network = gates_.network_of(port);
-    log_.warning(Kind::dropping,
+    log_.warning(Kind::dropped,
                  dropped_line(fate, *fresh,
                               fmt::format("without a known subject on {} ({})",
                                           gates_.interface_name(port), network)),

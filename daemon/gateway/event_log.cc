@@ -8,7 +8,7 @@ namespace mlcca {
 namespace {
 
 /// Drops, which may come and go each second, are in the log only.
-bool is_history(Kind kind) { return kind != Kind::dropping; }
+bool is_history(Kind kind) { return kind != Kind::dropped; }
 
 }  // namespace
 
@@ -43,7 +43,7 @@ void EventLog::write(Note note) {
   event.late = note.late;
   event.longest_ns = note.longest_ns;
   event.missing = note.missing;
-  event.by = std::move(note.by);
+  event.client = std::move(note.by);
   event.publisher = std::move(note.publisher);
   event.network_down = std::move(note.network_down);
   publish_(event);

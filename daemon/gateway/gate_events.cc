@@ -68,7 +68,7 @@ void GateEvents::on_sample(const gate_sample& sample) {
     const std::uint64_t so_far =
         std::max<std::uint64_t>(sample.audit != 0 ? unknown.would_drop : unknown.dropped, 1);
     parts_.log.warning(
-        Kind::dropping,
+        Kind::dropped,
         fmt::format("a frame that names no known subject {} {} ({}): {}, {}; {} so far",
                     sample.audit != 0 ? "would be dropped on" : "was dropped on", interface,
                     network, frame_name(sample), many(sample.len, "byte"), so_far),
@@ -81,7 +81,7 @@ void GateEvents::repeat_missing(const core::Verdict& verdict) {
   const core::State& state = *parts_.scene.state;
   const auto done = parts_.gates.report_again(
       core::gate_state(state.system(), state.members(), verdict, parts_.scene.self));
-  if (!done) parts_.log.error(Kind::trouble, done.error().text);
+  if (!done) parts_.log.error(Kind::problem, done.error().text);
 }
 
 }  // namespace mlcca

@@ -15,7 +15,7 @@ bool OpenUntil::set(std::uint64_t until, bool at_once) {
   const auto set = control_.set_until(until);
   if (!set) {
     if (trouble_.is_new("until when the gates may be open cannot be set: " + set.error().text))
-      log_.error(Kind::trouble, trouble_.text());
+      log_.error(Kind::problem, trouble_.text());
     retry_ = add_saturating(clock_.monotonic_ns(), kAgain);
     until_.reset();
     return false;

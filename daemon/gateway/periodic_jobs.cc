@@ -75,7 +75,7 @@ bool PeriodicJobs::write_some_history() {
   const bool more =
       parts_.patience.wait_for([this, now] { return parts_.history->flush_some(now); });
   for (std::string& line : parts_.history->take_troubles())
-    parts_.outside.log.warning(Kind::trouble, std::move(line));
+    parts_.outside.log.warning(Kind::problem, std::move(line));
   // The events of a start or reload fill some MiB until they are written.
   if (!more && writes_much_history_) ::malloc_trim(0);
   writes_much_history_ = more;

@@ -76,10 +76,10 @@ void Reconciler::links_changed() {
   const std::string former_problem = links.problem();
   const auto changed = links.refresh();
   if (!changed && former_problem.empty())
-    p_.log.error(Kind::trouble,
+    p_.log.error(Kind::problem,
                  changed.error().text + ": what is in force stays until they can be read");
   if (changed && !former_problem.empty())
-    p_.log.notice(Kind::trouble, "the interfaces can be read again");
+    p_.log.notice(Kind::problem, "the interfaces can be read again");
   if (changed && (p_.gates.needs_recheck() || (*changed && p_.gates.needs_reconcile())))
     reconcile();
   if (links.take_tc_changed() && p_.gates.repair()) reconcile();

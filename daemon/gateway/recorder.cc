@@ -152,7 +152,7 @@ void Recorder::append(const store::Entry& entry) {
     done = patience_.wait_for([this] { return journal_->commit(); });
     if (done) done = journal_->append(entry);
   }
-  if (!done) log_.error(Kind::trouble, done.error().text);
+  if (!done) log_.error(Kind::problem, done.error().text);
 }
 
 // --- the disk ------------------------------------------------------------------------------------
@@ -161,11 +161,11 @@ Result<void> Recorder::commit(
     const std::function<void(const std::vector<core::AdmissionId>&)>& lost) {
   auto done = patience_.wait_for([this] { return journal_->commit(); });
   if (!done) {
-    log_.error(Kind::trouble, done.error().text);
+    log_.error(Kind::problem, done.error().text);
     lost(uncommitted_);
   }
   if (trouble_.is_new(journal_->trouble().value_or("")))
-    log_.warning(Kind::trouble, trouble_.text());
+    log_.warning(Kind::problem, trouble_.text());
   uncommitted_.clear();
   return done;
 }
@@ -181,7 +181,7 @@ void Recorder::keep() {
                          : journal_->path() +
                                " was removed or replaced, and cannot be written again: " +
                                again.error().text))
-    log_.error(Kind::trouble, gone_.text());
+    log_.error(Kind::problem, gone_.text());
   if (again && *again)
     log_.error(
         Kind::drift,

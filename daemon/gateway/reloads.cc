@@ -111,7 +111,7 @@ Body Reloads::put_in_force(DescribedResult read) {
   parts_.turn.commit();
   const auto before = parts_.recorder.granted();
   if (!read) return refuse(std::move(read.error()));
-  for (const std::string& note : read->notes) parts_.log.warning(Kind::trouble, note);
+  for (const std::string& note : read->notes) parts_.log.warning(Kind::problem, note);
   auto left_out = complete(*read);
   if (!left_out) return refuse(std::move(left_out.error()));
   if (const auto ready = parts_.gates.prepare(read->state->system(), read->self); !ready)

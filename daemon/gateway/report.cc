@@ -86,22 +86,22 @@ void add_rates(const core::State& state, const core::Verdict& v, const core::Med
   };
   const core::Publisher& publisher = state.members().publisher(v.publisher);
   const Value event = core::mesh_event(core::attributes_in(publisher, v.set));
-  out.paper_rate = out.available = kUnbounded;
+  out.path_rate = out.available = kUnbounded;
   std::size_t longest = 0;
   for (const auto& [from, to] : use.pairs) {
     const auto& path = view.path(from, to);
     const auto rate =
         path.empty() ? core::mesh::RouteRate{} : view.cost(from, to).evaluate(event, taken);
-    out.paper_rate = std::min(out.paper_rate, rate.paper);
+    out.path_rate = std::min(out.path_rate, rate.paper);
     if (rate.available < out.available) {
       out.available = rate.available;
-      out.limiting_domain = path.empty() ? "" : view.domain_name(rate.limiting_domain);
+      out.limited_by = path.empty() ? "" : view.domain_name(rate.limiting_domain);
     }
     if (path.size() <= longest) continue;
     longest = path.size();
-    out.nodes = {view.node_name(view.graph.links[path.front()].from)};
+    out.path = {view.node_name(view.graph.links[path.front()].from)};
     for (const std::uint32_t link : path)
-      out.nodes.push_back(view.node_name(view.graph.links[link].to));
+      out.path.push_back(view.node_name(view.graph.links[link].to));
   }
 }
 
@@ -248,8 +248,9 @@ std::string verdict_line(const core::State& state, const core::Verdict& v) {
 std::string switch_line(const core::State& state, const core::Verdict& v, std::size_t former_set) {
   const core::System& system = state.system();
   const core::EventChannel& channel = system.channels[v.channel];
-  return fmt::format("{} ({}) switched from attribute set {} to {} of {}, from {} to {}: {}",
-                     channel.name, core::format_subject(channel.subject), former_set + 1, v.set + 1,
+  return fmt::format("{} ({}) {} from attribute set {} to {} of {}, from {} to {}: {}",
+                     channel.name, core::format_subject(channel.subject),
+                     v.set > former_set ? "degraded" : "upgraded", former_set + 1, v.set + 1,
                      core::sets_of(system, v.channel),
                      core::name_of(system, state.members().publisher(v.publisher).place),
                      core::name_of(system, v.to), why(state, v));

@@ -33,7 +33,7 @@ void set_not_supervised(control::Channel& channel, std::string why);
 
 [[nodiscard]] control::Network network_report(const core::State& state, std::size_t index);
 
-/// A line such as "video (0x…) switched from set 1 to set 2 of 2, from laptop to awds: …".
+/// A line such as "video (0x…) degraded from attribute set 1 to 2 of 2, from laptop to awds: …".
 [[nodiscard]] std::string switch_line(const core::State& state, const core::Verdict& verdict,
                                       std::size_t former_set);
 /// A line such as "video (0x…) takes another route from laptop to field: lan, back-up, field

@@ -19,13 +19,13 @@ namespace {
 void worsen(control::MediumUse& sum, const control::MediumUse& use) {
   sum.response_ns = std::max(sum.response_ns, use.response_ns);
   sum.guaranteed_ns = std::max(sum.guaranteed_ns, use.guaranteed_ns);
-  if (use.nodes.empty()) return;
-  if (sum.nodes.empty() || use.paper_rate < sum.paper_rate) sum.paper_rate = use.paper_rate;
-  if (sum.nodes.empty() || use.available < sum.available) {
+  if (use.path.empty()) return;
+  if (sum.path.empty() || use.path_rate < sum.path_rate) sum.path_rate = use.path_rate;
+  if (sum.path.empty() || use.available < sum.available) {
     sum.available = use.available;
-    sum.limiting_domain = use.limiting_domain;
+    sum.limited_by = use.limited_by;
   }
-  if (use.nodes.size() > sum.nodes.size()) sum.nodes = use.nodes;
+  if (use.path.size() > sum.path.size()) sum.path = use.path;
 }
 
 class Listing {
@@ -143,7 +143,7 @@ control::RouteReport new_route(const core::State& state, const core::Verdict& v,
   control::RouteReport out;
   out.from = core::name_of(state.system(), from);
   out.to = core::name_of(state.system(), v.to);
-  for (const core::Place p : v.route) out.places.push_back(core::name_of(state.system(), p));
+  for (const core::Place p : v.route) out.route.push_back(core::name_of(state.system(), p));
   if (v.route.empty()) out.problem = "there is no way";
   return out;
 }

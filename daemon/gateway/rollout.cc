@@ -127,7 +127,7 @@ void Rollout::loaded() {
   if (text.empty()) return;
   const auto kept = parts_.patience.wait_for([&] { return parts_.texts.keep(scene.digest, text); });
   if (!kept)
-    parts_.log.warning(Kind::trouble,
+    parts_.log.warning(Kind::problem,
                        "the description cannot be kept for other gateways: " + kept.error().text);
 }
 
@@ -151,7 +151,7 @@ cc::Rollout Rollout::own() {
 
 void Rollout::report_damage(const std::string& damage) {
   if (!damage.empty())
-    parts_.log.warning(Kind::trouble, "what is kept of the cluster cannot be used: " + damage);
+    parts_.log.warning(Kind::problem, "what is kept of the cluster cannot be used: " + damage);
 }
 
 std::optional<std::string> Rollout::kept(const Digest& digest) {

@@ -19,7 +19,7 @@ void Safeguards::poll_pins() {
   for (std::string& line : control_.take_replaced()) log_.error(Kind::drift, std::move(line));
   const auto again = control_.keep_pinned();
   if (unpinned_.is_new(again ? "" : "the control word is not pinned: " + again.error().text))
-    log_.error(Kind::trouble, unpinned_.text());
+    log_.error(Kind::problem, unpinned_.text());
   if (again && *again)
     log_.error(
         Kind::drift,
@@ -38,7 +38,7 @@ void Safeguards::poll_grace() {
   if (ungraced_.is_new(altered ? ""
                                : "another program altered the grace, and it cannot be set again: " +
                                      altered.error().text))
-    log_.error(Kind::trouble, ungraced_.text());
+    log_.error(Kind::problem, ungraced_.text());
   if (altered && *altered)
     log_.error(
         Kind::drift,
@@ -51,7 +51,7 @@ void Safeguards::poll_lock() {
   const auto locked = keep_lock(lock_, root_);
   if (unlocked_.is_new(locked ? ""
                               : "two daemons may change the same gates: " + locked.error().text))
-    log_.error(Kind::trouble, unlocked_.text());
+    log_.error(Kind::problem, unlocked_.text());
   if (locked && *locked)
     log_.error(Kind::drift, "another program removed the lock of " + root_ + ": it is held again");
 }

@@ -30,7 +30,7 @@ std::optional<StartError> Start::begin_start() {
   if (const auto set = parts_.outside.control.set_grace(parts_.options.grace_ns); !set)
     return StartError{{set.error().text}};
   if (const auto begun = parts_.heartbeat.begin_start(parts_.options.start_limit_ns); !begun)
-    parts_.outside.log.warning(Kind::trouble,
+    parts_.outside.log.warning(Kind::problem,
                                "nothing is kept after the grace: " + begun.error().text);
   parts_.heartbeat.pulse();
   return std::nullopt;
@@ -53,7 +53,7 @@ std::optional<StartError> Start::read_what_was() {
   parts_.heartbeat.pulse();
   DescribedResult& described = *read;
   if (!described) return described.error();
-  for (const std::string& note : described->notes) parts_.outside.log.warning(Kind::trouble, note);
+  for (const std::string& note : described->notes) parts_.outside.log.warning(Kind::problem, note);
   auto left_out = parts_.reloads.complete(*described);
   parts_.heartbeat.pulse();
   if (!left_out) return left_out.error();
@@ -65,7 +65,7 @@ std::optional<StartError> Start::read_what_was() {
   parts_.scene.text = std::move(described->text);
   parts_.admissions.set_left_out(std::move(*left_out));
   parts_.reloads.note_loaded();
-  if (const auto& cut = parts_.recorder.recovered()) parts_.outside.log.notice(Kind::trouble, *cut);
+  if (const auto& cut = parts_.recorder.recovered()) parts_.outside.log.notice(Kind::problem, *cut);
   parts_.admissions.remember();
   parts_.context.emplace(Context{
       parts_.options,  parts_.outside.clock,    parts_.outside.gates, parts_.outside.control,
@@ -97,7 +97,7 @@ std::optional<StartError> Start::open_gates() {
   if (const auto done =
           parts_.reconciler.put_in_force(before, TagBindings::Known::by_gates_and_disk);
       !done)
-    parts_.outside.log.error(Kind::trouble, done.error().text);
+    parts_.outside.log.error(Kind::problem, done.error().text);
   if (parts_.membership) parts_.membership->in_force();
   if (const auto uncapped = forget_former_limit(); !uncapped)
     return StartError{{uncapped.error().text}};

@@ -59,7 +59,7 @@ Result<void> Turn::enforce() {
   parts_.recorder.note_slots(std::move(all));
   parts_.forwarding.want_all();
   if (!done)
-    parts_.log.error(Kind::trouble,
+    parts_.log.error(Kind::problem,
                      "denied as a whole, because the kernel refused: " + done.error().text);
   return done;
 }

@@ -74,18 +74,18 @@ class GateReport {
     out.profile = core::words::kProfiles.of(ports_[p].profile());
     out.problem = ports_[p].problem();
     const bool can = ports_[p].is_can();
-    out.masked_room = can ? GATE_WALK : 0;
+    out.masked_slots_limit = can ? GATE_WALK : 0;
     const gates::PortGate* gate = ports_.gate(p);
     if (gate == nullptr) gate = ports_.closed_gate(p);
     if (gate == nullptr) return out;
     out.attached = gate->attached().value_or(false);
-    out.room = static_cast<std::uint32_t>(gate->room());
+    out.slots_limit = static_cast<std::uint32_t>(gate->room());
     const auto slots = gate->present();
     out.slots = static_cast<std::uint32_t>(slots.size());
     std::array<std::uint32_t, 2> masked{};
     for (const gates::SlotSpec& slot : slots)
       if (gate->is_masked(slot)) ++masked.at(static_cast<std::size_t>(slot.direction));
-    out.masked = std::ranges::max(masked);
+    out.masked_slots = std::ranges::max(masked);
     const auto of_control = [this, p](const gates::SlotSpec& slot) { return is_control(slot, p); };
     for (const gates::SlotSpec& slot : listed_slots(slots, kListed, of_control)) {
       auto& list = of_control(slot) ? out.control : out.channels;

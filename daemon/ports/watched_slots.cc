@@ -33,7 +33,7 @@ control::Watch report_of(const core::Watching& expected, const gates::Arrivals& 
           .shortest_gap_ns = found.shortest,
           .longest_gap_ns = found.longest,
           .jitter_ns = found.jitter,
-          .rate_mhz = found.rate,
+          .rate_millihertz = found.rate,
           .gaps = {std::begin(found.gaps), std::end(found.gaps)}};
 }
 

@@ -23,7 +23,7 @@ namespace mlcca::store {
 /// A row of the history.
 struct Decision {
   std::uint64_t unix_ns = 0;  ///< nanoseconds since 1970, UTC; at most 2^63-1
-  std::string kind;           ///< granted, refused, withdrawn, switched, released, …
+  std::string kind;           ///< granted, refused, withdrawn, degraded, released, …
   std::uint64_t subject = 0;  ///< 0: not about a subject
   std::string channel;
   std::string from;

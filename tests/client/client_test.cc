@@ -84,7 +84,7 @@ TEST(Client, WithoutADaemonItIsSaidAtOnceAndAnnouncedOnceThereIsOne) {
   EXPECT_FALSE(client.is_connected());
   std::filesystem::create_symlink(scene.options().socket, options.socket);
   const auto all = exceptions(client, stop, 1);
-  EXPECT_EQ(causes(all), std::vector<std::string>{"daemon back"});
+  EXPECT_EQ(causes(all), std::vector<std::string>{"daemon-back"});
   EXPECT_EQ(all[0].answer->state, State::granted);
   EXPECT_EQ(stop.answer()->state, State::granted);
 }
@@ -99,7 +99,7 @@ TEST(Client, ADaemonThatIsLostIsReportedAndEveryChannelIsAnnouncedAgain) {
   ASSERT_EQ(stop.announce()->state, State::granted);
   other.subscribe();  // behind whose answer it is lost
   const auto all = exceptions(client, stop, 2);
-  EXPECT_EQ(causes(all), (std::vector<std::string>{"daemon gone", "daemon back"}));
+  EXPECT_EQ(causes(all), (std::vector<std::string>{"daemon-gone", "daemon-back"}));
   EXPECT_EQ(all[0].answer->state, State::no_daemon);
   EXPECT_EQ(all[0].text, "mlccad closed the connection");
   EXPECT_EQ(all[1].answer->state, State::refused);
@@ -145,8 +145,8 @@ TEST(Client, TheFirstDeliveryOfAChannelIsReported) {
 }
 
 TEST(Client, AnotherAttributeSetIsDegradedOrUpgraded) {
-  Scene scene({{{channels({delivery("robot-can", true, 0)}), event("switched")}},
-               {{channels({delivery("robot-can", true, 2)}), event("switched")}},
+  Scene scene({{{channels({delivery("robot-can", true, 0)}), event("degraded")}},
+               {{channels({delivery("robot-can", true, 2)}), event("upgraded")}},
                {{channels({delivery("robot-can", true, 1)})}}});
   Client client(scene.options());
   PublisherChannel stop(client, "stop");
@@ -161,9 +161,9 @@ TEST(Client, WhatHappensToEventsIsGivenWithItsNumbers) {
   control::Reply missing = event("missing");
   std::get<control::Event>(missing.body).silent_ns = 161'000'000;
   std::get<control::Event>(missing.body).missing = 3;
-  control::Reply excess = event("excess");
+  control::Reply excess = event("policed");
   std::get<control::Event>(excess.body).frames = 12;
-  control::Reply dropping = event("dropping");
+  control::Reply dropping = event("dropped");
   std::get<control::Event>(dropping.body).frames = 34;
   control::Reply late = event("late");
   std::get<control::Event>(late.body).late = 5;
@@ -175,7 +175,7 @@ TEST(Client, WhatHappensToEventsIsGivenWithItsNumbers) {
   stop.subscribe();
   const auto all = exceptions(client, stop, 8);
   EXPECT_EQ(causes(all), (std::vector<std::string>{"missing", "restored", "policed", "dropped",
-                                                   "late", "gates closed", "mode", "other"}));
+                                                   "late", "gates-closed", "mode", "other"}));
   EXPECT_EQ(all[0].silent, milliseconds(161));
   EXPECT_EQ(all[0].missing_events, 3U);
   EXPECT_EQ(all[2].frames, 12U);

@@ -62,7 +62,7 @@ TEST(Exceptions, ANetworkThatIsDownIsToldAsSuchAndByItsName) {
   PublisherChannel stop(client, "stop");
   stop.announce();
   const auto all = exceptions(client, stop, 2);
-  EXPECT_EQ(causes(all), (Texts{"network down", "granted"}));
+  EXPECT_EQ(causes(all), (Texts{"network-down", "granted"}));
   EXPECT_EQ(all[0].network, "second-can");
   EXPECT_EQ(all[0].answer->state, State::refused);
   EXPECT_EQ(all[0].text, "what is withdrawn");
@@ -72,17 +72,17 @@ TEST(Exceptions, ANetworkThatIsDownIsToldAsSuchAndByItsName) {
 /// What was wrong is not there any more, and something else may be.
 TEST(Exceptions, WhatWasMissingIsNotSaidAnyMoreOnceItIsRestored) {
   control::Channel troubled = delivery("robot-can", true);
-  troubled.troubles = {"nothing has come for 161 ms"};
+  troubled.problems = {"nothing has come for 161 ms"};
   control::Channel late = delivery("robot-can", true);
-  late.troubles = {"the program that carries it is late"};
+  late.problems = {"the program that carries it is late"};
   Scene scene({{{channels({troubled}), event("restored")}}, {{channels({late})}}});
   Client client(scene.options());
   PublisherChannel stop(client, "stop");
   stop.announce();
   const auto all = exceptions(client, stop, 1);
-  EXPECT_EQ(all[0].answer->deliveries[0].trouble, "");
-  while (stop.answer()->deliveries[0].trouble.empty()) client.wait(kLong);
-  EXPECT_EQ(stop.answer()->deliveries[0].trouble, "the program that carries it is late");
+  EXPECT_EQ(all[0].answer->deliveries[0].problem, "");
+  while (stop.answer()->deliveries[0].problem.empty()) client.wait(kLong);
+  EXPECT_EQ(stop.answer()->deliveries[0].problem, "the program that carries it is late");
 }
 
 /// What `mlccactl generate` makes knows no network.
@@ -200,8 +200,8 @@ TEST(Exceptions, ADaemonThatGoesIsToldHoweverMuchWaits) {
   stop.on_exception([&](const Exception& e) { told.emplace_back(name_of(e.cause)); });
   stop.announce();
   while (stop.answer()->state != State::no_daemon) other.announce();  // no handler is called
-  while (std::ranges::find(told, "daemon back") == told.end()) client.wait(kLong);
-  EXPECT_NE(std::ranges::find(told, "daemon gone"), told.end());
+  while (std::ranges::find(told, "daemon-back") == told.end()) client.wait(kLong);
+  EXPECT_NE(std::ranges::find(told, "daemon-gone"), told.end());
   EXPECT_NE(std::ranges::find(told, "lagged"), told.end());
   EXPECT_LE(told.size(), 260U);
 }
@@ -239,7 +239,7 @@ TEST(Exceptions, OfAChannelThatIsAnnouncedByItsSubjectTheFirstDeliveryIsToldToo)
 
 TEST(Exceptions, WhatHappensToOthersIsNotTold) {
   Scene scene({{{channels({delivery("robot-can", true)}), of_publisher(event("missing"), "other"),
-                 of_publisher(event("excess"), "other"), of_publisher(event("withdrawn"), "other"),
+                 of_publisher(event("policed"), "other"), of_publisher(event("withdrawn"), "other"),
                  of_publisher(event("restored"), "lever")}},
                {{channels({delivery("robot-can", true)})}}});
   Client client(scene.options());
@@ -261,7 +261,7 @@ TEST(Exceptions, AnnouncingInVainPutsNothingOff) {
   PublisherChannel stop(client, "stop");
   for (int i = 0; i < 30; ++i) EXPECT_EQ(stop.announce()->state, State::no_daemon);
   std::filesystem::create_symlink(scene.options().socket, options.socket);
-  EXPECT_EQ(causes(exceptions(client, stop, 1)), Texts{"daemon back"});
+  EXPECT_EQ(causes(exceptions(client, stop, 1)), Texts{"daemon-back"});
 }
 
 /// Its connections stay, and its gates too, until the grace is over.
@@ -275,13 +275,13 @@ TEST(Exceptions, ADaemonThatHangsIsGoneAndIsBackWhenItAnswersAgain) {
   ASSERT_EQ(stop.announce()->state, State::granted);
   scene.hang(true);
   const auto gone = exceptions(client, stop, 1);
-  EXPECT_EQ(causes(gone), Texts{"daemon gone"});
+  EXPECT_EQ(causes(gone), Texts{"daemon-gone"});
   EXPECT_EQ(gone[0].text, "mlccad does not answer: nothing has come from it for 200 ms");
   EXPECT_EQ(stop.answer()->state, State::no_daemon);
   EXPECT_TRUE(client.is_connected()) << "it would fill the queue of its socket otherwise";
   scene.hang(false);
   const auto back = exceptions(client, stop, 1);
-  EXPECT_EQ(causes(back), Texts{"daemon back"});
+  EXPECT_EQ(causes(back), Texts{"daemon-back"});
   EXPECT_EQ(back[0].answer->state, State::refused) << "the decision may be another one";
 }
 
@@ -292,7 +292,7 @@ TEST(Exceptions, WhatADaemonCannotAnswerIsAskedForLater) {
   PublisherChannel stop(client, "stop");
   EXPECT_EQ(stop.announce()->state, State::no_daemon);
   EXPECT_EQ(stop.answer()->reason, "no memory");
-  EXPECT_EQ(causes(exceptions(client, stop, 1)), Texts{"daemon back"});
+  EXPECT_EQ(causes(exceptions(client, stop, 1)), Texts{"daemon-back"});
 }
 
 /// This gateway has granted it, and asked the next one in vain.
@@ -302,7 +302,7 @@ TEST(Exceptions, ARefusalFurtherOnIsToldToSubscribers) {
   said.network = "middle";
   said.message = "stop from middle: refused further on by 10.77.3.2: Latency 4 ms required";
   for (const bool subscribes : {true, false}) {
-    Scene scene({{{channels({delivery("field", true)}), further, event("dropping")}},
+    Scene scene({{{channels({delivery("field", true)}), further, event("dropped")}},
                  {{channels({delivery("field", true)})}}});
     Client client(scene.options());
     SubscriberChannel subscriber(client, "stop");
@@ -323,7 +323,7 @@ TEST(Exceptions, ARefusalFurtherOnIsToldToSubscribers) {
 TEST(Exceptions, AGrantFurtherOnIsToldToSubscribers) {
   control::Reply further = event("granted");
   std::get<control::Event>(further.body).network = "middle";
-  Scene scene({{{channels({delivery("field", true)}), further, event("dropping")}}});
+  Scene scene({{{channels({delivery("field", true)}), further, event("dropped")}}});
   Client client(scene.options());
   SubscriberChannel subscriber(client, "stop");
   subscriber.subscribe();

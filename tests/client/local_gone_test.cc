@@ -82,7 +82,7 @@ TEST_F(LocalGone, ADaemonThatIsLostForLongerThanItsGraceIsToldAndNothingIsDelive
   start({{{granted_here(kGrace)}}, {{channels({})}, true}});
   send("1");
   lose_for_good();
-  EXPECT_EQ(next(2), (Texts{"daemon gone", "gates closed"}));
+  EXPECT_EQ(next(2), (Texts{"daemon-gone", "gates-closed"}));
   send("2");
   EXPECT_EQ(came_, Texts{"1"});
   EXPECT_EQ(subscriber_->lost(), 1U);
@@ -92,7 +92,7 @@ TEST_F(LocalGone, ADaemonThatIsLostForLongerThanItsGraceIsToldAndNothingIsDelive
 TEST_F(LocalGone, WithinTheGraceTheyAreDelivered) {
   start({{{granted_here(kHour)}}, {{channels({})}, true}});
   lose_for_good();
-  EXPECT_EQ(next(1), Texts{"daemon gone"});
+  EXPECT_EQ(next(1), Texts{"daemon-gone"});
   send("1");
   EXPECT_EQ(came_, Texts{"1"});
 }
@@ -100,12 +100,12 @@ TEST_F(LocalGone, WithinTheGraceTheyAreDelivered) {
 TEST_F(LocalGone, ADaemonThatHangsForLongerThanItsGraceIsToldAndIsBackWhenItAnswers) {
   start({{{granted_here(kGrace)}}}, milliseconds(50));
   scene_->hang(true);
-  EXPECT_EQ(next(2), (Texts{"daemon gone", "gates closed"}));
+  EXPECT_EQ(next(2), (Texts{"daemon-gone", "gates-closed"}));
   send("1");
   EXPECT_EQ(came_, Texts{});
   scene_->hang(false);
   Texts back = next(1);
-  while (back.back() != "daemon back") back = next(1);  // the loss is reported as well
+  while (back.back() != "daemon-back") back = next(1);  // the loss is reported as well
   send("2");
   EXPECT_EQ(came_, Texts{"2"});
   EXPECT_EQ(subscriber_->lost(), 1U);
@@ -113,7 +113,7 @@ TEST_F(LocalGone, ADaemonThatHangsForLongerThanItsGraceIsToldAndIsBackWhenItAnsw
 
 TEST_F(LocalGone, ADaemonThatStopsEndsThemAtOnce) {
   start({{{granted_here(kHour), event("stopped", 0)}}});
-  EXPECT_EQ(next(1), Texts{"gates closed"});
+  EXPECT_EQ(next(1), Texts{"gates-closed"});
   send("1");
   EXPECT_EQ(came_, Texts{});
   EXPECT_EQ(subscriber_->lost(), 1U);
@@ -122,7 +122,7 @@ TEST_F(LocalGone, ADaemonThatStopsEndsThemAtOnce) {
 TEST_F(LocalGone, WhatADaemonAnswersThatStopsOpensNothing) {
   start({{{granted_here(kHour), event("stopped", 0), event("granted")}},
          {{granted_here(kHour), event("mode", 0)}}});
-  EXPECT_EQ(next(2), (Texts{"gates closed", "mode"}));
+  EXPECT_EQ(next(2), (Texts{"gates-closed", "mode"}));
   send("1");
   EXPECT_EQ(came_, Texts{});
 }
@@ -132,7 +132,7 @@ TEST_F(LocalGone, ADaemonThatHasRestartedOpensThemAgain) {
          {{channels({}), event("stopped", 0)}, true},
          {{granted_here(kHour)}}});
   lose();
-  EXPECT_EQ(next(3), (Texts{"gates closed", "daemon gone", "daemon back"}));
+  EXPECT_EQ(next(3), (Texts{"gates-closed", "daemon-gone", "daemon-back"}));
   send("1");
   EXPECT_EQ(came_, Texts{"1"});
 }
@@ -160,7 +160,7 @@ TEST_F(LocalGone, APublisherSendsNothingEither) {
   Client client(scene.options());
   PublisherChannel stop(client, "stop");
   ASSERT_EQ(stop.announce()->state, State::granted);
-  EXPECT_EQ(causes(exceptions(client, stop, 1)), Texts{"gates closed"});
+  EXPECT_EQ(causes(exceptions(client, stop, 1)), Texts{"gates-closed"});
   EXPECT_EQ(stop.publish("1"), Published::lost);
   client_->process();
   EXPECT_EQ(came_, Texts{});

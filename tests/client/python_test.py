@@ -121,7 +121,7 @@ class Chatty(Daemon):
         def talk():
             while not over.wait(0.01):
                 try:
-                    self.connection.sendall(encode(event("dropping")))
+                    self.connection.sendall(encode(event("dropped")))
                 except OSError:
                     return
         talking = threading.Thread(target=talk, daemon=True)
@@ -227,11 +227,11 @@ class Clients:
 
     def test_what_was_missing_is_not_said_any_more_once_it_is_restored(self):
         troubled = channels(True)
-        troubled.channels.channels[0].troubles.append("nothing has come for 161 ms")
+        troubled.channels.channels[0].problems.append("nothing has come for 161 ms")
         given, told = self.both([troubled, event("restored")], [channels(True)], count=1)
         # With asyncio it is the answer as of when the caller goes on, which may be after the event.
-        self.assertIn(given.deliveries[0].trouble, ("nothing has come for 161 ms", ""))
-        self.assertEqual(told[0].answer.deliveries[0].trouble, "")
+        self.assertIn(given.deliveries[0].problem, ("nothing has come for 161 ms", ""))
+        self.assertEqual(told[0].answer.deliveries[0].problem, "")
 
     def test_a_grant_further_on_is_told_to_subscribers(self):
         daemon = Daemon([channels(True), event("granted", network="middle")])
@@ -258,11 +258,11 @@ class Clients:
         self.assertEqual(told[0].cause, Cause.DAEMON_BACK)
 
     def test_another_attribute_set_is_degraded_or_upgraded(self):
-        self.assertEqual(self.causes([channels(True), event("switched")], [channels(True, 2), event("switched")],
+        self.assertEqual(self.causes([channels(True), event("degraded")], [channels(True, 2), event("upgraded")],
                                      [channels(True, 1)], count=2), [Cause.DEGRADED, Cause.UPGRADED])
 
     def test_what_happens_to_events_is_given_with_its_numbers(self):
-        _, all_of_them = self.both([channels(True), event("missing", silent_ns=161_000_000, missing=3), event("excess", frames=12),
+        _, all_of_them = self.both([channels(True), event("missing", silent_ns=161_000_000, missing=3), event("policed", frames=12),
                                     event("late", late=5, longest_ns=7_000_000), event("lapsed", 0), event("invented")], count=5)
         self.assertEqual([e.cause for e in all_of_them],
                          [Cause.MISSING, Cause.POLICED, Cause.LATE, Cause.GATES_CLOSED, Cause.OTHER])

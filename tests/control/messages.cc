@@ -82,7 +82,7 @@ Watch full_watch() {
           .shortest_gap_ns = 44'000'000,
           .longest_gap_ns = 101'000'000,
           .jitter_ns = 6'000'000,
-          .rate_mhz = 19'975,
+          .rate_millihertz = 19'975,
           .gaps = {0, 0, 0, 0, 0, 0, 0, 499, 500, 0, 0, 0, 0, 0, 0, 1},
           .silent_ns = 200'000'000};
 }
@@ -101,7 +101,7 @@ Channel granted_channel() {
   channel.would_drop = 12;
   channel.would_exceed = 5;
   channel.watch = full_watch();
-  channel.troubles = {"nothing has come for 200 ms: 4 events are missing"};
+  channel.problems = {"nothing has come for 200 ms: 4 events are missing"};
   channel.reaction = "174 ms = (Omission 2 + 1) x Period 50 ms + Latency 12 ms + Jitter 12 ms";
   return channel;
 }
@@ -112,10 +112,10 @@ MediumUse bus_use() {
   return {.network = "robot-can",
           .response_ns = 310'000,
           .guaranteed_ns = 5'000'000,
-          .paper_rate = 0,
+          .path_rate = 0,
           .available = 0,
-          .limiting_domain = "",
-          .nodes = {}};
+          .limited_by = "",
+          .path = {}};
 }
 
 /// 24 and 11 Mbit/s, one link after the other: 1 / (1/24 + 1/11) = 264/35 Mbit/s = 942857.1
@@ -124,10 +124,10 @@ MediumUse mesh_use() {
   return {.network = "awds",
           .response_ns = 0,
           .guaranteed_ns = 0,
-          .paper_rate = 942'857,
+          .path_rate = 942'857,
           .available = 600'000,
-          .limiting_domain = "all links",
-          .nodes = {"laptop", "relay", "control"}};
+          .limited_by = "all links",
+          .path = {"laptop", "relay", "control"}};
 }
 
 }  // namespace
@@ -141,7 +141,7 @@ Channel switched_channel() {
   channel.admission = 0;
   channel.reaction.clear();
   channel.watch.reset();
-  channel.troubles.clear();
+  channel.problems.clear();
   channel.set = 1;
   channel.sets = 2;
   channel.importance = 9;
@@ -202,7 +202,7 @@ Status full_status() {
           .channels_refused = 1,
           .started_unix_s = 1'700'000'000,
           .loaded_unix_s = 1'700'000'100,
-          .last_error = "system.xml:7: <Period>: not a number",
+          .reload_error = "system.xml:7: <Period>: not a number",
           .interfaces = {can0, can1},
           .problem = "can1 is missing",
           .health = {.state = HealthState::degraded,
@@ -246,7 +246,7 @@ Event full_event() {
           .admissions = {7, ~std::uint64_t{0}},
           .silent_ns = 174'000'000,
           .missing = 3,
-          .by = Actor{.uid = 1000, .user = "alice", .pid = 4242},
+          .client = Actor{.uid = 1000, .user = "alice", .pid = 4242},
           .frames = 12,
           .late = 5,
           .longest_ns = 7'000'000};
@@ -255,14 +255,14 @@ Event full_event() {
 Routes full_routes() {
   return {.routes = {{.from = "awds",
                       .to = "robot-can",
-                      .places = {"awds", "bridge", "robot-can"},
+                      .route = {"awds", "bridge", "robot-can"},
                       .granted = 2,
                       .refused = 1,
                       .media = {mesh_use(), bus_use()},
                       .problem = ""},
                      {.from = "second-can",
                       .to = "awds",
-                      .places = {},
+                      .route = {},
                       .granted = 0,
                       .refused = 3,
                       .media = {},
@@ -351,9 +351,9 @@ Gates full_gates() {
             .attached = true,
             .problem = "can0 is down",
             .slots = 21,
-            .room = 4094,
-            .masked = 3,
-            .masked_room = 32,
+            .slots_limit = 4094,
+            .masked_slots = 3,
+            .masked_slots_limit = 32,
             .control = {claim},
             .channels = {channel, claim}},
            {}}};

@@ -134,7 +134,7 @@ std::vector<NamedRequest> all_requests() {
       {"WhatIfNothing", {15, WhatIfRequest{}}},
       {"History",
        {16, HistoryRequest{.channel = "video",
-                           .kind = "switched",
+                           .kind = "degraded",
                            .since_unix_ns = 1'700'000'000'000'000'001,
                            .until_unix_ns = 1'800'000'000'000'000'002,
                            .limit = 50}}}};

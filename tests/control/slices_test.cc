@@ -40,7 +40,7 @@ TEST(SlicesTest, ARowCountsWithItsNames) {
 
 TEST(SlicesTest, AWayCountsWithItsNodes) {
   control::MediumUse use;
-  use.nodes.resize(60, "node");
+  use.path.resize(60, "node");
   control::Routes routes;
   routes.routes.resize(4);
   for (control::RouteReport& route : routes.routes) route.media = {use};

@@ -151,7 +151,7 @@ Presence full_presence() {
 
 History full_history() {
   return {{{.unix_ns = 1'700'000'100'000'000'000,
-            .kind = "switched",
+            .kind = "degraded",
             .subject = 0x10,
             .channel = "video",
             .from = "awds",

@@ -152,7 +152,7 @@ TEST(ExporterPage, CountsWhatPassedAsNoDrop) {
 
 TEST(ExporterPage, ShowsRefusedDeliveriesFirstAndCountsWhatItLeavesOut) {
   auto troubled = delivery("troubled", true);
-  troubled.troubles = {"nothing has come"};
+  troubled.problems = {"nothing has come"};
   const auto page = page_of(answers_with({delivery("well", true), delivery("better", true),
                                           troubled, delivery("refused", false)}),
                             {.deliveries = 2});
@@ -160,7 +160,7 @@ TEST(ExporterPage, ShowsRefusedDeliveriesFirstAndCountsWhatItLeavesOut) {
   EXPECT_TRUE(
       has(page, R"(mlcca_delivery_granted{channel="refused",publisher="p",from="a",to="b"} 0)"));
   EXPECT_TRUE(
-      has(page, R"(mlcca_delivery_troubles{channel="troubled",publisher="p",from="a",to="b"} 1)"));
+      has(page, R"(mlcca_delivery_problems{channel="troubled",publisher="p",from="a",to="b"} 1)"));
   EXPECT_TRUE(has(page, R"(mlcca_exporter_left_out{kind="deliveries"} 2)"));
 }
 
@@ -204,7 +204,7 @@ TEST(ExporterPage, SaysHowTheGatewayStandsInItsCluster) {
   const auto page = page_of(answers);
   EXPECT_TRUE(has(page, "mlcca_cluster_phase{phase=\"other-description\"} 1")) << page;
   EXPECT_TRUE(has(page, "mlcca_cluster_shared{state=\"closed\"} 1"));
-  EXPECT_TRUE(has(page, "mlcca_cluster_lease_seconds 8.25"));
+  EXPECT_TRUE(has(page, "mlcca_cluster_lasts_seconds 8.25"));
   EXPECT_TRUE(has(page, "mlcca_cluster_store_up 1"));
   EXPECT_TRUE(has(page, "mlcca_cluster_description_same 0"));
   EXPECT_TRUE(has(page, R"(mlcca_cluster_member{gateway="gw2",state="silent"} 1)"));

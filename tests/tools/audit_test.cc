@@ -56,7 +56,7 @@ TEST_F(AuditReport, ListsWhatWasRefusedAndWhatADescriptionWouldNeed) {
   const std::string expected = R"(AUDIT MODE: nothing is dropped; counted since 2023-11-14 22:13:20
 for 3 h nothing would have been dropped; the gates enforce after 1 d without
 
-INTERFACE  DIRECTION  FRAME OR DELIVERY           SENDER                         WOULD DROP  DROPPED  FIRST                LATEST               REASON
+INTERFACE  DIRECTION  FRAME OR DELIVERY           SENDER                         WOULD DROP  DROPPED  FIRST                LAST                 REASON
 can0       in         123                                                              4210        7  2023-11-14 22:13:21  2023-11-15 22:13:20  unknown subject
 can1       in         0cf00417                    node 23                                 1           2023-11-14 22:13:22  2023-11-14 22:13:22  unknown subject
 eth0       in         0x4e6f626f64790000          192.0.2.7 (02:00:5e:10:00:01)           3           2023-11-14 22:13:23  2023-11-14 22:13:24  unknown subject

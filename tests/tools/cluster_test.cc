@@ -46,12 +46,12 @@ TEST(ClusterVerb, StatusSaysHowItStands) {
 TEST(ClusterVerb, MembersAndReservationsMarkTheOwnOnes) {
   EXPECT_EQ(
       tools::render(test::full_cluster_members(), Color::no),
-      "GATEWAY  STATE         BEAT  LEASE  LASTS  DESCRIPTION               RESERVED  BESIDE  "
+      "GATEWAY  STATE    BEAT AGE  LEASE  LASTS  DESCRIPTION               RESERVED  BESIDE  "
       "CARRIES\n"
-      "gw1 *    active   1.2 s ago   10 s  8.2 s  1f0caaaaaaaa (3)                 3  gw2     "
+      "gw1 *    active      1.2 s   10 s  8.2 s  1f0caaaaaaaa (3)                 3  gw2     "
       "video, odometry and 7 more\n"
-      "gw2      silent    75 s ago   10 s         2e1dbbbbbbbb another one         0  gw1\n"
-      "gw3      absent                                                             0\n"
+      "gw2      silent       75 s   10 s         2e1dbbbbbbbb another one         0  gw1\n"
+      "gw3      absent                                                            0\n"
       "gw9      removed\n"
       "* this gateway\n"
       "gw9 is not described, and the store has 2 entries of it: nobody can use that any more. "

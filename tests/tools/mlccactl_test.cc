@@ -134,10 +134,10 @@ TEST(MlccactlTest, AsksWhatWouldBeWithOtherLinksAndWithoutPlaces) {
 
 TEST(MlccactlTest, AsksForAPartOfTheHistory) {
   EXPECT_EQ(request_of({"history"}), (control::Request{1, control::HistoryRequest{}}));
-  EXPECT_EQ(request_of({"history", "--channel", "video", "--kind", "switched", "--since",
+  EXPECT_EQ(request_of({"history", "--channel", "video", "--kind", "degraded", "--since",
                         "@1700000000", "--until", "@1700000001", "--limit", "7"}),
             (control::Request{1, control::HistoryRequest{.channel = "video",
-                                                         .kind = "switched",
+                                                         .kind = "degraded",
                                                          .since_unix_ns = 1'700'000'000'000'000'000,
                                                          .until_unix_ns = 1'700'000'001'000'000'000,
                                                          .limit = 7}}));

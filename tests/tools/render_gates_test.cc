@@ -21,9 +21,9 @@ TEST(RenderGates, ListsControlTrafficOfAGateBeforeItsChannels) {
   EXPECT_EQ(render(control::Gates{{gate}}, Color::no),
             R"(can0 on powertrain: profile j1939, attached, 21 of 4094 slots, 3 of 32 masks
   can0 is down
-  CONTROL TRAFFIC  DIRECTION  SOURCE  IDENTIFIER  MASK      FORMATS  MAX LENGTH  STATE   LIMIT                                PASSED  DROPPED  WOULD DROP  EXCESS  LAST REASON
-  address-claim    out        user 0  00eeff00    03ffff00  classic           8  passes  50/s, 257 at once, more is reported       7        2           4       1  more than admitted
-  CHANNEL        DIRECTION  SOURCE  IDENTIFIER  MASK      FORMATS  MAX LENGTH  STATE    LIMIT                                PASSED  DROPPED  WOULD DROP  EXCESS  LAST REASON
+  CONTROL TRAFFIC  DIRECTION  SOURCE  IDENTIFIER  MASK      FORMATS  MAX LENGTH  VERDICT  LIMIT                                PASSED  DROPPED  WOULD DROP  EXCESS  LAST REASON
+  address-claim    out        user 0  00eeff00    03ffff00  classic           8  passes   50/s, 257 at once, more is reported       7        2           4       1  more than admitted
+  CHANNEL        DIRECTION  SOURCE  IDENTIFIER  MASK      FORMATS  MAX LENGTH  VERDICT  LIMIT                                PASSED  DROPPED  WOULD DROP  EXCESS  LAST REASON
   engine-speed   in                 00eeff00    03ffff00  classic           8  passes   50/s, 257 at once, more is reported       7        2           4       1  more than admitted
   address-claim  out        user 0  00eeff00    03ffff00  classic           8  refused  100 MB/s, more is reported                7        2           4       1  more than admitted
 )");
@@ -46,9 +46,9 @@ control::Gate ethernet_gate() {
           .attached = true,
           .problem = "",
           .slots = 5000,
-          .room = 8190,
-          .masked = 0,
-          .masked_room = 0,
+          .slots_limit = 8190,
+          .masked_slots = 0,
+          .masked_slots_limit = 0,
           .control = {foreign},
           .channels = {channel}};
 }
@@ -67,10 +67,10 @@ TEST(RenderGates, ListsWhatAnEthernetGatePassesBesidesSubjectsAndWhatBecameOfFra
   EXPECT_EQ(
       render(control::Gates{{ethernet_gate()}}, its_interface(), Color::no),
       R"(eth1 on lan: profile famouso, attached by clsact, early in the driver, 5000 of 8190 slots
-  OTHER TRAFFIC     DIRECTION  STATE   PASSED
-  no event traffic  in         passes      12
-  CHANNEL   DIRECTION  FORMATS       MAX LENGTH  STATE   LIMIT                                PASSED  DROPPED  WOULD DROP  EXCESS  LAST REASON
-  distance  in         unfragmented           8  passes  50/s, 257 at once, more is reported       7        2           4       1  more than admitted
+  OTHER TRAFFIC     DIRECTION  VERDICT  PASSED
+  no event traffic  in         passes       12
+  CHANNEL   DIRECTION  FORMATS       MAX LENGTH  VERDICT  LIMIT                                PASSED  DROPPED  WOULD DROP  EXCESS  LAST REASON
+  distance  in         unfragmented           8  passes   50/s, 257 at once, more is reported       7        2           4       1  more than admitted
   and 4999 slots more
   REASON            DIRECTION  FRAMES
   no event traffic  in             12
@@ -103,7 +103,7 @@ TEST(RenderGates, AReasonHasOneRowForWhatIsDroppedAndWhatWouldBe) {
 
 TEST(GatesAsJson, ReportGates) {
   const auto json = Json::parse(to_json(control::Reply{1, test::full_gates()}));
-  EXPECT_EQ(json.at("gates").at(0).at("masked_room"), 32);
+  EXPECT_EQ(json.at("gates").at(0).at("masked_slots_limit"), 32);
   EXPECT_EQ(json.at("gates").at(0).at("control").at(0),
             Json::parse(R"({"name": "address-claim", "egress": true, "passes": true,
       "id": 2163146496, "mask": 3288334080, "formats": "classic",
@@ -118,7 +118,7 @@ TEST(GatesAsJson, ReportAnEthernetGateWithItsInterface) {
   const auto& gate = json.at("gates").at(0);
   EXPECT_EQ(gate.at("hook"), "clsact");
   EXPECT_EQ(gate.at("drops_early"), true);
-  EXPECT_EQ(gate.at("room"), 8190);
+  EXPECT_EQ(gate.at("slots_limit"), 8190);
   EXPECT_EQ(gate.at("ingress").at("reasons").at("malformed"), 3);
   EXPECT_FALSE(gate.at("channels").at(0).contains("identifier"));
   EXPECT_EQ(gate.at("channels").at(0).at("formats"), "unfragmented");

@@ -46,11 +46,11 @@ TEST(JsonFieldsTest, ReportHowWatchedEventsComeAndNullOfOthers) {
   EXPECT_EQ(json.at("channels").at(0).at("watch"), Json::parse(R"({"period_ns": 50000000,
       "timeout_ns": 162075000, "missing_now": true, "events": 1001, "missing": 4,
       "since_last_ns": 200000000, "last_gap_ns": 49000000, "shortest_gap_ns": 44000000,
-      "longest_gap_ns": 101000000, "jitter_ns": 6000000, "rate_mhz": 19975, "shared": false,
+      "longest_gap_ns": 101000000, "jitter_ns": 6000000, "rate_millihertz": 19975, "shared": false,
       "silent_ns": 200000000,
       "gaps": [0, 0, 0, 0, 0, 0, 0, 499, 500, 0, 0, 0, 0, 0, 0, 1]})"));
   EXPECT_TRUE(json.at("channels").at(1).at("watch").is_null());
-  EXPECT_EQ(json.at("channels").at(0).at("troubles"),
+  EXPECT_EQ(json.at("channels").at(0).at("problems"),
             Json::parse(R"(["nothing has come for 200 ms: 4 events are missing"])"));
 }
 
@@ -75,16 +75,16 @@ TEST(JsonFieldsTest, ReportWhatMediaGiveAndNullOfOtherMedia) {
   EXPECT_EQ(channel.at("sets"), 2);
   EXPECT_EQ(channel.at("importance"), 9);
   EXPECT_EQ(channel.at("media"), Json::parse(R"([
-      {"network": "awds", "response_ns": null, "guaranteed_ns": null, "paper_rate": 942857,
-       "available": 600000, "limiting_domain": "all links", "nodes": ["laptop", "relay", "control"]},
+      {"network": "awds", "response_ns": null, "guaranteed_ns": null, "path_rate": 942857,
+       "available": 600000, "limited_by": "all links", "path": ["laptop", "relay", "control"]},
       {"network": "robot-can", "response_ns": 310000, "guaranteed_ns": 5000000,
-       "paper_rate": null, "available": null, "limiting_domain": "", "nodes": []}])"));
+       "path_rate": null, "available": null, "limited_by": "", "path": []}])"));
 }
 
 TEST(JsonFieldsTest, ReportRoutesAndLinks) {
   const auto json = json_of({1, test::full_routes()});
   const auto& route = json.at("routes").at(1);
-  EXPECT_EQ(route, Json::parse(R"({"from": "second-can", "to": "awds", "places": [], "granted": 0,
+  EXPECT_EQ(route, Json::parse(R"({"from": "second-can", "to": "awds", "route": [], "granted": 0,
       "refused": 3, "media": [], "problem": "no gateway leads there"})"));
   EXPECT_EQ(json.at("links"), Json::parse(R"([
       {"network": "awds", "from": "laptop", "to": "relay", "rate": 24000000,
@@ -118,9 +118,9 @@ TEST(JsonFieldsTest, ReportWhatWouldBeAndWhatWas) {
       "set_now": 1, "set_then": 0, "reason": "300 kB/s too much"})"));
   const auto history = json_of({1, test::full_history()});
   EXPECT_EQ(history.at("entries").at(0), Json::parse(R"({"unix_ns": 1700000100000000000,
-      "kind": "switched", "subject": "0x0000000000000010", "channel": "video", "from": "awds",
+      "kind": "degraded", "subject": "0x0000000000000010", "channel": "video", "from": "awds",
       "to": "robot-can", "network": "awds", "message": "set 2 of 2: laptop > relay is slower",
-      "by": null})"));
+      "client": null})"));
   EXPECT_TRUE(history.at("entries").at(1).at("subject").is_null());
   EXPECT_EQ(json_of({0, test::full_event()}).at("admissions"), (Json{7, ~std::uint64_t{0}}));
 }

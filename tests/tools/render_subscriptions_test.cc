@@ -9,19 +9,18 @@ namespace mlcca::tools {
 namespace {
 
 TEST(RenderSubscriptions, SubscriptionsShowWhoMaySubscribeAndWhatIsPassedOn) {
-  EXPECT_EQ(
-      render(test::full_subscriptions(), Color::no),
-      "NETWORK     INTERFACE  FROM  MOST  PROBLEM\n"
-      "second-can  can1       all     64  the tag of SUBSCRIB is not known yet\n"
-      "\n"
-      "CHANNEL           SUBSCRIBED ON  REQUIRED        PROBLEM\n"
-      "emergency-switch  second-can     Deadline 43 ms  it requires a user-defined attribute\n");
+  EXPECT_EQ(render(test::full_subscriptions(), Color::no),
+            "NETWORK     INTERFACE  ACCEPTS  MOST  PROBLEM\n"
+            "second-can  can1       all        64  the tag of SUBSCRIB is not known yet\n"
+            "\n"
+            "CHANNEL           NETWORK     REQUIRED        PROBLEM\n"
+            "emergency-switch  second-can  Deadline 43 ms  it requires a user-defined attribute\n");
   control::Subscriptions gateways = test::full_subscriptions();
   gateways.onward.clear();
   gateways.networks[0].accepts_all = false;
   gateways.networks[0].gateways_only = true;
   EXPECT_EQ(render(gateways, Color::no),
-            "NETWORK     INTERFACE  FROM      MOST  PROBLEM\n"
+            "NETWORK     INTERFACE  ACCEPTS   MOST  PROBLEM\n"
             "second-can  can1       gateways    64  the tag of SUBSCRIB is not known yet\n");
   EXPECT_EQ(render(control::Subscriptions{}, Color::no), "no network accepts subscriptions\n");
 }

@@ -56,7 +56,7 @@ TEST_F(RenderTest, ExplainsWhatTheMediaGiveAndWhichSetIsInUse) {
   robot-can  Period        50 ms   12.5 ms  fit      37.5 ms to spare
   set          2 of 2
   route        awds > bridge > robot-can
-  awds         path laptop > relay > control, 7.543 Mbit/s by the links, 600 kB/s free or its own, in all links
+  awds         path laptop > relay > control, path rate 7.543 Mbit/s, 600 kB/s free or its own, in all links
   robot-can    response 310 us, at most 5 ms guaranteed
   publisher    switch
   subscribers  motor-left, motor-right
@@ -114,7 +114,7 @@ TEST_F(RenderTest, AnswersAQuestionAboutNothing) {
 TEST_F(RenderTest, ListsDeliveries) {
   EXPECT_EQ(
       render(control::Channels{{test::refused_channel(), test::granted_channel()}}, Color::no),
-      R"(CHANNEL           SUBJECT             FROM        TO         VERDICT  NOW                                                PASSED  DROPPED  WOULD DROP  ADMISSION  REASON
+      R"(CHANNEL           SUBJECT             FROM        TO         VERDICT  PROBLEMS                                           PASSED  DROPPED  WOULD DROP  ADMISSION  REASON
 emergency-switch  0xa4efeccc3210b497  second-can  robot-can  refused                                                         12      345                         Omission 2 required, bridge provides 5 (3 too many)
 emergency-switch  0xa4efeccc3210b497  robot-can   robot-can  granted  nothing has come for 200 ms: 4 events are missing      12        0          12          7  Period 50 ms required, the route provides 12.5 ms (37.5 ms to spare)
 )");
@@ -136,17 +136,17 @@ awds        robot-can        2        1  awds > bridge > robot-can
 second-can  awds             0        3  none: no gateway leads there
 
 what their media give
-  FROM  TO         MEDIUM     RESPONSE  GUARANTEED  PATH                      BY THE LINKS  AVAILABLE  LIMITED BY
+  FROM  TO         NETWORK    RESPONSE  GUARANTEED  PATH                         PATH RATE  AVAILABLE  LIMITED BY
   awds  robot-can  awds                             laptop > relay > control  7.543 Mbit/s   600 kB/s  all links
   awds  robot-can  robot-can    310 us        5 ms
 
 links
-  NETWORK  FROM    TO                      RATE     BELIEVED  KIND       LOSS   BUSY     AGE  STATE  SOURCE
-  awds     laptop  relay              24 Mbit/s  22.5 Mbit/s  phy      1.25 %  4.3 %  1.25 s         nl80211 mesh0
-  awds     relay   02:00:00:00:00:03    unknown      nothing  derived                   60 s  stale  awds eth1
+  NETWORK  FROM    TO                      RATE  BELIEVED RATE  KIND       LOSS   BUSY     AGE  STATE  SOURCE
+  awds     laptop  relay              24 Mbit/s    22.5 Mbit/s  phy      1.25 %  4.3 %  1.25 s         nl80211 mesh0
+  awds     relay   02:00:00:00:00:03    unknown        nothing  derived                   60 s  stale  awds eth1
 
 can-gw rules
-  FROM  TO    FILTER    FORMAT   WHOSE       HANDLED  DROPPED  DELETED  HOPS  CHANGES         CHANNEL
+  FROM  TO    FILTER    FORMAT   OWNER       HANDLED  DROPPED  DELETED  HOPS  CHANGE          CHANNEL
   can1  can0  1f480064  FD       mlccad   7000000000        1        2        id to 1f480065  emergency-switch
   can0  can2  100/7ff   classic  foreign           0        0              1  the frame
 
@@ -189,12 +189,12 @@ TEST_F(RenderTest, SaysThatThereIsNothingToReserve) {
 
 TEST_F(RenderTest, ShowsTheLosersFirst) {
   EXPECT_EQ(render(test::full_what_if(), Color::no),
-            R"(EFFECT         CHANNEL  PUBLISHER  TO         NOW      THEN     REASON
-lost           speech   camera     robot-can  set 2    refused  300 kB/s too much
-switched down  video    camera     robot-can  set 1    set 2    100 kB/s fit
-switched up    sonar    camera     robot-can  set 3    set 1    fits again
-gained         map      camera     robot-can  refused  granted  fits
-1 lost, 2 switched, 1 gained, 12 as now
+            R"(EFFECT    CHANNEL  PUBLISHER  TO         NOW      THEN     REASON
+lost      speech   camera     robot-can  set 2    refused  300 kB/s too much
+degraded  video    camera     robot-can  set 1    set 2    100 kB/s fit
+upgraded  sonar    camera     robot-can  set 3    set 1    fits again
+gained    map      camera     robot-can  refused  granted  fits
+1 lost, 1 degraded, 1 upgraded, 1 gained, 12 as now
 )");
 }
 
@@ -207,7 +207,7 @@ TEST_F(RenderTest, ShowsTheNewestDecisionLast) {
   EXPECT_EQ(render(test::full_history(), Color::no),
             R"(TIME                     KIND      CHANNEL  FROM  TO         NETWORK  MESSAGE
 2023-11-14 22:13:20.123  reload                                       read again
-2023-11-14 22:15:00.000  switched  video    awds  robot-can  awds     set 2 of 2: laptop > relay is slower
+2023-11-14 22:15:00.000  degraded  video    awds  robot-can  awds     set 2 of 2: laptop > relay is slower
 )");
   EXPECT_EQ(render(control::History{}, Color::no), "nothing of that is recorded\n");
 }
@@ -253,11 +253,11 @@ frames by reason
   can0       out        more than admitted                  34
 
 unknown frames, last seen first
-  INTERFACE  DIRECTION  IDENTIFIER          FORMAT    LENGTH  SEEN  SENDER
-  can0       in         18ffa533            classic        8    19
-  can0       out        123                 FD            64     2
-  can0       in         017                 XL          2048     1
-  can0       in         0xa4efeccc3210b497  datagram    8183     3  10.0.0.7 (02:00:5e:10:00:01)
+  INTERFACE  DIRECTION  IDENTIFIER          FORMAT    LENGTH  FRAMES  SENDER
+  can0       in         18ffa533            classic        8      19
+  can0       out        123                 FD            64       2
+  can0       in         017                 XL          2048       1
+  can0       in         0xa4efeccc3210b497  datagram    8183       3  10.0.0.7 (02:00:5e:10:00:01)
 )");
 }
 
@@ -308,7 +308,7 @@ TEST_F(RenderTest, ShowsWhatIsWrongWithAGrant) {
   const std::string line = "nothing has come for 200 ms: 4 events are missing";
   EXPECT_NE(render(channels, Color::no).find("granted  " + line), std::string::npos)
       << render(channels, Color::no);
-  EXPECT_NE(explain(channels, Color::no, false).find("  trouble      " + line + "\n"),
+  EXPECT_NE(explain(channels, Color::no, false).find("  problem      " + line + "\n"),
             std::string::npos);
 }
 

@@ -116,8 +116,8 @@ TEST(TopRatesTest, WatchedEventsReportJitterLossAndWhatIsUsed) {
 
 TEST(TopRatesTest, WhatIsWrongWithAGrantStandsInPlaceOfIt) {
   auto channel = delivery("beat", 0, 0);
-  channel.troubles = {"12 frames on second-can were more than was admitted"};
-  EXPECT_EQ(rows_by_subject(nullptr, sample(1, {channel})).at(0).verdict, "TROUBLE");
+  channel.problems = {"12 frames on second-can were more than was admitted"};
+  EXPECT_EQ(rows_by_subject(nullptr, sample(1, {channel})).at(0).verdict, "PROBLEM");
 }
 
 TEST(TopRatesTest, UnknownSubjectsHaveRowsOfTheirOwn) {
@@ -173,7 +173,7 @@ TEST(TopRatesTest, OfPublishersThatLookAlikeJitterAndLossOfOneAreNotKnown) {
   channel.watch->last_gap_ns = channel.watch->jitter_ns = 1'000'000;
   channel.watch->shared = true;
   channel.not_supervised = "the gate cannot distinguish a and b";
-  channel.troubles = {"not supervised: the gate cannot distinguish a and b"};
+  channel.problems = {"not supervised: the gate cannot distinguish a and b"};
   const Row row = rows_by_subject(nullptr, sample(1, {channel})).at(0);
   EXPECT_FALSE(row.jitter);
   EXPECT_FALSE(row.loss);
@@ -181,8 +181,8 @@ TEST(TopRatesTest, OfPublishersThatLookAlikeJitterAndLossOfOneAreNotKnown) {
   channel.watch->missing_now = true;
   EXPECT_EQ(rows_by_subject(nullptr, sample(1, {channel})).at(0).verdict, "MISSING");
   channel.watch.reset();
-  channel.troubles.emplace_back("nothing forwards them");
-  EXPECT_EQ(rows_by_subject(nullptr, sample(1, {channel})).at(0).verdict, "TROUBLE");
+  channel.problems.emplace_back("nothing forwards them");
+  EXPECT_EQ(rows_by_subject(nullptr, sample(1, {channel})).at(0).verdict, "PROBLEM");
 }
 
 Sample with_reservations(Sample s) {

@@ -96,9 +96,9 @@ _mlccactl() {
 		return
 		;;
 	--kind)
-		mapfile -t COMPREPLY < <(compgen -W "started stopped granted refused withdrawn revoked network-down removed switched rerouted released
-			reinstated dropping excess missing restored late interface gateway mode reload lapsed
-			drift bypass binding rollout trouble" -- "$cur")
+		mapfile -t COMPREPLY < <(compgen -W "started stopped granted refused withdrawn revoked network-down removed degraded upgraded rerouted released
+			reinstated dropped policed missing restored late interface gateway mode reload lapsed
+			drift bypass binding rollout problem" -- "$cur")
 		return
 		;;
 	--by)

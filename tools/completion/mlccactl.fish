@@ -200,7 +200,7 @@ __mlccactl_option 'what-if' -l without -x -a '(__mlccactl_places)' -d 'a network
 __mlccactl_option 'what-if' -l one-way -d 'the links only from FROM to TO'
 
 __mlccactl_option 'history' -l channel -x -a '(__mlccactl_channels)' -d 'of this channel only'
-__mlccactl_option 'history' -l kind -x -a 'started stopped granted refused withdrawn revoked network-down removed switched rerouted released reinstated dropping excess missing restored late interface gateway mode reload lapsed drift bypass binding rollout trouble' -d 'only these entries'
+__mlccactl_option 'history' -l kind -x -a 'started stopped granted refused withdrawn revoked network-down removed degraded upgraded rerouted released reinstated dropped policed missing restored late interface gateway mode reload lapsed drift bypass binding rollout problem' -d 'only these entries'
 __mlccactl_option 'history' -l since -x -d 'not before'
 __mlccactl_option 'history' -l until -x -d 'not after'
 __mlccactl_option 'history' -l limit -x -d 'the newest ones'

@@ -31,7 +31,7 @@ void add_cluster(const control::Cluster& cluster, std::string& page) {
   add_word("mlcca_cluster_shared",
            "What may be used of networks of several gateways: open, described, closed. Always 1.",
            "state", cluster.shared, page);
-  add_gauge("mlcca_cluster_lease_seconds", "For how long what is reserved surely lasts.",
+  add_gauge("mlcca_cluster_lasts_seconds", "For how long what is reserved surely lasts.",
             in_seconds(cluster.lasts_ns), page);
   add_gauge("mlcca_cluster_store_up", "Whether the store answers.", cluster.store_up, page);
   if (cluster.store_latency_ns != 0)

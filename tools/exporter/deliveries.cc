@@ -11,7 +11,7 @@
 namespace mlcca::exporter {
 namespace {
 
-bool is_well(const control::Channel& c) { return c.granted && c.troubles.empty(); }
+bool is_well(const control::Channel& c) { return c.granted && c.problems.empty(); }
 
 /// Deliveries that differ only in the number of their admission. They form one series, because the
 /// number is no label: each admission has a new number, so it would create new series all the time.
@@ -76,7 +76,7 @@ struct Watches {
 struct Responses {
   Family response{"mlcca_delivery_response_seconds", "gauge",
                   "Longest response time on a CAN bus of its way, with what is on the bus now."};
-  Family guaranteed{"mlcca_delivery_response_limit_seconds", "gauge",
+  Family guaranteed{"mlcca_delivery_response_guaranteed_seconds", "gauge",
                     "What the response time cannot exceed, whoever is admitted later."};
 
   void add(const Labels& labels, const std::vector<control::MediumUse>& media) {
@@ -106,8 +106,7 @@ void add_deliveries(const control::Channels& channels, const Most& most, LeftOut
   Family granted("mlcca_delivery_granted", "gauge", "Whether the delivery is granted.");
   Family set("mlcca_delivery_attribute_set", "gauge",
              "Attribute set in use, 1 is the preferred one; only where there is a choice.");
-  Family troubles("mlcca_delivery_troubles", "gauge",
-                  "How many things are wrong with what was granted.");
+  Family problems("mlcca_delivery_problems", "gauge", "How many problems what was granted has.");
   Family supervised("mlcca_delivery_supervised", "gauge",
                     "Whether the silence of this heart-beat would be reported.");
   Family shared("mlcca_delivery_shared", "gauge",
@@ -129,8 +128,8 @@ void add_deliveries(const control::Channels& channels, const Most& most, LeftOut
     granted.add(labels, d.all([](const Channel& one) { return one.granted; }));
     if (c.granted && c.sets > 1) set.add(labels, std::uint64_t{c.set} + 1);
     std::uint64_t wrong = 0;
-    for (const auto* one : d.channels) wrong += one->troubles.size();
-    troubles.add(labels, wrong);
+    for (const auto* one : d.channels) wrong += one->problems.size();
+    problems.add(labels, wrong);
     supervised.add(labels, d.all([](const Channel& one) { return one.not_supervised.empty(); }));
     shared.add(labels, std::ranges::any_of(d.channels, &Channel::counts_shared));
     withdrawn.add(labels, c.withdrawn);
@@ -142,7 +141,7 @@ void add_deliveries(const control::Channels& channels, const Most& most, LeftOut
     if (const auto* watch = watch_of(d)) watches.add(labels, *watch);
     if (c.granted) responses.add(labels, c.media);
   }
-  for (const auto* family : {&granted, &set, &troubles, &supervised, &shared, &withdrawn, &passed,
+  for (const auto* family : {&granted, &set, &problems, &supervised, &shared, &withdrawn, &passed,
                              &dropped, &excess, &would_drop})
     family->append_to(page);
   watches.append_to(page);

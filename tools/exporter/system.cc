@@ -151,7 +151,7 @@ void add_interfaces(std::span<const control::Interface> interfaces, std::string&
 }
 
 void add_links(std::span<const control::MeshLink> links, std::string& page) {
-  Family rate("mlcca_link_rate_bytes_per_second", "gauge",
+  Family rate("mlcca_link_believed_rate_bytes_per_second", "gauge",
               "What a link of a mesh is believed to carry; 0: nothing.");
   Family loss("mlcca_link_loss_ratio", "gauge", "Loss of the link as it is reported.");
   Family busy("mlcca_link_busy_ratio", "gauge", "Share of the time in which its medium is busy.");
@@ -205,7 +205,7 @@ void add_status(const control::Status& s, const Most& most, LeftOut& left_out, s
           "When the description in force was read, in seconds since 1970.", s.loaded_unix_s, page);
   add_one("mlcca_reload_refused", "gauge",
           "Whether the latest reload was refused: the former description is in force.",
-          !s.last_error.empty(), page);
+          !s.reload_error.empty(), page);
   Family deliveries("mlcca_deliveries", "gauge", "Deliveries of channels, by verdict.");
   deliveries.add(Labels{{"verdict", "granted"}}, std::uint64_t{s.channels_granted});
   deliveries.add(Labels{{"verdict", "refused"}}, std::uint64_t{s.channels_refused});
@@ -253,10 +253,10 @@ void add_gates(const control::Gates& gates, const Most& most, LeftOut& left_out,
   std::size_t unlisted = 0;
   for (const auto& g : first(gates.gates, most.others, unlisted)) {
     const Labels labels{{"interface", g.interface}, {"network", g.network}};
-    room.add(labels, std::uint64_t{g.room});
-    if (g.masked_room != 0) {
-      masked.add(labels, std::uint64_t{g.masked});
-      masked_room.add(labels, std::uint64_t{g.masked_room});
+    room.add(labels, std::uint64_t{g.slots_limit});
+    if (g.masked_slots_limit != 0) {
+      masked.add(labels, std::uint64_t{g.masked_slots});
+      masked_room.add(labels, std::uint64_t{g.masked_slots_limit});
     }
     for (const auto& slot : g.control) {
       auto named = labels.with("direction", slot.egress ? "out" : "in");

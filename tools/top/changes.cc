@@ -59,7 +59,7 @@ Json counted(const control::Channel& c, std::size_t place) {
                     {"silent_ns", or_null(w->silent_ns)},
                     {"last_gap_ns", or_null(w->last_gap_ns)},
                     {"jitter_ns", w->jitter_ns},
-                    {"rate_mhz", or_null(w->rate_mhz)}};
+                    {"rate_millihertz", or_null(w->rate_millihertz)}};
   return out;
 }
 

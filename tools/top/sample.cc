@@ -210,9 +210,9 @@ Row delivery(const control::Channel& c) {
   row.verdict =
       c.granted && c.sets > 1 ? fmt::format("set {}/{}", c.set + 1, c.sets) : verdict.text;
   row.style = c.granted && c.set != 0 ? Style::warning : verdict.style;
-  if (!c.troubles.empty()) {
-    const bool only_unsupervised = c.troubles.size() == 1 && !c.not_supervised.empty();
-    row.verdict = only_unsupervised ? "NOWATCH" : "TROUBLE";
+  if (!c.problems.empty()) {
+    const bool only_unsupervised = c.problems.size() == 1 && !c.not_supervised.empty();
+    row.verdict = only_unsupervised ? "NOWATCH" : "PROBLEM";
     row.style = Style::bad;
   }
   if (c.watch) add_watch(*c.watch, row);

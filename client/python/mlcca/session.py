@@ -30,12 +30,12 @@ UNITS = {"Latency": "ns", "Jitter": "ns", "Deadline": "ns", "Period": "ns", "Ban
          "Omission": "events", "MaxPayload": "bytes"}
 NANOSECONDS = {"ns": 1, "us": 1_000, "ms": 1_000_000, "s": 1_000_000_000}
 
-HAPPENED = {"excess": Cause.POLICED, "dropping": Cause.DROPPED, "missing": Cause.MISSING, "restored": Cause.RESTORED,
+HAPPENED = {"policed": Cause.POLICED, "dropped": Cause.DROPPED, "missing": Cause.MISSING, "restored": Cause.RESTORED,
             "missed": Cause.MISSED,
             "late": Cause.LATE, "lapsed": Cause.GATES_CLOSED, "stopped": Cause.GATES_CLOSED, "mode": Cause.MODE}
 # Events after which the decision may be another one, so that the daemon is asked.
-VERDICT = {"granted", "refused", "withdrawn", "released", "switched", "rerouted", "reinstated", "reload", "lagged", "local",
-           "binding"}
+VERDICT = {"granted", "refused", "withdrawn", "released", "degraded", "upgraded", "rerouted", "reinstated", "reload",
+           "lagged", "local", "binding"}
 # Events about a subscription that the gateway has passed on.
 FURTHER_ON = {"refused": Cause.REFUSED, "granted": Cause.GRANTED}
 # Exceptions that are dropped first if a program takes none.
@@ -78,7 +78,7 @@ def check_of(row: control_pb2.Row) -> Check:
 
 def delivery_of(channel: control_pb2.Channel) -> Delivery:
     return Delivery(channel.granted, channel.publisher, getattr(channel, "from"), channel.to, channel.reason, channel.set,
-                    next(iter(channel.troubles), ""), tuple(channel.route), tuple(map(check_of, channel.rows)))
+                    next(iter(channel.problems), ""), tuple(channel.route), tuple(map(check_of, channel.rows)))
 
 
 def summary_of(deliveries: tuple[Delivery, ...]) -> Answer:
@@ -188,12 +188,12 @@ class Part:
                 self.note(Cause.WITHDRAWN, f"there is no delivery of {d.publisher} to {d.to} any more")
 
     def forget_trouble(self, event: control_pb2.Event) -> bool:
-        """Removes the trouble of deliveries of which events arrive again. Returns False if none had any."""
+        """Removes the problem of deliveries of which events arrive again. Returns False if none had any."""
         def concerned(d: Delivery) -> bool:
-            return bool(d.trouble) and event.publisher in ("", d.publisher) and event.network in ("", d.to, d.source)
+            return bool(d.problem) and event.publisher in ("", d.publisher) and event.network in ("", d.to, d.source)
         if not any(map(concerned, self.answer.deliveries)):
             return False
-        self.answer = replace(self.answer, deliveries=tuple(replace(d, trouble="") if concerned(d) else d
+        self.answer = replace(self.answer, deliveries=tuple(replace(d, problem="") if concerned(d) else d
                                                             for d in self.answer.deliveries))
         return True
 
@@ -441,7 +441,7 @@ class Session:
     def _on_happened(self, part: Part, event: control_pb2.Event) -> None:
         outdated = event.kind == "restored" and part.forget_trouble(event)
         part.note(HAPPENED.get(event.kind, Cause.OTHER), event.message, event)
-        if outdated:  # the delivery may have other troubles
+        if outdated:  # the delivery may have other problems
             self.ask_again(part)
 
     def _on_event(self, event: control_pb2.Event) -> None:

@@ -24,7 +24,7 @@ class Cause(enum.Enum):
     GRANTED = "granted"            # a delivery that was refused is granted
     REFUSED = "refused"            # a delivery is refused that was not known before
     WITHDRAWN = "withdrawn"        # a delivery that was granted is refused, or does not exist any more
-    NETWORK_DOWN = "network down"  # as WITHDRAWN, because `network` on its route is not available
+    NETWORK_DOWN = "network-down"  # as WITHDRAWN, because `network` on its route is not available
     REJECTED = "rejected"          # after a reload the announcement does not fit the description any more
     DEGRADED = "degraded"          # a less preferred attribute set is in use
     UPGRADED = "upgraded"          # a more preferred attribute set is in use
@@ -34,11 +34,11 @@ class Cause(enum.Enum):
     RESTORED = "restored"          # events arrive again after MISSING
     MISSED = "missed"              # events of programs on this gateway were lost: not read in time, or the gates were closed
     LATE = "late"                  # events spent more time in mlcca-relay than the description states for the gateway
-    GATES_CLOSED = "gates closed"  # the kernel had closed all gates for a time, or the daemon stops, or its grace is over
+    GATES_CLOSED = "gates-closed"  # the kernel had closed all gates for a time, or the daemon stops, or its grace is over
     MODE = "mode"                  # the gateway has changed between the modes enforce and audit
     LAGGED = "lagged"              # exceptions were lost, because this program took them too slowly
-    DAEMON_GONE = "daemon gone"    # the connection is lost or the daemon hangs; grants hold for the grace, then GATES_CLOSED
-    DAEMON_BACK = "daemon back"    # the daemon has answered the announcement again; see `answer`
+    DAEMON_GONE = "daemon-gone"    # the connection is lost or the daemon hangs; grants hold for the grace, then GATES_CLOSED
+    DAEMON_BACK = "daemon-back"    # the daemon has answered the announcement again; see `answer`
     OTHER = "other"                # a kind that this library does not know, or a problem with the sockets; see `text`
 
 
@@ -80,7 +80,7 @@ class Delivery:
     to: str
     reason: str       # one line: if granted the smallest margin, otherwise why it is refused
     attribute_set: int  # the attribute set in use; 0 is the preferred one
-    trouble: str      # what is wrong although the delivery is granted; empty if nothing is
+    problem: str      # what is wrong although the delivery is granted; empty if nothing is
     route: tuple[str, ...]
     checks: tuple[Check, ...]
 

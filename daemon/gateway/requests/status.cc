@@ -32,7 +32,7 @@ control::Status status_of(const StatusParts& c) {
   s.channels_refused = static_cast<std::uint32_t>(c.scene.state->refused());
   s.started_unix_s = c.started;
   s.loaded_unix_s = c.reloads.loaded();
-  s.last_error = c.reloads.last_error();
+  s.reload_error = c.reloads.last_error();
   if (const auto problems = c.health.problems(); !problems.empty()) s.problem = problems.front();
   s.interfaces = c.gates.report();
   for (control::Interface& interface : s.interfaces)

@@ -50,7 +50,7 @@ struct Delivery {
   std::string to;
   std::string reason;   ///< one line: if granted the smallest margin, otherwise why it is refused
   unsigned set = 0;     ///< the attribute set in use; 0 is the preferred one
-  std::string trouble;  ///< what is wrong although the delivery is granted; empty if nothing is
+  std::string problem;  ///< what is wrong although the delivery is granted; empty if nothing is
   std::vector<std::string> route;
   std::vector<Check> checks;
 };
@@ -101,7 +101,7 @@ enum class Cause : std::uint8_t {
                  ///< decision
   other,  ///< a kind that this library does not know, or a problem with the sockets; see the text
 };
-/// The name as readable text, e.g. "network down"; the pointer stays valid.
+/// The name as readable text, e.g. "network-down"; the pointer stays valid.
 MLCCA_API const char* name_of(Cause cause);
 MLCCA_API const char* name_of(State state);
 

@@ -90,7 +90,7 @@ MLCCA_API void mlcca_events_process(struct mlcca_events* events, mlcca_on_event 
 
 /* Reports what has happened to events of programs on the gateway, which pass no gate that
  * supervises them. Call it after mlcca_events_process() until it returns 0. It writes one
- * mlcca.v1.Reply with an `event` of kind missing, restored, excess, missed or lapsed, preceded by
+ * mlcca.v1.Reply with an `event` of kind missing, restored, policed, missed or lapsed, preceded by
  * its length as a varint, and the number of the endpoint at `end`. Returns the size of the reply;
  * if that exceeds `size`, nothing is written and the reply is kept for the next call. */
 MLCCA_API size_t mlcca_events_happened(struct mlcca_events* events, uint64_t* end, void* reply,

@@ -122,7 +122,7 @@ TEST(BandwidthTest, ExactlyWhatIsAvailableFits) {
 TEST(BandwidthTest, JsonHasBothNumbers) {
   const Json answer =
       json({"24M", "11M:0.25", "--domain", "2-hop", "--demand", "80Mbit/s"}, kRefused);
-  EXPECT_EQ(answer.at("paper_bit_s"), 7'542'857);
+  EXPECT_EQ(answer.at("path_rate_bit_s"), 7'542'857);
   EXPECT_NEAR(answer.at("available_bit_s").get<double>(), 0.8e6 / (1.0 / 24 + 4.0 / 33), 100);
   EXPECT_EQ(answer.at("limited_by"), "around 1 > 2");
   EXPECT_DOUBLE_EQ(answer.at("links").at(1).at("loss").get<double>(), 0.25);

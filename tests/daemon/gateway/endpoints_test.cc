@@ -287,7 +287,7 @@ TEST_F(Endpoints, ADeliveryThatTheRelayDoesNotCarryIsInTrouble) {
   start(std::move(system));
   const auto troubles = [this] {
     const auto answer = bench_->ask(control::ExplainRequest{"c0"});
-    return std::get<control::Channels>(answer.reply.body).channels.at(0).troubles;
+    return std::get<control::Channels>(answer.reply.body).channels.at(0).problems;
   };
   const std::vector<std::string> missing{
       "mlcca-relay, which is to carry it, is not connected: start mlcca-relay.service"};
@@ -323,7 +323,7 @@ TEST_F(Endpoints, WhatTheRelayCarriesTooLateIsAnExceptionAndATrouble) {
   EXPECT_NE(says(ask(relay)).find("4 events from"), std::string::npos);
   const auto troubles = [this] {
     const auto answer = bench_->ask(control::ExplainRequest{"c0"});
-    return std::get<control::Channels>(answer.reply.body).channels.at(0).troubles;
+    return std::get<control::Channels>(answer.reply.body).channels.at(0).problems;
   };
   EXPECT_EQ(troubles(), std::vector<std::string>{
                             "the program that carries it to can1 took up to 9.8 ms, longer than "

@@ -59,7 +59,7 @@ TEST_F(EventLogTest, OfANetworkAloneTheHistoryHasNoDelivery) {
 }
 
 TEST_F(EventLogTest, DropsAreReportedAndNotKept) {
-  log_.warning(Kind::dropping, "3 frames");
+  log_.warning(Kind::dropped, "3 frames");
   EXPECT_EQ(published_.size(), 1U);
   EXPECT_TRUE(kept().empty());
   EXPECT_EQ(log_.rows(), 0U);
@@ -79,15 +79,15 @@ TEST_F(EventLogTest, TheClientThatAskedIsNamedAsLongAsItsRequestLasts) {
   ASSERT_EQ(published_.size(), 4U);
   EXPECT_EQ(published_[0].message, "by request (by alice, uid 1000, process 42)");
   EXPECT_EQ(published_[1].message, "by itself");
-  EXPECT_FALSE(published_[1].by);
-  ASSERT_TRUE(published_[2].by);
-  EXPECT_EQ(published_[2].by->uid, 1000U);
-  EXPECT_FALSE(published_[3].by);
+  EXPECT_FALSE(published_[1].client);
+  ASSERT_TRUE(published_[2].client);
+  EXPECT_EQ(published_[2].client->uid, 1000U);
+  EXPECT_FALSE(published_[3].client);
 }
 
 TEST_F(EventLogTest, RowsThatComeLaterAreCountedNow) {
   log_.add_rows(5);
-  log_.error(Kind::trouble, "one more");
+  log_.error(Kind::problem, "one more");
   EXPECT_EQ(log_.rows(), 6U);
 }
 

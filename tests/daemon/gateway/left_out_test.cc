@@ -163,16 +163,16 @@ TEST_F(LeftOut, AreNamedWhenTheyAreReleased) {
 TEST_F(LeftOut, AreReportedOnceForEachTimeTheyLoseTheirPlace) {
   const core::System allowing = bench_.system;
   admit_and_leave_out();
-  ASSERT_EQ(events("trouble").size(), 1U);
-  EXPECT_EQ(events("trouble")[0].subject, kUnlistedSubjects + 1);
+  ASSERT_EQ(events("problem").size(), 1U);
+  EXPECT_EQ(events("problem")[0].subject, kUnlistedSubjects + 1);
   reload();
-  EXPECT_EQ(events("trouble").size(), 1U) << "nothing has changed";
+  EXPECT_EQ(events("problem").size(), 1U) << "nothing has changed";
   const core::System forbidding = std::exchange(bench_.system, allowing);
   reload();
   ASSERT_EQ(bench_.state().admissions().size(), 1U);
   bench_.system = forbidding;
   reload();
-  EXPECT_EQ(events("trouble").size(), 2U);
+  EXPECT_EQ(events("problem").size(), 2U);
 }
 
 }  // namespace

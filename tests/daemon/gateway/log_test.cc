@@ -57,11 +57,16 @@ std::string field(const std::string& name, const std::string& value) {
 TEST(Log, AnEntryHasItsFieldsWhateverTheirValuesAre) {
   const Journald journald;
   const SystemLog journal = SystemLog::to_journald(journald.path());
-  journal.write({.kind = Kind::granted, .message = "two\nlines=", .channel = "stop"});
+  journal.write({.kind = Kind::granted,
+                 .message = "two\nlines=",
+                 .channel = "stop",
+                 .publisher = "lever",
+                 .by = control::Actor{.uid = 1000, .user = "alice", .pid = 42}});
   const std::string entry = journald.read();
   for (const std::string& part :
        {field("MESSAGE", "two\nlines="), field("PRIORITY", "6"), field("MLCCA_KIND", "granted"),
-        field("CHANNEL", "stop"), field("VERDICT", "granted")})
+        field("CHANNEL", "stop"), field("PUBLISHER", "lever"), field("CLIENT_UID", "1000"),
+        field("CLIENT_PID", "42"), field("CLIENT_USER", "alice"), field("VERDICT", "granted")})
     EXPECT_NE(entry.find(part), std::string::npos) << part;
 }
 

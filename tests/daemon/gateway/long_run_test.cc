@@ -330,8 +330,8 @@ TEST(LongRunTest, AnHourOfAGatewayKeepsNoMoreThanItsFirstMinutes) {
     kept.at_minute(minute, hour.heap());
   }
   for (const char* kind :
-       {"granted", "refused", "revoked", "released", "reinstated", "network-down", "dropping",
-        "excess", "missing", "restored", "late", "interface", "mode", "reload", "local"})
+       {"granted", "refused", "revoked", "released", "reinstated", "network-down", "dropped",
+        "policed", "missing", "restored", "late", "interface", "mode", "reload", "local"})
     EXPECT_GT(hour.happened(kind), 10U) << kind << ": where nothing happens nothing grows";
   EXPECT_GT(hour.answered(), 30'000U);
   EXPECT_LE(hour.admissions(), 64U);

@@ -239,7 +239,7 @@ TEST_F(MembersOperated, ADrainedGatewayGivesBackWhatItHasAndStaysOut) {
       at(0).published, [](const auto& e) { return e.message.starts_with("drained: "); });
   ASSERT_NE(event, at(0).published.end());
   EXPECT_EQ(event->kind, "gateway");
-  EXPECT_TRUE(event->by.has_value());
+  EXPECT_TRUE(event->client.has_value());
   EXPECT_FALSE(passes(0, 0)) << "at once";
   EXPECT_FALSE(passes(0, 2));
   EXPECT_TRUE(granted(0, 1)) << "it stays on one gateway";

@@ -98,9 +98,9 @@ TEST_F(SubscriptionRequests, TheEventNamesTheProgramThatBroughtIt) {
   EXPECT_EQ(subscribe(wanted()), "granted");
   ASSERT_FALSE(bench_->published.empty());
   for (const control::Event& event : bench_->published) {
-    ASSERT_TRUE(event.by) << event.message;
-    EXPECT_EQ(event.by->uid, kProgram);
-    EXPECT_EQ(event.by->pid, 9U);
+    ASSERT_TRUE(event.client) << event.message;
+    EXPECT_EQ(event.client->uid, kProgram);
+    EXPECT_EQ(event.client->pid, 9U);
   }
 }
 

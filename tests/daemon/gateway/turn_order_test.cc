@@ -185,7 +185,7 @@ TEST_F(OnTheBench, AForwarderThatEndsIsReportedAfterItsLastFrame) {
   auto& passed = bench_.gates().passed;
   const auto troubles = [&] {
     const auto answer = bench_.ask(control::ExplainRequest{"c0"});
-    return std::get<control::Channels>(answer.reply.body).channels.at(0).troubles;
+    return std::get<control::Channels>(answer.reply.body).channels.at(0).problems;
   };
   const auto pass = [&](std::uint64_t in, std::uint64_t out) {
     passed = {{core::Direction::ingress, in}, {core::Direction::egress, out}};
@@ -214,7 +214,7 @@ TEST_F(OnTheBench, AForwarderThatEndsIsReportedAfterItsLastFrame) {
 TEST_F(OnTheBench, FramesFromBeforeAReloadAreNotMissedBehindIt) {
   const auto troubles = [&] {
     const auto answer = bench_.ask(control::ExplainRequest{"c0"});
-    return std::get<control::Channels>(answer.reply.body).channels.at(0).troubles;
+    return std::get<control::Channels>(answer.reply.body).channels.at(0).problems;
   };
   bench_.gates().passed = {{core::Direction::ingress, 422}, {core::Direction::egress, 0}};
   static_cast<void>(bench_.ask(control::ReloadRequest{}));
@@ -294,7 +294,7 @@ TEST_F(OnTheBench, WhatWasDroppedWhileAChannelWasRefusedIsNoReasonAfterIt) {
   bench_.events.clear();
   bench_.ask(control::ReinstateRequest{"c0"});
   bench_.act();
-  EXPECT_EQ(std::ranges::count(bench_.events, "dropping"), 1) << "they are reported all the same";
+  EXPECT_EQ(std::ranges::count(bench_.events, "dropped"), 1) << "they are reported all the same";
   bench_.round();
   EXPECT_EQ(reasons(), std::vector<std::string>{});
   bench_.gates().counted[1].dropped = 63;
@@ -338,12 +338,12 @@ TEST(StandBy, WhatAnotherGatewayForwardsIsNoTroubleOfThisOne) {
   }
   EXPECT_TRUE(channel().granted);
   EXPECT_EQ(channel().carried_by, std::vector<std::string>{"a"});
-  EXPECT_EQ(channel().troubles, std::vector<std::string>{});
+  EXPECT_EQ(channel().problems, std::vector<std::string>{});
   EXPECT_TRUE(channel().crosses_no_gate);
   EXPECT_EQ(channel().dropped, 0U);
   EXPECT_EQ(status().health.state, control::HealthState::healthy);
   EXPECT_EQ(status().health.reasons, std::vector<std::string>{});
-  EXPECT_EQ(std::ranges::count(bench.events, "dropping"), 0);
+  EXPECT_EQ(std::ranges::count(bench.events, "dropped"), 0);
 
   gate_event missing{};
   missing.kind = GATE_E_MISSING;
@@ -364,8 +364,8 @@ TEST(StandBy, WhatAnotherGatewayForwardsIsNoTroubleOfThisOne) {
   bench.round();
   EXPECT_EQ(channel().carried_by, std::vector<std::string>{});
   EXPECT_TRUE(channel().granted);
-  EXPECT_EQ(channel().troubles, std::vector<std::string>{});
-  EXPECT_EQ(std::ranges::count(bench.events, "dropping"), 0);
+  EXPECT_EQ(channel().problems, std::vector<std::string>{});
+  EXPECT_EQ(std::ranges::count(bench.events, "dropped"), 0);
 }
 
 }  // namespace

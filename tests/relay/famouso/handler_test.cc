@@ -289,7 +289,7 @@ TEST_F(HandlerTest, ADaemonThatIsThereIsNotSaidToBeAway) {
   Tcp sonar(handler->port());
   take_up(*handler, sonar, kAnnounce);
   EXPECT_FALSE(has_said("no daemon")) << all_said();
-  EXPECT_FALSE(has_said("daemon back")) << all_said();
+  EXPECT_FALSE(has_said("daemon-back")) << all_said();
 }
 
 TEST_F(HandlerTest, ADaemonThatGoesAndComesIsSaidOnceHoweverManyChannelsThereAre) {
