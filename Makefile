@@ -174,6 +174,7 @@ lint: check-layers check-format cppcheck tidy ## layering, clang-format-19, cppc
 check-quick: check-layers check-format ## what a commit breaks most easily: layers, names, format, form and dates of documents
 	$(Q)tests/docs/form
 	$(Q)tests/docs/layers
+	$(Q)tests/docs/names
 	$(Q)tests/bench/age check
 
 check-layers: ## who may include whom, and no name that means another thing in a bundle

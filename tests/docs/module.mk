@@ -5,6 +5,7 @@ NOT_RUN := 40
 check-docs: $O/mlccactl $O/mlcca-design $O/mlcca-doctor $O/mlcca-system.5 ## links, drawings and form of the documentation, and its commands
 	$(Q)tests/docs/form
 	$(Q)tests/docs/layers
+	$(Q)tests/docs/names
 	$(Q)tests/docs/installed
 	$(Q)tests/bench/age check
 	$(Q)BUILD=$(abspath $O) tests/docs/man
