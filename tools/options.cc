@@ -136,7 +136,7 @@ CLI::Option* add_id(CLI::App& app, Arguments& to) {
 
 void add_id_or_key(CLI::App& app, Arguments& to) {
   add_id(app, to);
-  app.add_option("--key", to.key, "the same by the name that admit gave it");
+  app.add_option("--key", to.key, "one admission, by the key that admit was given");
 }
 
 void add_admission(CLI::App& app, Arguments& to) {
@@ -214,7 +214,7 @@ void add_screen(CLI::App& app, TopArguments& to) {
       ->check([](const std::string& text) { return check_seconds(text, kShortestDelay, 3600); });
   app.add_flag("-b,--batch", to.batch,
                "print one table after the other, as without a terminal or with TERM=dumb");
-  app.add_option("-n,--count", to.count, "end after so many")
+  app.add_option("-n,--count", to.count, "end after this number of tables")
       ->type_name("N")
       ->check(CLI::Range(1U, kMostTables));
   app.add_option("--by", to.by, "a row for each delivery of a subject, or for each network")
@@ -242,7 +242,7 @@ void add_cluster(CLI::App& app, Arguments& to) {
   app.add_flag("--check", to.check,
                "status: one line for a monitoring system; exit status 0 healthy, 1 degraded, 2 "
                "shared networks are closed, 3 unknown");
-  app.add_flag("-y,--yes", to.yes, "drain: do not ask back: for scripts");
+  app.add_flag("-y,--yes", to.yes, "drain: do not ask for confirmation");
   app.add_flag("--until-restart", to.until_restart,
                "drain: until mlccad is started again, for a machine that is switched off");
 }
@@ -265,7 +265,7 @@ void add_arguments(CLI::App& app, Takes takes, Arguments& to) {
       break;
     case Takes::withdrawal:
       add_channel(app, to);
-      app.add_flag("-y,--yes", to.yes, "do not ask back: for scripts");
+      app.add_flag("-y,--yes", to.yes, "do not ask for confirmation");
       break;
     case Takes::delivery:
       add_delivery(app, to);
@@ -377,7 +377,8 @@ std::variant<Command, Exit> parse(std::span<const Verb> verbs, int argc, const c
   bool no_color = false;
   double seconds = std::chrono::duration<double>(control::kPatience).count();
 
-  CLI::App app("Asks and steers mlccad, the gateway that lets no unfit data pass.", "mlccactl");
+  CLI::App app("Queries and controls mlccad, the gateway service that lets no unfit data pass.",
+               "mlccactl");
   app.formatter(std::make_shared<OptionsOfGroups>());
   app.set_version_flag("--version", fmt::format("mlccactl {}", kVersion), "print the version");
   app.set_help_flag("-h,--help", "print this help");
