@@ -69,8 +69,8 @@ hash := \#
 # Files that must be compiled alone, because another file of the folder has the same names, or
 # includes headers that have them; because the compiler warns of values of which it loses track
 # (wire); or because a program takes only some files of the folder and must not need the libraries
-# of the others (net/sources).
-ALONE := $(wildcard core/profiles/*.cc daemon/net/sources/*.cc) core/can/wire.cc core/mesh/medium_time.cc \
+# of the others (base, net/sources, core/mesh/bounds).
+ALONE := $(wildcard base/*.cc core/profiles/*.cc daemon/net/sources/*.cc) core/can/wire.cc core/mesh/bounds.cc core/mesh/medium_time.cc \
 	$(addprefix daemon/gates/,control.cc counters.cc pins.cc programs.cc roster.cc silence_timers.cc slot_spec.cc slots.cc) \
 	daemon/gateway/quotas.cc daemon/net/pair.cc $(wildcard examples/applications/*.cc) \
 	$(addprefix description/,grammar.cc parser.cc read.cc rules.cc source.cc xml.cc) \
@@ -135,7 +135,7 @@ $O/fuzz/tests/$1: $$($1_objects:$O/%=$O/fuzz/obj/%) \
 endef
 
 include deps.mk
-include core/module.mk description/module.mk proto/module.mk control/module.mk client/module.mk relay/module.mk bpf/module.mk
+include base/module.mk core/module.mk description/module.mk proto/module.mk control/module.mk client/module.mk relay/module.mk bpf/module.mk
 include daemon/module.mk cluster/module.mk tools/module.mk include/module.mk systemd/module.mk tests/module.mk
 include examples/module.mk docs/module.mk cockpit/module.mk
 
@@ -203,7 +203,7 @@ cppcheck: ## defects that cppcheck finds without the headers of libraries
 # files. So it gets each part of the tree as one file that includes the files of the part; files in
 # ALONE are grouped so that a group has one file of each folder. There is a stamp for each bundle,
 # so unchanged bundles are not checked again.
-TIDY_PARTS := core cluster control client relay/famouso relay description daemon/gateway daemon/net/sources daemon tools/awds tools/can \
+TIDY_PARTS := base core cluster control client relay/famouso relay description daemon/gateway daemon/net/sources daemon tools/awds tools/can \
 	tools/design/generate tools/design/import tools/design/export tools/design tools/doctor tools/readback tools/sources \
 	tools/learn tools/exporter tools/report tools
 ifneq ($(filter tidy lint analyse,$(MAKECMDGOALS)),)

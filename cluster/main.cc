@@ -13,8 +13,10 @@
 #include <string>
 #include <utility>
 
+#include "base/at_once.hpp"
 #include "base/command_line.hpp"
 #include "base/handle.hpp"
+#include "base/listen.hpp"
 #include "base/loop_timer.hpp"
 #include "base/standard_streams.hpp"
 #include "base/system_error.hpp"
@@ -24,8 +26,6 @@
 #include "cluster/server.hpp"
 #include "cluster/settings.hpp"
 #include "control/version.hpp"
-#include "daemon/listen.hpp"
-#include "daemon/manager.hpp"
 
 namespace mlcca::cluster {
 namespace {

@@ -6,9 +6,9 @@ $(eval $(call library,clusterlink,daemon/cluster/wire.cc daemon/cluster/link.cc)
 # The encoding of the values in the store, which only mlccad needs.
 $(eval $(call library,clustercodec,daemon/cluster/codec.cc))
 $(eval $(call library,cluster,$(filter-out cluster/main.cc,$(wildcard cluster/*.cc))))
-CLUSTER_ARCHIVES := $O/libcluster.a $O/libclusterlink.a $O/libsources.a
+CLUSTER_ARCHIVES := $O/libcluster.a $O/libclusterlink.a $O/libsources.a $O/libbase.a
 CLUSTER_LIBS := $(CURL_LIBS) -lsystemd
-$(eval $(call program,mlcca-cluster,cluster/main.cc daemon/listen.cc daemon/manager.cc,$(CLUSTER_ARCHIVES),$(CLUSTER_LIBS)))
+$(eval $(call program,mlcca-cluster,cluster/main.cc,$(CLUSTER_ARCHIVES),$(CLUSTER_LIBS)))
 PROGRAMS += $O/mlcca-cluster
 install-cluster: $O/mlcca-cluster
 	$(call say,INSTALL,the way to the store)

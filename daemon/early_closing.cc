@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
+#include "base/at_once.hpp"
 #include "base/standard_streams.hpp"
 #include "daemon/gates/interfaces.hpp"
 #include "daemon/interface_files.hpp"
-#include "daemon/manager.hpp"
 
 namespace mlcca {
 namespace {

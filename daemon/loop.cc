@@ -10,7 +10,7 @@
 #include <cstring>
 #include <string>
 
-#include "daemon/manager.hpp"
+#include "base/at_once.hpp"
 
 namespace mlcca {
 namespace {

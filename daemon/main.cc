@@ -21,7 +21,9 @@
 #include <string_view>
 #include <vector>
 
+#include "base/at_once.hpp"
 #include "base/handle.hpp"
+#include "base/listen.hpp"
 #include "base/many.hpp"
 #include "base/result.hpp"
 #include "base/standard_streams.hpp"
@@ -31,9 +33,7 @@
 #include "daemon/gates/former_layouts.hpp"
 #include "daemon/gateway/controller.hpp"
 #include "daemon/gateway/in_time.hpp"
-#include "daemon/listen.hpp"
 #include "daemon/loop.hpp"
-#include "daemon/manager.hpp"
 #include "daemon/options.hpp"
 #include "daemon/ports/gates_lock.hpp"
 #include "daemon/real_outside.hpp"

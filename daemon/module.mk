@@ -11,6 +11,6 @@ $(sources_objects): CPPFLAGS += $(NL_CFLAGS)
 SOURCES_LIBS := $(NL_LIBS) -lsystemd
 $(eval $(call library,daemon,$(filter-out daemon/main.cc,$(wildcard daemon/*.cc $(addprefix daemon/,gateway/*.cc gateway/requests/*.cc net/*.cc outside/*.cc ports/*.cc serve/*.cc store/*.cc)))))
 $(daemon_objects) $O/daemon/net/%.o: CPPFLAGS += $(NL_CFLAGS)
-DAEMON_ARCHIVES := $O/libdaemon.a $O/libclustercodec.a $O/libclusterlink.a $O/libsources.a $O/libenforce.a $O/libcontrol.a $O/libdescription.a $O/libcore.a
+DAEMON_ARCHIVES := $O/libdaemon.a $O/libclustercodec.a $O/libclusterlink.a $O/libsources.a $O/libenforce.a $O/libcontrol.a $O/libdescription.a $O/libcore.a $O/libbase.a
 $(eval $(call program,mlccad,daemon/main.cc,$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
 PROGRAMS += $O/mlccad

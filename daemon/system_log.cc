@@ -11,11 +11,11 @@
 #include <span>
 #include <string_view>
 
+#include "base/at_once.hpp"
 #include "base/many.hpp"
 #include "base/text.hpp"
 #include "control/event_kinds.hpp"
 #include "core/model/text.hpp"
-#include "daemon/manager.hpp"
 
 namespace mlcca {
 namespace {

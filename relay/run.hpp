@@ -8,8 +8,8 @@
 #include <exception>
 #include <string>
 
+#include "base/at_once.hpp"
 #include "base/standard_streams.hpp"
-#include "daemon/manager.hpp"
 
 namespace mlcca::relay {
 

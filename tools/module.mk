@@ -62,8 +62,8 @@ PARTS += install-tools-extras
 
 # Data of untrusted peers is parsed in mlcca-sources alone; mlccad does not link this archive.
 $(eval $(call library,untrusted,$(filter-out tools/sources/main.cc,$(wildcard tools/sources/*.cc))))
-$(eval $(call program,mlcca-sources,tools/sources/main.cc daemon/manager.cc,$O/libuntrusted.a $O/libsources.a,-lsystemd))
-SOURCES_ARCHIVES := $O/libuntrusted.a $O/libsources.a
+SOURCES_ARCHIVES := $O/libuntrusted.a $O/libsources.a $O/libcore.a $O/libbase.a
+$(eval $(call program,mlcca-sources,tools/sources/main.cc,$(SOURCES_ARCHIVES),-lsystemd))
 PROGRAMS += $O/mlcca-sources
 
 # Opens the CAN socket that the unit of mlccad does not permit it to open.
@@ -92,14 +92,14 @@ PARTS += install-doctor
 .PHONY: install-doctor
 
 # The only service that listens to a network interface; it passes packets on through a socket.
-$(eval $(call program,mlcca-awds,$(wildcard tools/awds/*.cc) daemon/listen.cc daemon/manager.cc,$O/libsources.a,$(SOURCES_LIBS)))
+$(eval $(call program,mlcca-awds,$(wildcard tools/awds/*.cc),$O/libsources.a $O/libbase.a,$(SOURCES_LIBS)))
 PROGRAMS += $O/mlcca-awds
 
 # Metrics for Prometheus; the alert rules and the dashboard are for the server of Prometheus.
 $(eval $(call library,exporter,$(filter-out tools/exporter/main.cc,$(wildcard tools/exporter/*.cc))))
-EXPORTER_ARCHIVES := $O/libexporter.a $O/libcontrol.a $O/libcore.a
+EXPORTER_ARCHIVES := $O/libexporter.a $O/libcontrol.a $O/libcore.a $O/libbase.a
 EXPORTER_LIBS := -lmicrohttpd -lsystemd
-$(eval $(call program,mlcca-exporter,tools/exporter/main.cc daemon/manager.cc,$(EXPORTER_ARCHIVES),$(EXPORTER_LIBS) -lfmt))
+$(eval $(call program,mlcca-exporter,tools/exporter/main.cc,$(EXPORTER_ARCHIVES),$(EXPORTER_LIBS) -lfmt))
 PROGRAMS += $O/mlcca-exporter
 install-exporter: $O/mlcca-exporter
 	$(call say,INSTALL,the exporter with rules and dashboard)

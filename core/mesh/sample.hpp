@@ -46,4 +46,9 @@ struct Snapshot {
   bool operator==(const Snapshot&) const = default;
 };
 
+/// Gives every link of the snapshot the same time.
+inline void stamp(Snapshot& snapshot, std::uint64_t taken) {
+  for (Sample& sample : snapshot.links) sample.taken = taken;
+}
+
 }  // namespace mlcca::core::mesh

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/gateway/heartbeat.hpp"
 
-#include "daemon/manager.hpp"
+#include "base/at_once.hpp"
 
 namespace mlcca {
 

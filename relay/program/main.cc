@@ -23,12 +23,12 @@
 #include <string>
 #include <thread>
 
+#include "base/at_once.hpp"
 #include "base/clock.hpp"
 #include "base/command_line.hpp"
 #include "base/many.hpp"
 #include "base/number.hpp"
 #include "control/version.hpp"
-#include "daemon/manager.hpp"
 #include "relay/carrier.hpp"
 #include "relay/grants.hpp"
 #include "relay/pace.hpp"

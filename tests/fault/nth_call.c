@@ -129,7 +129,7 @@ static __attribute__((noinline)) void report_wait(const char* name, int fd) {
 
 /*
  * A call that sends to, receives from or connects `fd`. What cannot be opened once more is written
- * to where it is ready (daemon/manager.cc): while opening is made to fail nothing is reported of
+ * to where it is ready (base/at_once.cc): while opening is made to fail nothing is reported of
  * write.
  */
 static __attribute__((noinline)) void may_wait(const char* name, int fd, int flags) {

@@ -16,10 +16,10 @@
 #include <fstream>
 #include <utility>
 
+#include "base/listen.hpp"
 #include "control/codec.hpp"
 #include "core/gates/control_traffic.hpp"
 #include "daemon/gateway/controller.hpp"
-#include "daemon/listen.hpp"
 #include "daemon/loop.hpp"
 #include "daemon/real_outside.hpp"
 #include "daemon/serve/session.hpp"

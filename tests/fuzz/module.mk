@@ -3,7 +3,7 @@
 #
 #   $(eval $(call fuzz_target,NAME,ARCHIVES,CORPUS,MAX_LEN,LIBS))
 #
-# ARCHIVES: archives of this tree (relay client core control description enforce sources untrusted
+# ARCHIVES: archives of this tree (base relay client core control description enforce sources untrusted
 # daemon cluster clusterlink clustercodec tools design learn), built once with instrumentation for
 # all targets. A name with a slash is a further source (tests/tools/sources/proto_emulated).
 # CORPUS: folders below tests/corpus. Their inputs are replayed completely, whatever MAX_LEN is.
@@ -49,7 +49,7 @@ $O/fuzz/lib$1.a: $(patsubst $O/%.o,$O/fuzz/obj/%.o,$($1_objects) $2)
 	$$(Q)rm -f $$@ && ar rcs $$@ $$^
 FUZZ_OBJECTS += $(patsubst $O/%.o,$O/fuzz/obj/%.o,$($1_objects) $2)
 endef
-$(foreach library,relay client core control description enforce sources untrusted daemon cluster clusterlink clustercodec tools design learn doctor,$(eval $(call fuzz_library,$(library))))
+$(foreach library,base relay client core control description enforce sources untrusted daemon cluster clusterlink clustercodec tools design learn doctor,$(eval $(call fuzz_library,$(library))))
 
 define fuzz_target
 FUZZERS += $1
@@ -79,14 +79,14 @@ $(eval $(call fuzz_target,replies_fuzz,$(addprefix tools/,$(basename $(notdir $(
 $(eval $(call fuzz_target,tables_fuzz,tools/design/analyse_bus/table tools/design/analyse_bus/distinct tools/values core,tables,2048,))
 $(eval $(call fuzz_target,recordings_fuzz,learn relay tools/elements tools/escape tools/table description control core,recordings,8192,$(XML_LIBS) -lz -lfmt))
 $(eval $(call fuzz_target,import_fuzz,$(basename $(wildcard tools/design/import/*.cc)) $(addprefix tools/,design/attribute_list elements escape table values) description control core,import,4096,$(XML_LIBS) $(YAML_LIBS) -lfmt))
-$(eval $(call fuzz_target,sources_texts_fuzz,untrusted sources,sources_texts,16384,$(NL_LIBS) -lsystemd))
-$(eval $(call fuzz_target,sources_packets_fuzz,untrusted sources,sources_packets,16384,$(NL_LIBS) -lsystemd))
-$(eval $(call fuzz_target,netlink_fuzz,daemon sources core,netlink,2048,$(NL_LIBS) -lsystemd -lfmt))
+$(eval $(call fuzz_target,sources_texts_fuzz,untrusted sources core base,sources_texts,16384,$(NL_LIBS) -lsystemd))
+$(eval $(call fuzz_target,sources_packets_fuzz,untrusted sources core base,sources_packets,16384,$(NL_LIBS) -lsystemd))
+$(eval $(call fuzz_target,netlink_fuzz,daemon sources core base,netlink,2048,$(NL_LIBS) -lsystemd -lfmt))
 $(eval $(call fuzz_target,cluster_wire_fuzz,daemon/cluster/wire,cluster_wire,4096,))
 $(eval $(call fuzz_target,cluster_entries_fuzz,clustercodec control core,cluster_entries,4096,-lfmt))
 $(eval $(call fuzz_target,cluster_grpc_fuzz,$(addprefix cluster/,etcd grpc outcome),cluster_grpc,2048,))
 # The complete gateway, with gates in the kernel. Needs root.
-$(eval $(call fuzz_target,control_fuzz,$(addprefix tests/,fuzz/gateway_under_test fuzz/surroundings daemon/gates/sandbox) tools/readback/differences daemon clustercodec clusterlink sources enforce control description core,control,2048,$(DAEMON_LIBS)))
+$(eval $(call fuzz_target,control_fuzz,$(addprefix tests/,fuzz/gateway_under_test fuzz/surroundings daemon/gates/sandbox) tools/readback/differences daemon clustercodec clusterlink sources enforce control description core base,control,2048,$(DAEMON_LIBS)))
 
 FUZZ ?= $(FUZZERS)
 check-fuzz: $(addprefix check-fuzz-,$(FUZZ)) ## what comes from outside: stored corpus, then FUZZ_SECONDS=10 of mutations each

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "daemon/net/sources/bounds.hpp"
+#include "core/mesh/bounds.hpp"
 #include "daemon/net/sources/facts.hpp"
 
 namespace mlcca::fuzz {
@@ -17,13 +17,14 @@ inline constexpr std::uint64_t kNow = 1'000'000'000'000;  // ns
 
 /// Within the bounds nothing is out of them, and all of it arrives at mlccad.
 inline void check(core::mesh::Snapshot snapshot) {
-  const auto kept = net::bounded(std::move(snapshot), {"a", "10.0.0.1"}, kNow);
-  demand(kept.links.size() <= net::kMaxFacts && kept.next_hops.size() <= net::kMaxFacts);
+  const auto kept = core::mesh::bounded(std::move(snapshot), {"a", "10.0.0.1"}, kNow);
+  demand(kept.links.size() <= core::mesh::kMaxFacts &&
+         kept.next_hops.size() <= core::mesh::kMaxFacts);
   for (const auto& s : kept.links) {
-    demand(net::is_address(s.from) && net::is_address(s.to));
-    demand(s.rate <= net::kMaxRate && s.taken <= kNow);
+    demand(core::mesh::is_address(s.from) && core::mesh::is_address(s.to));
+    demand(s.rate <= core::mesh::kMaxRate && s.taken <= kNow);
     demand(s.loss.value_or(0) <= 1'000'000'000 && s.busy.value_or(0) <= core::mesh::kWhole);
-    demand(s.valid.value_or(0) <= net::kMaxValidity);
+    demand(s.valid.value_or(0) <= core::mesh::kMaxValidity);
   }
   net::facts::AnswerReader reader;
   std::optional<core::mesh::Snapshot> arrived;

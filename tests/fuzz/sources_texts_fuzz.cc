@@ -51,7 +51,8 @@ void file(std::string_view text) {
   const auto links = net::parse_links(text, "f", mesh);
   if (!links) return;
   demand(links->size() <= 6);  // each direction once
-  for (const auto& s : *links) demand(s.rate > 0 && s.rate <= net::kMaxRate && s.from != s.to);
+  for (const auto& s : *links)
+    demand(s.rate > 0 && s.rate <= core::mesh::kMaxRate && s.from != s.to);
   core::mesh::Snapshot snapshot;
   snapshot.links = *links;
   check(snapshot);

@@ -17,12 +17,12 @@
 #include <string>
 #include <utility>
 
+#include "base/at_once.hpp"
+#include "base/listen.hpp"
 #include "base/loop_timer.hpp"
 #include "base/standard_streams.hpp"
 #include "base/system_error.hpp"
-#include "daemon/listen.hpp"
-#include "daemon/manager.hpp"
-#include "daemon/net/sources/pace.hpp"
+#include "base/throttle.hpp"
 #include "tools/awds/capture.hpp"
 #include "tools/awds/readers.hpp"
 #include "tools/sources/awds_packet.hpp"
@@ -77,7 +77,7 @@ class Relay {
     }
     if (!reported_)  // until it is accepted, because systemd waits for the first notification
       reported_ = notify("READY=1\nSTATUS=" + (problem_.empty() ? "listening" : problem_));
-    timer_.set(net::kPollInterval);
+    timer_.set(kPollInterval);
   }
 
   static int on_packets(sd_event_source*, int, std::uint32_t, void* self) noexcept {

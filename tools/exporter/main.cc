@@ -21,11 +21,11 @@
 #include <string>
 #include <utility>
 
+#include "base/at_once.hpp"
 #include "base/clock.hpp"
 #include "base/command_line.hpp"
 #include "base/standard_streams.hpp"
 #include "control/version.hpp"
-#include "daemon/manager.hpp"
 #include "tools/exporter/http.hpp"
 #include "tools/exporter/scrapes.hpp"
 

@@ -11,8 +11,8 @@
 
 #include "base/loop_timer.hpp"
 #include "base/system_error.hpp"
+#include "base/throttle.hpp"
 #include "base/unix_address.hpp"
-#include "daemon/net/sources/pace.hpp"
 #include "tools/sources/awds_packet.hpp"
 #include "tools/sources/peer.hpp"
 
@@ -25,7 +25,7 @@ constexpr int kTurn = 64;
 class Awds final : public LinkSource {
  public:
   Awds(std::string path, const sockaddr_un& address, core::mesh::AwdsMetric metric, sd_event* loop,
-       Described described, Report report)
+       core::mesh::DescribedNodes described, Report report)
       : path_(std::move(path)),
         address_(address),
         loop_(loop),

@@ -154,7 +154,7 @@ std::uint64_t weight_of(AwdsMetric metric, std::uint16_t forward,
 }
 
 std::uint64_t Graph::Received::valid() const {
-  return std::min(topology.validity * kNanosPerMilli, kMaxValidity);
+  return std::min(topology.validity * kNanosPerMilli, core::mesh::kMaxValidity);
 }
 
 void Graph::forget_expired(std::uint64_t now) {

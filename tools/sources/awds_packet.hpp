@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/mesh/bounds.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/mesh/sample.hpp"
-#include "daemon/net/sources/bounds.hpp"
 
 namespace mlcca::net::awds {
 
@@ -72,7 +72,7 @@ struct Topology {
 class Graph {
  public:
   /// `described` are the addresses of nodes for which there is always room.
-  explicit Graph(core::mesh::AwdsMetric metric, Described described = {})
+  explicit Graph(core::mesh::AwdsMetric metric, core::mesh::DescribedNodes described = {})
       : metric_(metric), described_(std::move(described)) {}
 
   /// Adds a packet received at `now` (ns). False: it is a copy of a known flood, older than that,
@@ -96,7 +96,7 @@ class Graph {
   bool make_room(bool for_described);
 
   core::mesh::AwdsMetric metric_;
-  Described described_;
+  core::mesh::DescribedNodes described_;
   std::map<NodeId, Received> nodes_;
   bool crowded_ = false;  ///< a node was left out since the last snapshot
 };

@@ -9,7 +9,7 @@
 
 #include "base/loop_timer.hpp"
 #include "base/number.hpp"
-#include "daemon/net/sources/pace.hpp"
+#include "base/throttle.hpp"
 #include "tools/sources/line_client.hpp"
 
 namespace mlcca::net {
@@ -219,7 +219,7 @@ constexpr std::uint64_t kPatience = 5'000'000;  // µs
 /// still runs and that its reports still hold.
 class Babel final : public LinkSource {
  public:
-  Babel(Endpoint endpoint, Described described, sd_event* loop, Report report)
+  Babel(Endpoint endpoint, core::mesh::DescribedNodes described, sd_event* loop, Report report)
       : text_(endpoint.text),
         described_(std::move(described)),
         loop_(loop),
@@ -301,7 +301,7 @@ class Babel final : public LinkSource {
   }
 
   std::string text_;
-  Described described_;
+  core::mesh::DescribedNodes described_;
   sd_event* loop_;
   Report report_;
   babel::State state_;

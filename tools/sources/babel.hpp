@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "daemon/net/sources/bounds.hpp"
+#include "core/mesh/bounds.hpp"
 #include "daemon/net/sources/source.hpp"
 
 namespace mlcca::net {
@@ -31,7 +31,7 @@ class State {
   /// `described` are the addresses of nodes in the description. babeld identifies a neighbour by
   /// its link-local address; if the neighbour's own host route is described, it is identified by
   /// that.
-  explicit State(Described described) : described_(std::move(described)) {}
+  explicit State(core::mesh::DescribedNodes described) : described_(std::move(described)) {}
 
   /// Takes the next line without its line ending.
   Line take(std::string_view line);
@@ -71,7 +71,7 @@ class State {
   [[nodiscard]] std::string own_name(const std::string& interface, const std::string& host) const;
   [[nodiscard]] std::string neighbour_name(const std::string& address, const Names& hosts) const;
 
-  Described described_;
+  core::mesh::DescribedNodes described_;
   std::map<std::string, Interface> interfaces_;
   std::map<std::string, Neighbour> neighbours_;
   std::map<std::string, Route> routes_;

@@ -21,10 +21,10 @@
 #include "base/loop_timer.hpp"
 #include "base/number.hpp"
 #include "base/system_error.hpp"
+#include "base/throttle.hpp"
 #include "base/units.hpp"
+#include "core/mesh/bounds.hpp"
 #include "core/model/words.hpp"
-#include "daemon/net/sources/bounds.hpp"
-#include "daemon/net/sources/pace.hpp"
 #include "tools/sources/peer.hpp"
 
 namespace mlcca::net {
@@ -53,7 +53,7 @@ std::optional<Value> parse_rate(std::string_view text) {
   const auto number = parse_number(text);
   if (!number) return std::nullopt;
   const auto rate = units::find(Measure::bits_per_second, *name)->of(*number, false);
-  return rate && *rate >= 1 && *rate <= kMaxRate ? rate : std::nullopt;
+  return rate && *rate >= 1 && *rate <= core::mesh::kMaxRate ? rate : std::nullopt;
 }
 
 /// Parses a share from 0 to 1, in units of 1/whole.
@@ -137,8 +137,8 @@ std::optional<std::string> take_line(const std::vector<std::string>& words, cons
       return problem;
   }
   for (int way = 0; way < (both ? 2 : 1); ++way) {
-    if (links.size() >= kMaxFacts)
-      return "the file states more than " + std::to_string(kMaxFacts) + " links";
+    if (links.size() >= core::mesh::kMaxFacts)
+      return "the file states more than " + std::to_string(core::mesh::kMaxFacts) + " links";
     if (!stated.emplace(sample.from, sample.to).second)
       return "the link from \"" + sample.from + "\" to \"" + sample.to + "\" was stated before";
     links.push_back(sample);

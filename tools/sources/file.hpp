@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "daemon/net/sources/bounds.hpp"
+#include "core/mesh/bounds.hpp"
 #include "daemon/net/sources/source.hpp"
 
 namespace mlcca::net {

@@ -16,12 +16,12 @@
 #include <string>
 #include <utility>
 
+#include "base/at_once.hpp"
 #include "base/loop_timer.hpp"
 #include "base/standard_streams.hpp"
 #include "base/system_error.hpp"
-#include "daemon/manager.hpp"
+#include "base/throttle.hpp"
 #include "daemon/net/sources/facts.hpp"
-#include "daemon/net/sources/pace.hpp"
 #include "tools/sources/open.hpp"
 #include "tools/sources/peer.hpp"
 #include "tools/sources/sandbox.hpp"
@@ -124,7 +124,7 @@ Result<void> serve() {
   if (!source) {
     const auto report_why = [&] {
       report({.links = {}, .next_hops = {}, .problem = source.error().text});
-      refused.set(net::kPollInterval);
+      refused.set(kPollInterval);
     };
     if (auto started = refused.start(raw, report_why); !started) return started;
   }

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/loop_timer.hpp"
-#include "daemon/net/sources/pace.hpp"
+#include "base/throttle.hpp"
 #include "tools/sources/line_client.hpp"
 
 namespace mlcca::net {
@@ -66,7 +66,7 @@ class Reader : public nlohmann::json_sax<json> {
   }
   bool end_array() override { return enter(Where::tables); }
   bool key(std::string& name) override {
-    if (name.size() > kMaxAddress) return refuse();
+    if (name.size() > core::mesh::kMaxAddress) return refuse();
     (where_ == Where::tables ? table_ : key_) = name;
     return true;
   }

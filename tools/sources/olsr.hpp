@@ -4,7 +4,7 @@
 #pragma once
 #include <string_view>
 
-#include "daemon/net/sources/bounds.hpp"
+#include "core/mesh/bounds.hpp"
 #include "daemon/net/sources/source.hpp"
 
 namespace mlcca::net {

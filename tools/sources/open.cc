@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "daemon/net/sources/bounds.hpp"
+#include "core/mesh/bounds.hpp"
 #include "tools/sources/awds.hpp"
 #include "tools/sources/babel.hpp"
 #include "tools/sources/file.hpp"

@@ -7,7 +7,7 @@
 
 #include "base/octets.hpp"
 #include "base/text.hpp"
-#include "daemon/net/sources/bounds.hpp"
+#include "core/mesh/bounds.hpp"
 
 namespace mlcca::net::facts {
 namespace {
@@ -177,10 +177,12 @@ Result<std::optional<Snapshot>> AnswerReader::take(Octets message) {
   Reader from(message);
   switch (static_cast<Kind>(from.number(1))) {
     case Kind::links:
-      if (!unpack(from, snapshot_.links, read_sample, kMaxFacts)) return not_understood();
+      if (!unpack(from, snapshot_.links, read_sample, core::mesh::kMaxFacts))
+        return not_understood();
       break;
     case Kind::hops:
-      if (!unpack(from, snapshot_.next_hops, read_hop, kMaxFacts)) return not_understood();
+      if (!unpack(from, snapshot_.next_hops, read_hop, core::mesh::kMaxFacts))
+        return not_understood();
       break;
     case Kind::end:
       snapshot_.problem = from.text();

@@ -16,7 +16,7 @@
 #include <utility>
 
 #include "base/system_error.hpp"
-#include "daemon/net/sources/pace.hpp"
+#include "base/throttle.hpp"
 
 namespace mlcca::net {
 namespace {

@@ -3,8 +3,8 @@
 // what untrusted peers write is read by a separate one.
 #include <utility>
 
+#include "core/mesh/bounds.hpp"
 #include "daemon/net/sources/batman.hpp"
-#include "daemon/net/sources/bounds.hpp"
 #include "daemon/net/sources/nl80211.hpp"
 #include "daemon/net/sources/remote.hpp"
 #include "daemon/net/sources/source.hpp"

@@ -13,10 +13,10 @@
 #include "base/clock.hpp"
 #include "base/loop_timer.hpp"
 #include "base/system_error.hpp"
-#include "daemon/net/sources/bounds.hpp"
+#include "base/throttle.hpp"
+#include "core/mesh/bounds.hpp"
 #include "daemon/net/sources/child.hpp"
 #include "daemon/net/sources/facts.hpp"
-#include "daemon/net/sources/pace.hpp"
 
 namespace mlcca::net {
 namespace {
@@ -163,11 +163,11 @@ class Remote final : public LinkSource {
     to_send_.clear();
     timer_.set(pause_);
     pause_ = std::min(2 * pause_, kLongestPause);
-    report_(bounded({.links = {}, .next_hops = {}, .problem = why}, described_, now));
+    report_(core::mesh::bounded({.links = {}, .next_hops = {}, .problem = why}, described_, now));
   }
 
   std::vector<facts::Message> question_;
-  Described described_;
+  core::mesh::DescribedNodes described_;
   sd_event* loop_;
   Report report_;
   std::size_t sources_;  ///< of the mesh

@@ -28,6 +28,11 @@ class LinkSource {
   virtual ~LinkSource() = default;
 };
 
+/// A report function that passes on what is bounded() (core/mesh/bounds.hpp), at the time of the
+/// loop.
+[[nodiscard]] LinkSource::Report bounded_report(LinkSource::Report report,
+                                                const core::mesh::Mesh& mesh, sd_event* loop);
+
 /// Opens the described source. `to` is called only from the loop, never during this call. The error
 /// concerns the configuration; a temporary fault is reported as a problem instead.
 [[nodiscard]] Result<std::unique_ptr<LinkSource>> open_source(const core::mesh::Source& source,

@@ -22,13 +22,13 @@
 #include <utility>
 #include <vector>
 
+#include "base/at_once.hpp"
 #include "base/big_endian.hpp"
 #include "base/clock.hpp"
 #include "base/command_line.hpp"
 #include "base/many.hpp"
 #include "base/number.hpp"
 #include "control/version.hpp"
-#include "daemon/manager.hpp"
 #include "description/read.hpp"
 #include "relay/famouso/bus_broker.hpp"
 #include "relay/famouso/handler.hpp"

@@ -5,7 +5,7 @@ $(eval $(call unit_test,quotas_test,tests/daemon/gateway/quotas_test.cc,$O/daemo
 $(eval $(call unit_test,in_time_test,tests/daemon/gateway/in_time_test.cc,,-pthread))
 $(eval $(call unit_test,patience_test,tests/daemon/gateway/patience_test.cc,$O/daemon/gateway/patience.o,-pthread))
 $(eval $(call unit_test,reading_test,tests/daemon/gateway/reading_test.cc,$O/daemon/gateway/reading.o,-lsystemd -pthread))
-$(eval $(call unit_test,log_test,tests/daemon/gateway/log_test.cc,$O/daemon/system_log.o $O/daemon/manager.o $O/libcore.a,-lfmt))
+$(eval $(call unit_test,log_test,tests/daemon/gateway/log_test.cc,$O/daemon/system_log.o $O/libcore.a $O/libbase.a,-lfmt))
 $(eval $(call unit_test,aside_test,tests/daemon/gateway/aside_test.cc,$(addprefix $O/daemon/,gateway/aside.o gateway/fork_budget.o serve/turns.o) $O/libcontrol.a,-lsystemd))
 $(eval $(call unit_test,fork_budget_test,tests/daemon/gateway/fork_budget_test.cc,$(addprefix $O/daemon/,gateway/fork_budget.o serve/turns.o),))
 $(eval $(call unit_test,history_pages_test,tests/daemon/gateway/history_pages_test.cc tests/daemon/store/worlds.cc,$O/daemon/gateway/history_pages.o $(patsubst %.cc,$O/%.o,$(wildcard daemon/store/*.cc)) $O/libcontrol.a,-lsqlite3))
@@ -16,7 +16,7 @@ $(eval $(call unit_test,health_test,tests/daemon/gateway/health_test.cc,$O/daemo
 $(eval $(call unit_test,user_names_test,tests/daemon/gateway/user_names_test.cc,$O/daemon/gateway/user_names.o,))
 $(eval $(call unit_test,report_size_test,tests/daemon/gateway/report_size_test.cc tests/daemon/gateway/report_test.cc,$(addprefix $O/daemon/gateway/,report_size.o report.o) $O/libdescription.a $O/libcore.a,$(XML_LIBS) -lfmt))
 $(eval $(call unit_test,tags_test,tests/daemon/gateway/tags_test.cc,$O/daemon/gateway/tags.o $O/daemon/store/contents.o $O/daemon/store/oneofs.o $O/libcontrol.a $O/libcore.a,-lfmt))
-$(eval $(call unit_test,event_log_test,tests/daemon/gateway/event_log_test.cc tests/daemon/store/worlds.cc,$O/daemon/gateway/event_log.o $O/daemon/system_log.o $O/daemon/manager.o $(patsubst %.cc,$O/%.o,$(wildcard daemon/store/*.cc)) $O/libcontrol.a $O/libcore.a,-lsqlite3 -lfmt))
+$(eval $(call unit_test,event_log_test,tests/daemon/gateway/event_log_test.cc tests/daemon/store/worlds.cc,$O/daemon/gateway/event_log.o $O/daemon/system_log.o $(patsubst %.cc,$O/%.o,$(wildcard daemon/store/*.cc)) $O/libcontrol.a $O/libcore.a $O/libbase.a,-lsqlite3 -lfmt))
 $(eval $(call unit_test,meshes_test,tests/daemon/gateway/meshes_test.cc,$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
 # Tests of a complete Controller with fakes.
 GATEWAY_BENCH := $(addprefix tests/daemon/,gateway/bench.cc gateway/fakes.cc store/fake_disk.cc)

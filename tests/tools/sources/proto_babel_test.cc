@@ -18,7 +18,7 @@ const char* const kDump =
     "add route 556e62281050 prefix 10.9.3.1/32 from 0.0.0.0/0 installed yes "
     "id 94:60:77:7a:c1:5c:1c:c2 metric 512 refmetric 256 via fe80::ff:fe00:2 if mesh0\n";
 
-State state_after(const std::string& lines, Described described = {}) {
+State state_after(const std::string& lines, core::mesh::DescribedNodes described = {}) {
   State state(std::move(described));
   std::istringstream in(lines);
   for (std::string line; std::getline(in, line);) state.take(line);

@@ -2,7 +2,7 @@
 // The bounds of what sources may say, from both sides: docs/reference/sources.md lists them.
 #include <gtest/gtest.h>
 
-#include "daemon/net/sources/bounds.hpp"
+#include "core/mesh/bounds.hpp"
 #include "tests/tools/sources/proto_loop.hpp"
 #include "tests/tools/sources/proto_server.hpp"
 #include "tools/sources/awds_packet.hpp"
@@ -14,6 +14,15 @@
 namespace mlcca::net {
 namespace {
 
+using core::mesh::bounded;
+using core::mesh::bounded_text;
+using core::mesh::is_address;
+using core::mesh::kMaxAddress;
+using core::mesh::kMaxFacts;
+using core::mesh::kMaxProblem;
+using core::mesh::kMaxRate;
+using core::mesh::kMaxValidity;
+using core::mesh::kMaxWeight;
 using core::mesh::Sample;
 using core::mesh::Snapshot;
 
@@ -118,7 +127,7 @@ awds::Topology says(std::size_t number, std::uint32_t validity_ms = 3600) {
 }
 
 TEST(AwdsBounds, InventedNodesDoNotCrowdOutTheDescribedAndTheKnown) {
-  const Described described{awds::address_of(node(0xf000))};
+  const core::mesh::DescribedNodes described{awds::address_of(node(0xf000))};
   awds::Graph graph(core::mesh::AwdsMetric::hops, described);
   ASSERT_TRUE(graph.take(says(1), kNow));
   for (std::size_t i = 2; i <= awds::kMaxNodes; ++i) ASSERT_TRUE(graph.take(says(i), kNow + i));

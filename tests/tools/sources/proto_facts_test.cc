@@ -2,7 +2,7 @@
 // What mlccad and mlcca-sources say to each other arrives as it was sent, and nothing else does.
 #include <gtest/gtest.h>
 
-#include "daemon/net/sources/bounds.hpp"
+#include "core/mesh/bounds.hpp"
 #include "daemon/net/sources/facts.hpp"
 #include "tests/tools/sources/proto_loop.hpp"
 
@@ -15,7 +15,7 @@ Snapshot snapshot(std::size_t links) {
   Snapshot out;
   for (std::size_t i = 0; i < links; ++i) {
     core::mesh::Sample s;
-    s.from = std::string(kMaxAddress, 'a');
+    s.from = std::string(core::mesh::kMaxAddress, 'a');
     s.to = "b" + std::to_string(i);
     s.rate = i;
     s.kind = core::mesh::RateKind::derived;
@@ -47,7 +47,7 @@ std::optional<Snapshot> read_back(const std::vector<Message>& messages) {
 TEST(Facts, ASnapshotArrivesAsItWasSent) {
   for (const std::size_t links : {0U, 1U, 500U})
     EXPECT_EQ(read_back(answer(snapshot(links))), snapshot(links));
-  EXPECT_EQ(read_back(answer(snapshot(kMaxFacts))), snapshot(kMaxFacts));
+  EXPECT_EQ(read_back(answer(snapshot(core::mesh::kMaxFacts))), snapshot(core::mesh::kMaxFacts));
 }
 
 TEST(Facts, AnotherSnapshotStartsAgain) {
@@ -63,7 +63,7 @@ TEST(Facts, AnotherSnapshotStartsAgain) {
 }
 
 TEST(Facts, MoreThanTheBoundsAreNotCollected) {
-  EXPECT_EQ(read_back(answer(snapshot(kMaxFacts + 1))), std::nullopt);
+  EXPECT_EQ(read_back(answer(snapshot(core::mesh::kMaxFacts + 1))), std::nullopt);
 }
 
 TEST(Facts, AMessageThatIsCutOffOrTooLongIsRefused) {
@@ -80,7 +80,7 @@ TEST(Facts, AWordThatIsNoneIsRefused) {
   links[0] = 1;  // nodes: only mlccad sends them
   EXPECT_FALSE(AnswerReader().take(links));
   links[0] = 3;
-  const std::size_t kind = 3 + 2 + kMaxAddress + 2 + 2 + 8;
+  const std::size_t kind = 3 + 2 + core::mesh::kMaxAddress + 2 + 2 + 8;
   ASSERT_EQ(links[kind], 2);
   links[kind] = 3;
   EXPECT_FALSE(AnswerReader().take(links));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What is written to a reader that does not read.
-#include "daemon/manager.hpp"
+#include "base/at_once.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

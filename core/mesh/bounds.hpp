@@ -9,9 +9,8 @@
 #include <string_view>
 
 #include "core/mesh/sample.hpp"
-#include "daemon/net/sources/source.hpp"
 
-namespace mlcca::net {
+namespace mlcca::core::mesh {
 
 inline constexpr std::size_t kMaxFacts = 8192;   ///< links, and as many next hops, of one source
 inline constexpr std::size_t kMaxAddress = 64;   ///< bytes of a MAC or IP address, or a name
@@ -21,8 +20,8 @@ inline constexpr std::uint64_t kMaxWeight = 0xffff'ffff;  ///< cost of a link
 inline constexpr Value kMaxValidity = 600'000'000'000;    ///< ns: 10 min
 
 /// The addresses by which the description identifies its nodes.
-using Described = std::set<std::string, std::less<>>;
-[[nodiscard]] Described described_nodes(const core::mesh::Mesh& mesh);
+using DescribedNodes = std::set<std::string, std::less<>>;
+[[nodiscard]] DescribedNodes described_nodes(const Mesh& mesh);
 
 /// Whether the text has 1 to kMaxAddress visible ASCII characters.
 [[nodiscard]] bool is_address(std::string_view text);
@@ -34,11 +33,7 @@ using Described = std::set<std::string, std::less<>>;
 /// rate becomes unknown, a loss total. If there are too many links or next hops, those between
 /// described nodes are kept first, then those with one described end. What was removed is reported
 /// as a problem. No sample is accepted as taken later than `now`.
-[[nodiscard]] core::mesh::Snapshot bounded(core::mesh::Snapshot snapshot,
-                                           const Described& described, std::uint64_t now);
+[[nodiscard]] Snapshot bounded(Snapshot snapshot, const DescribedNodes& described,
+                               std::uint64_t now);
 
-/// A report function that passes on what is bounded(), at the time of the loop.
-[[nodiscard]] LinkSource::Report bounded_report(LinkSource::Report report,
-                                                const core::mesh::Mesh& mesh, sd_event* loop);
-
-}  // namespace mlcca::net
+}  // namespace mlcca::core::mesh

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "daemon/net/sources/bounds.hpp"
+#include "core/mesh/bounds.hpp"
 
 #include <algorithm>
 #include <utility>
 #include <vector>
 
-#include "base/loop_timer.hpp"
 #include "base/text.hpp"
 
-namespace mlcca::net {
+namespace mlcca::core::mesh {
 namespace {
-
-using core::mesh::NextHop;
-using core::mesh::Sample;
 
 constexpr Value kAll = 1'000'000'000;  // of the packets, 1e-9
 
@@ -22,16 +18,16 @@ bool is_right(const NextHop& h) {
 }
 
 /// 0: between described nodes, … 2: between nodes that are not described.
-int undescribed_ends(const Sample& s, const Described& described) {
+int undescribed_ends(const Sample& s, const DescribedNodes& described) {
   return int{!described.contains(s.from)} + int{!described.contains(s.to)};
 }
-int undescribed_ends(const NextHop& h, const Described& described) {
+int undescribed_ends(const NextHop& h, const DescribedNodes& described) {
   return int{!described.contains(h.from)} + int{!described.contains(h.to)};
 }
 
 /// False if facts were removed.
 template <class Fact>
-bool keep_within_bounds(std::vector<Fact>& facts, const Described& described) {
+bool keep_within_bounds(std::vector<Fact>& facts, const DescribedNodes& described) {
   if (facts.size() <= kMaxFacts) return true;
   std::ranges::stable_sort(facts, {},
                            [&](const Fact& f) { return undescribed_ends(f, described); });
@@ -52,7 +48,7 @@ bool correct(Sample& s, std::uint64_t now) {
     right = false;
   }
   limit(s.loss, kAll, kAll);
-  limit(s.busy, core::mesh::kWhole, core::mesh::kWhole);
+  limit(s.busy, kWhole, kWhole);
   limit(s.weight, kMaxWeight, kMaxWeight);
   if (s.valid) s.valid = std::min(*s.valid, kMaxValidity);
   s.taken = std::min(s.taken, now);
@@ -66,8 +62,8 @@ void add_problem(std::string& problem, std::string_view text) {
 
 }  // namespace
 
-Described described_nodes(const core::mesh::Mesh& mesh) {
-  Described out;
+DescribedNodes described_nodes(const Mesh& mesh) {
+  DescribedNodes out;
   for (const auto& node : mesh.nodes) out.insert(node.address.empty() ? node.name : node.address);
   return out;
 }
@@ -79,8 +75,7 @@ bool is_address(std::string_view text) {
 
 std::string bounded_text(std::string_view text) { return printable(text, kMaxProblem); }
 
-core::mesh::Snapshot bounded(core::mesh::Snapshot snapshot, const Described& described,
-                             std::uint64_t now) {
+Snapshot bounded(Snapshot snapshot, const DescribedNodes& described, std::uint64_t now) {
   snapshot.problem = bounded_text(snapshot.problem);
   const auto wrong = [](const auto& fact) { return !is_right(fact); };
   const auto unnamed =
@@ -98,12 +93,4 @@ core::mesh::Snapshot bounded(core::mesh::Snapshot snapshot, const Described& des
   return snapshot;
 }
 
-LinkSource::Report bounded_report(LinkSource::Report report, const core::mesh::Mesh& mesh,
-                                  sd_event* loop) {
-  return [report = std::move(report), described = described_nodes(mesh),
-          loop](core::mesh::Snapshot snapshot) {
-    report(bounded(std::move(snapshot), described, loop_time(loop)));
-  };
-}
-
-}  // namespace mlcca::net
+}  // namespace mlcca::core::mesh

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// How often link sources look, and the time that their snapshots carry.
+// How often programs poll, and how often at most they report what has changed.
 #pragma once
 #include <systemd/sd-event.h>
 
@@ -8,15 +8,12 @@
 
 #include "base/loop_timer.hpp"
 #include "base/result.hpp"
-#include "core/mesh/sample.hpp"
 
-namespace mlcca::net {
+namespace mlcca {
 
-inline constexpr std::uint64_t kPollInterval = 1'000'000;  ///< µs after which sources poll again
-inline constexpr std::uint64_t kLeastPause = 100'000;      ///< µs between two snapshots of a source
-
-/// Gives every link of the snapshot the same time.
-void stamp(core::mesh::Snapshot& snapshot, std::uint64_t taken);
+inline constexpr std::uint64_t kPollInterval =
+    1'000'000;                                         ///< µs after which a source is polled again
+inline constexpr std::uint64_t kLeastPause = 100'000;  ///< µs between two reports
 
 /// Calls a function when asked to, but not more often than every kLeastPause. Earlier requests are
 /// served together when that time has passed.
@@ -35,4 +32,4 @@ class Throttle {
   LoopTimer timer_;
 };
 
-}  // namespace mlcca::net
+}  // namespace mlcca

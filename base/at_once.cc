@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "daemon/manager.hpp"
+#include "base/at_once.hpp"
 
 #include <fcntl.h>
 #include <poll.h>

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "daemon/net/sources/pace.hpp"
+#include "base/throttle.hpp"
 
 #include <utility>
 
-namespace mlcca::net {
-
-void stamp(core::mesh::Snapshot& snapshot, std::uint64_t taken) {
-  for (auto& sample : snapshot.links) sample.taken = taken;
-}
+namespace mlcca {
 
 Result<void> Throttle::start(sd_event* loop, std::function<void()> call) {
   loop_ = loop;
@@ -33,4 +29,4 @@ void Throttle::go() {
   call_();
 }
 
-}  // namespace mlcca::net
+}  // namespace mlcca

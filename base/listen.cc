@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "daemon/listen.hpp"
+#include "base/listen.hpp"
 
 #include <fcntl.h>
 #include <sys/socket.h>
