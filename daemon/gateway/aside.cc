@@ -27,6 +27,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
+#include "base/number.hpp"
 #include "control/codec.hpp"
 #include "control/slices.hpp"
 
@@ -60,8 +61,8 @@ std::vector<int> open_descriptors() {
     const dirent* const entry = ::readdir(listed.get());  // NOLINT(concurrency-mt-unsafe)
     if (entry == nullptr && errno != 0) break;
     complete = entry == nullptr;
-    if (entry != nullptr && entry->d_name[0] != '.')
-      found.push_back(static_cast<int>(std::strtol(entry->d_name, nullptr, 10)));
+    if (const auto fd = entry != nullptr ? number_in<int>(entry->d_name) : std::nullopt)
+      found.push_back(*fd);
   }
   if (complete) return found;
   rlimit files{};

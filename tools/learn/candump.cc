@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/number.hpp"
 #include "tools/learn/formats.hpp"
 
 namespace mlcca::learn {
@@ -16,24 +17,16 @@ namespace {
 constexpr std::size_t kMostData = 64;
 constexpr std::size_t kClassic = 8;
 
-int digit_of(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
-}
-
-/// Hexadecimal or decimal digits at the start of a word: how many there are, and their value.
+/// Hexadecimal or decimal digits at the start of a word: how many there are, and their value. None
+/// if they do not fit.
 struct Digits {
   std::uint64_t value = 0;
   std::size_t count = 0;
 };
-Digits decimal_at(std::string_view text) {
-  Digits out;
-  while (out.count < text.size() && out.count < 18 && text[out.count] >= '0' &&
-         text[out.count] <= '9')
-    out.value = out.value * 10 + static_cast<std::uint64_t>(text[out.count++] - '0');
-  return out;
+Digits digits_at(std::string_view text, int base) {
+  std::string_view rest = text;
+  const auto value = take_number<std::uint64_t>(rest, base);
+  return {.value = value.value_or(0), .count = text.size() - rest.size()};
 }
 
 /// Cuts an identifier such as "123" or "18FEF100", and the '#' after it, off the word. False if it
@@ -41,13 +34,10 @@ Digits decimal_at(std::string_view text) {
 bool take_identifier(std::string_view& word, std::uint32_t& id) {
   constexpr std::size_t standard = 3;
   constexpr std::size_t extended = 8;
-  std::size_t at = 0;
-  id = 0;
-  for (int digit = 0; at < word.size() && (digit = digit_of(word[at])) >= 0; ++at) {
-    if (at == extended) return false;
-    id = id << 4 | static_cast<std::uint32_t>(digit);
-  }
+  const Digits digits = digits_at(word, kHexadecimalBase);
+  const std::size_t at = digits.count;
   if ((at != standard && at != extended) || at == word.size() || word[at] != '#') return false;
+  id = static_cast<std::uint32_t>(digits.value);
   if (at == extended && (id & kError) == 0) id = (id & kIdentifierBits) | kExtended;
   word.remove_prefix(at + 1);
   return at == extended || id <= 0x7ff;
@@ -62,10 +52,9 @@ std::optional<std::size_t> take_data(std::string_view word, std::size_t most,
     if (word.starts_with('.')) word.remove_prefix(1);
     if (word.starts_with('_') && most == kClassic && size == most) break;  // a length code above 8
     if (word.size() < 2 || size == most) return std::nullopt;
-    const int high = digit_of(word[0]);
-    const int low = digit_of(word[1]);
-    if (high < 0 || low < 0) return std::nullopt;
-    data[size++] = static_cast<std::uint8_t>(high << 4 | low);
+    const auto byte = number_in<std::uint8_t>(word.substr(0, 2), kHexadecimalBase);
+    if (!byte) return std::nullopt;
+    data[size++] = *byte;
     word.remove_prefix(2);
   }
   return size;
@@ -76,7 +65,7 @@ bool take_frame(std::string_view word, Frame& frame, std::array<std::uint8_t, kM
   if (!take_identifier(word, frame.id)) return false;
   frame.fd = word.starts_with('#');
   if (frame.fd) {
-    if (word.size() < 2 || digit_of(word[1]) < 0) return false;
+    if (!number_in<std::uint8_t>(word.substr(1, 1), kHexadecimalBase)) return false;
     word.remove_prefix(2);
   }
   if (!frame.fd && word.starts_with('R')) {
@@ -99,13 +88,13 @@ bool is_candump_frame(std::string_view word) {
 bool take_candump_time(std::string_view word, std::uint64_t& ns) {
   if (!word.starts_with('(') || !word.ends_with(')')) return false;
   word = word.substr(1, word.size() - 2);
-  const Digits seconds = decimal_at(word);
+  const Digits seconds = digits_at(word, kDecimalBase);
   if (seconds.count == 0 || seconds.count > 10) return false;
   ns = seconds.value * 1'000'000'000;
   word.remove_prefix(seconds.count);
   if (word.empty()) return true;
   word.remove_prefix(1);
-  const Digits fraction = decimal_at(word);
+  const Digits fraction = digits_at(word, kDecimalBase);
   if (fraction.count == 0 || fraction.count != word.size() || fraction.count > 9) return false;
   std::uint64_t part = fraction.value;
   for (std::size_t i = fraction.count; i < 9; ++i) part *= 10;

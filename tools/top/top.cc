@@ -16,6 +16,7 @@
 #include <variant>
 
 #include "base/clock.hpp"
+#include "base/number.hpp"
 #include "base/standard_streams.hpp"
 #include "control/client.hpp"
 #include "tools/json.hpp"
@@ -149,8 +150,8 @@ Heading heading(const Watcher& watcher, const Result<void>& polled, double delay
 }
 
 std::size_t columns_of_batch() {
-  const char* columns = std::getenv("COLUMNS");                   // NOLINT(concurrency-mt-unsafe)
-  const int given = columns == nullptr ? 0 : std::atoi(columns);  // NOLINT(cert-err34-c)
+  const char* columns = std::getenv("COLUMNS");  // NOLINT(concurrency-mt-unsafe)
+  const int given = number_in<int>(columns == nullptr ? "" : columns).value_or(0);
   return given > 0 ? static_cast<std::size_t>(given) : Size{}.columns;
 }
 
