@@ -304,41 +304,22 @@ void Client::Data::use_local(const PartOf& part, const std::vector<SharedEndpoin
   }
 }
 
-std::vector<Client::Data::Kept>::iterator Client::Data::kept(
-    const std::weak_ptr<Channel::Part>& part, const SharedEndpoint& endpoint) {
-  return std::ranges::find_if(
-      kept_, [&](const Kept& one) { return one.endpoint == endpoint && is_same(one.part, part); });
-}
-
 /// Adds the former receivers of a publisher that the daemon does not state, if the publisher is
 /// still granted on the gateway and something receives there. After a restart of the daemon, their
 /// programs may not have announced them yet.
 void Client::Data::keep_former(const PartOf& part, std::vector<SharedEndpoint>& endpoints) {
-  std::vector<Kept> before;
-  std::erase_if(kept_, [&](Kept& one) {
-    if (!one.part.expired() && !is_same(one.part, part)) return false;
-    if (!one.part.expired()) before.push_back(std::move(one));
-    return true;
-  });
-  if (part->local_publishers.empty()) return;
   std::set<LocalSenders::Receiver> stated;
   for (const SharedEndpoint& endpoint : endpoints)
     if (is_local(endpoint)) stated.insert(LocalSenders::receiver_of(*endpoint));
-  const std::uint64_t until = add_saturating(monotonic_ns(), std::min(grace_ns_, kMostKept));
-  for (const SharedEndpoint& former : part->endpoints) {
-    if (!is_local(former) || stated.contains(LocalSenders::receiver_of(*former))) continue;
-    if (own_at(former->local) == nullptr && !senders_.reaches(*former, part->subject)) continue;
-    const auto known = std::ranges::find(before, former, &Kept::endpoint);
-    kept_.push_back({part, former, known == before.end() ? until : known->until});
-    endpoints.push_back(former);
-  }
-}
-
-void Client::Data::forget_kept(const PartOf& part, const SharedEndpoint& endpoint) {
-  const auto one = kept(part, endpoint);
-  if (one == kept_.end()) return;
-  std::erase(part->endpoints, endpoint);
-  kept_.erase(one);
+  std::vector<SharedEndpoint> kept = part->endpoints;
+  if (part->local_publishers.empty()) kept.clear();
+  std::erase_if(kept, [&](const SharedEndpoint& former) {
+    return !is_local(former) || stated.contains(LocalSenders::receiver_of(*former)) ||
+           (own_at(former->local) == nullptr && !senders_.reaches(*former, part->subject));
+  });
+  former_receivers_.keep(part, kept,
+                         add_saturating(monotonic_ns(), std::min(grace_ns_, kMostKept)));
+  endpoints.insert(endpoints.end(), kept.begin(), kept.end());
 }
 
 Result<void> Client::Data::close_unused_senders() {
@@ -369,10 +350,10 @@ Published Client::Data::publish(const PartOf& part, Octets event) {
     if (passed == Passed::gone) gone.push_back(endpoint);
   }
   for (const SharedEndpoint& endpoint : gone)
-    if (kept(part, endpoint) == kept_.end())
-      ++lost;
+    if (former_receivers_.forget(part, endpoint))
+      std::erase(part->endpoints, endpoint);
     else
-      forget_kept(part, endpoint);
+      ++lost;
   if (lost == 0) return sent == 0 ? Published::not_granted : Published::sent;
   if (sent != 0) return Published::partly;
   return too_long ? Published::too_long : Published::lost;
@@ -402,17 +383,17 @@ LocalReceiver* Client::Data::own_at(const std::string& address) {
 std::optional<Client::Data::Passed> Client::Data::withhold(const PartOf& part,
                                                            const SharedEndpoint& endpoint,
                                                            LocalReceiver* own) {
-  const auto former = kept_.empty() ? kept_.end() : kept(part, endpoint);
-  const bool is_former = former != kept_.end();
-  if (part->open_until == Channel::Part::kOpen && !is_former) return std::nullopt;
+  const auto former_until =
+      former_receivers_.empty() ? std::nullopt : former_receivers_.until(part, endpoint);
+  if (part->open_until == Channel::Part::kOpen && !former_until) return std::nullopt;
   const std::uint64_t now = monotonic_ns();
-  const bool is_due = is_former && now >= former->until;
+  const bool is_due = former_until && now >= *former_until;
   if (now < part->open_until && !is_due) return std::nullopt;
   if (own != nullptr)
     own->lose_to_itself();
   else if (senders_.withhold(*endpoint, part->subject) == LocalSender::Sent::gone)
     return Passed::gone;
-  return is_former ? Passed::not_granted : Passed::lost;
+  return former_until ? Passed::not_granted : Passed::lost;
 }
 
 Client::Data::Passed Client::Data::send_local(const PartOf& part, const SharedEndpoint& endpoint,

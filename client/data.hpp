@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/handle.hpp"
+#include "client/former_receivers.hpp"
 #include "client/local_senders.hpp"
 #include "client/local_socket.hpp"
 #include "client/local_source.hpp"
@@ -85,14 +86,6 @@ class Client::Data {
     LocalSource source;
   };
 
-  /// A receiver of a publisher that a daemon has stated before, and the present one has not. Its
-  /// program may not have found that daemon yet.
-  struct Kept {
-    std::weak_ptr<Channel::Part> part;
-    SharedEndpoint endpoint;
-    std::uint64_t until = 0;  ///< events are sent to it until then, CLOCK_MONOTONIC in ns; later it
-                              ///< learns only how many there were
-  };
   /// What became of an event at one endpoint.
   enum class Passed : std::uint8_t {
     sent,
@@ -137,10 +130,7 @@ class Client::Data {
   std::optional<Passed> withhold(const PartOf& part, const SharedEndpoint& endpoint,
                                  LocalReceiver* own);
   [[nodiscard]] LocalReceiver* own_at(const std::string& address);
-  std::vector<Kept>::iterator kept(const std::weak_ptr<Channel::Part>& part,
-                                   const SharedEndpoint& endpoint);
   void keep_former(const PartOf& part, std::vector<SharedEndpoint>& endpoints);
-  void forget_kept(const PartOf& part, const SharedEndpoint& endpoint);
   Result<void> close_unused_senders();
   void share_receiver(const PartOf& part);
   void hold_publishers(const PartOf& part, std::vector<std::string> granted);
@@ -171,7 +161,7 @@ class Client::Data {
   std::vector<Local> locals_;
   std::vector<std::weak_ptr<Channel::Part>> publishers_;  ///< publishers with subscribers among the
                                                           ///< programs on this gateway
-  std::vector<Kept> kept_;
+  FormerReceivers former_receivers_;
   std::uint64_t grace_ns_ = kGrace;                   ///< stated by the daemon
   std::vector<std::weak_ptr<Channel::Part>> lapses_;  ///< channels that are granted until the grace
                                                       ///< is over

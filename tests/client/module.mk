@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-$(eval $(call unit_test,client_test,tests/client/client_test.cc tests/client/exceptions_test.cc tests/client/events_test.cc tests/client/local_source_test.cc tests/client/local_queue_test.cc tests/client/local_restart_test.cc tests/client/local_gone_test.cc tests/client/idle_memory_test.cc tests/control/server.cc,$O/libclient.a $O/librelay.a $O/libcontrol.a,-lfmt))
+$(eval $(call unit_test,client_test,tests/client/client_test.cc tests/client/exceptions_test.cc tests/client/events_test.cc tests/client/former_receivers_test.cc tests/client/local_source_test.cc tests/client/local_queue_test.cc tests/client/local_restart_test.cc tests/client/local_gone_test.cc tests/client/idle_memory_test.cc tests/control/server.cc,$O/libclient.a $O/librelay.a $O/libcontrol.a,-lfmt))
 
 # libmlcca is installed as a package would do it, and used by a program that does not know this
 # tree.
