@@ -24,8 +24,7 @@ Result<void> Reconciler::put_in_force(const DeliveryEvents::Granted& granted_bef
                                       TagBindings::Known known) {
   core::State& state = *p_.scene.state;
   p_.gates.describe(state.system(), p_.scene.self);
-  p_.gates.follow();
-  if (!p_.gates.change()) return p_.gates.change();
+  if (auto followed = p_.gates.follow(); !followed) return followed;
   p_.recorder.note_ports();
   p_.tags.take_up(known);
   p_.turn.observe();
@@ -59,7 +58,7 @@ void Reconciler::put_graphs() {
 
 void Reconciler::reconcile() {
   const core::Progress alive(p_.pulse);
-  p_.gates.follow();
+  static_cast<void>(p_.gates.follow());  // no description is being changed
   p_.recorder.note_ports();
   p_.tags.state();
   p_.turn.observe();

@@ -33,9 +33,6 @@ class GateDriver : public GateReader {
   /// as well, to be able to go back. The error: no memory or no right for a gate; then nothing has
   /// changed.
   virtual Result<void> prepare(const core::System& system, std::size_t gateway) = 0;
-  /// Why a gate could not be put in place since prepare(). The gate that was in its place is still
-  /// there, with its slots. The caller must describe() the former description again, and follow().
-  [[nodiscard]] virtual const Result<void>& change() const = 0;
   /// From now on follow() and sync() return to what was before.
   virtual void go_back() = 0;
   virtual void end_change() = 0;
@@ -45,8 +42,11 @@ class GateDriver : public GateReader {
   /// concerns a port or a gate, or may do so. False: follow() would change nothing.
   [[nodiscard]] virtual bool needs_reconcile() = 0;
   /// Brings gates and interfaces in line with the present interfaces. Whatever has a new owner is
-  /// denied before anything else is done.
-  virtual void follow() = 0;
+  /// denied before anything else is done. The error, between prepare() and go_back() only: a gate
+  /// could not be put in place. The gate that was in its place is still there, with its slots. The
+  /// caller must go_back(), describe() the former description again, and follow(). At other times
+  /// such a failure is a problem of the port, and no error.
+  virtual Result<void> follow() = 0;
 
   // Gates that have lost their filters:
 

@@ -8,7 +8,7 @@
 namespace mlcca {
 
 Result<void> GateSet::hold(const GateSpec& spec) {
-  if (!change_) return change_;  // the change is being undone
+  if (must_go_back()) return change_;
   auto done = replace(spec);
   // A failure while going back cannot be undone again: what cannot be held then is closed, as
   // always.

@@ -24,15 +24,16 @@ class GateSet {
   Result<void> hold(const GateSpec& spec);
 
   // A change of many gates that can be undone: make_spare() for each, begin_change(), hold() for
-  // each. If change() says that one could not be put in place: go_back(), and hold() for the former
-  // ones. At the end, and after an error of make_spare(), end_change().
+  // each. If one could not be put in place: go_back(), and hold() for the former ones. At the end,
+  // and after an error of make_spare(), end_change().
 
   /// Makes what hold() will need, without putting it in place. The error: no memory or no right.
   Result<void> make_spare(const GateSpec& spec);
   /// From now on replaced gates are kept.
   void begin_change();
-  /// Why hold() has failed since begin_change(). Until go_back() it changes nothing any more.
-  [[nodiscard]] const Result<void>& change() const { return change_; }
+  /// Whether hold() has failed since begin_change(). Until go_back() it changes nothing any more,
+  /// and returns the same error.
+  [[nodiscard]] bool must_go_back() const { return !change_; }
   void go_back();
   void end_change();
 
@@ -61,7 +62,7 @@ class GateSet {
   std::map<int, Gate> gates_;  ///< in place, by ifindex
   Spares spares_;              ///< not in place
   Phase phase_ = Phase::settled;
-  Result<void> change_;
+  Result<void> change_;  ///< the first error of hold() in a change
 };
 
 }  // namespace mlcca

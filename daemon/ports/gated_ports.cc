@@ -55,16 +55,17 @@ Result<void> GatedPorts::prepare(const core::System& system, std::size_t gateway
   return {};
 }
 
-void GatedPorts::attach(GatedPort& gated, const net::Link& link, const ReportLine& report) {
+Result<void> GatedPorts::attach(GatedPort& gated, const net::Link& link, const ReportLine& report) {
   DescribedPort& port = gated.port;
   if (!port.can_have_gate(link)) {
     port.set_problem(port.lacks_framing(link));
-    return;
+    return {};
   }
-  const auto done =
+  auto done =
       gated.hold.attach(link, spec_of(port, link, ether_slots_), gates_, close_,
                         [&](const std::string& line) { report(port.network(), line, true); });
   if (!done) port.set_problem(done.error().text);
+  return gates_.must_go_back() ? done : Result<void>();
 }
 
 HeldGate* GatedPorts::held(std::size_t port) const {

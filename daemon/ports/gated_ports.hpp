@@ -35,8 +35,9 @@ class GatedPorts {
   /// set. `step` is called after each. The error: one could not be made; nothing has changed.
   Result<void> prepare(const core::System& system, std::size_t gateway, const net::LinkTable& links,
                        const net::FactsOf& facts_of, const std::function<void()>& step);
-  /// Gives a port the gate that it needs. A failure becomes the problem of the port.
-  void attach(GatedPort& gated, const net::Link& link, const ReportLine& report);
+  /// Gives a port the gate that it needs. A failure becomes the problem of the port. The error:
+  /// that of a change that has to be undone (GateSet::must_go_back()).
+  Result<void> attach(GatedPort& gated, const net::Link& link, const ReportLine& report);
 
   [[nodiscard]] std::size_t size() const { return ports_.size(); }
   [[nodiscard]] const DescribedPort& operator[](std::size_t port) const {

@@ -15,7 +15,7 @@ Result<void> InterfaceHold::attach(const net::Link& link, const GateSpec& spec, 
     reported_.clear();
     return done;
   }
-  if (!gates.change()) return done;  // the change is being undone
+  if (gates.must_go_back()) return done;
   if (gates.contains(link.ifindex))
     hold_by_former(link, gates);
   else

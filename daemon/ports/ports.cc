@@ -41,12 +41,13 @@ bool Ports::needs_reconcile() {
 
 /// The order is: bit rate, gate, up. Everything that has a new owner is denied before anything
 /// else.
-void Ports::follow() {
+Result<void> Ports::follow() {
   forget_vanished();
   match();
   close_undescribed();
-  attach();
+  auto attached = attach();
   assess();
+  return attached;
 }
 
 void Ports::forget_vanished() {
@@ -114,19 +115,24 @@ std::vector<std::string> Ports::closed() const {
   return names;
 }
 
-void Ports::attach() {
+/// The error is that of follow().
+Result<void> Ports::attach() {
+  Result<void> attached;
   bool raised = false;
   for (GatedPort& gated : ports_) {
     DescribedPort& port = gated.port;
     if (port.ifindex() == 0 || !port.problem().empty()) continue;
-    if (port.needs_gate()) ports_.attach(gated, *port.link(links_.table()), report_);
+    if (port.needs_gate())
+      if (auto done = ports_.attach(gated, *port.link(links_.table()), report_); !done)
+        attached = std::move(done);
     if (port.problem().empty() && port.is_to_be_raised())
       raised = port.raise(links_, report_) || raised;
     step_();
   }
-  if (!raised) return;
-  if (const auto refreshed = links_.refresh(); !refreshed)
-    report_({}, refreshed.error().text, true);
+  if (raised)
+    if (const auto refreshed = links_.refresh(); !refreshed)
+      report_({}, refreshed.error().text, true);
+  return attached;
 }
 
 void Ports::assess() {

@@ -43,12 +43,11 @@ class Ports final : public GateDriver {
     ports_.describe(system, gateway);
   }
   Result<void> prepare(const core::System& system, std::size_t gateway) override;
-  [[nodiscard]] const Result<void>& change() const override { return ports_.gates().change(); }
   void go_back() override { ports_.gates().go_back(); }
   void end_change() override { ports_.gates().end_change(); }
   void on_step(std::function<void()> step) override { step_ = std::move(step); }
   [[nodiscard]] bool needs_reconcile() override;
-  void follow() override;
+  Result<void> follow() override;
   bool repair() override;
   void begin_repair() override;
   bool repair(int ifindex) override;
@@ -159,7 +158,7 @@ class Ports final : public GateDriver {
   void match();
   void close_undescribed();
   void report_undescribed();
-  void attach();
+  Result<void> attach();
   void assess();
   [[nodiscard]] std::vector<std::string> closed() const;
   bool give_up(int ifindex, gates::PortGate& gate);

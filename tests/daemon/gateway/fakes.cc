@@ -166,7 +166,7 @@ void FakeGates::describe(const core::System& system, std::size_t gateway) {
   ports_ = std::move(next);
 }
 
-void FakeGates::follow() {
+Result<void> FakeGates::follow() {
   std::erase_if(commanded_, [this](int ifindex) { return !kernel_.gates.contains(ifindex); });
   for (PortState& port : ports_) match(port);
   close_undescribed();
@@ -180,6 +180,7 @@ void FakeGates::follow() {
     if (!links_.known().at(port.port.identity.name).up)
       port.problem = port.port.identity.name + " is down";
   }
+  return change_;
 }
 
 /// Denies everything at the gate of an interface that changes its port.

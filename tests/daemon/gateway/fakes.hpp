@@ -162,12 +162,11 @@ class FakeGates final : public GateDriver {
   FakeGates(FakeKernel& kernel, const FakeLinks& links) : kernel_(kernel), links_(links) {}
 
   Result<void> prepare(const core::System& system, std::size_t gateway) override;
-  [[nodiscard]] const Result<void>& change() const override { return change_; }
   void go_back() override { goes_back_ = true, change_ = {}; }
   void end_change() override { changing_ = goes_back_ = false, change_ = {}; }
   void describe(const core::System& system, std::size_t gateway) override;
   void on_step(std::function<void()> step) override { step_ = std::move(step); }
-  void follow() override;
+  Result<void> follow() override;
   [[nodiscard]] bool needs_reconcile() override { return true; }
   bool repair() override { return wants_gate(); }
   void begin_repair() override {}

@@ -107,8 +107,7 @@ class ChangeTest : public ::testing::Test {
   Result<void> change_to(const core::System& next) {
     if (auto ready = ports_->prepare(next, 0); !ready) return ready;
     ports_->describe(next, 0);
-    ports_->follow();
-    Result<void> done = ports_->change();
+    Result<void> done = ports_->follow();
     if (done) {
       done = ports_->sync(granted());
     } else {

@@ -64,7 +64,7 @@ TEST_F(GateSetTest, AChangeThatFailsGoesBackWithoutMemory) {
   hooks_.refuses = true;
   EXPECT_FALSE(gates_.hold(spec(2, 9)));
   hooks_.refuses = false;
-  EXPECT_FALSE(gates_.change());
+  EXPECT_TRUE(gates_.must_go_back());
   EXPECT_FALSE(gates_.hold(spec(1, 7))) << "after the first error nothing is put in place";
   gates_.go_back();
   hooks_.lacks_memory = true;
@@ -79,7 +79,7 @@ TEST_F(GateSetTest, WhatFailsOnTheWayBackDoesNotEndIt) {
   hooks_.refuses = true;
   EXPECT_FALSE(gates_.hold(spec(1, 7)));
   hooks_.refuses = false;
-  EXPECT_TRUE(gates_.change());
+  EXPECT_FALSE(gates_.must_go_back());
   EXPECT_TRUE(gates_.hold(spec(2, 8)));
 }
 

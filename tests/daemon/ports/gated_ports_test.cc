@@ -72,7 +72,7 @@ TEST_F(GatedPortsTest, WithoutMemoryForTheNextDescriptionNothingChanges) {
   EXPECT_TRUE(prepare(test::two_ports(1))) << "all it needs is there";
   ports_.gates().end_change();
   EXPECT_FALSE(prepare(test::two_ports(9)));
-  EXPECT_TRUE(ports_.gates().change());
+  EXPECT_FALSE(ports_.gates().must_go_back());
   EXPECT_EQ(hooks_.in_place[10], "eth0 for 2 slots");
 }
 
