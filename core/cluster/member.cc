@@ -104,7 +104,7 @@ void Member::settle(const std::vector<Done>& all, Value now) {
     rollouts_.on_done(done, now, events_);
     on_cleaned(done, now);
     if (done.work.kind == Work::Kind::fence && done.fate == Done::Fate::refused)
-      fence_again_ = add_saturating(now, kFenceAgain);
+      not_before_.fence = add_saturating(now, kFenceAgain);
     if (is_done && done.work.kind == Work::Kind::reserve) journal_.seen_revision = done.revision;
     if (is_done && done.work.kind == Work::Kind::leave) {
       chain_.end(now);
@@ -154,7 +154,7 @@ void Member::lose(const std::string& why, Value now) {
   election_.lose();
   rollouts_.lose();
   // Revisions from before are meaningless in a store that was restored.
-  applied_ = said_applied_ = ask_applied_ = 0;
+  applied_ = said_.applied = ask_applied_ = 0;
   found_ = false;
   phase_ = Phase::off;
 }
@@ -382,8 +382,8 @@ Beat Member::beat(Value now) const {
 }
 
 bool Member::beat_wanted(Value now) const {
-  const bool says_more = applied_ >= ask_applied_ && ask_applied_ > said_applied_;
-  return says_more || draining_ != said_draining_ ||
+  const bool says_more = applied_ >= ask_applied_ && ask_applied_ > said_.applied;
+  return says_more || draining_ != said_.draining ||
          election_.wanted(view_, now, draining_) != election_.role() || now >= chain_.beat_due();
 }
 
@@ -395,7 +395,7 @@ Value Member::fence_time(std::size_t gateway, Value from) const {
 }
 
 std::optional<Work> Member::fence(Value now) const {
-  if (now < fence_again_) return std::nullopt;
+  if (now < not_before_.fence) return std::nullopt;
   for (std::size_t g = 0; g < keys_->gateways(); ++g) {
     const auto from = view_.fence_from(g);
     if (!from || now < fence_time(g, *from)) continue;
@@ -425,7 +425,7 @@ std::optional<Work> Member::work_for_all(Value now) {
   if (auto work = adoptions_.clean_up(view_)) return work;
   if (auto work = clean_up(now)) return work;
   if (auto work = fence(now)) return work;
-  if (draining_ && said_draining_ && admissions_.empty())
+  if (draining_ && said_.draining && admissions_.empty())
     return Work{.kind = Work::Kind::leave, .deletes = {keys_->member(identity_.gateway)}};
   return rollouts_.next_work(view_, *codec_, now);
 }
@@ -433,14 +433,14 @@ std::optional<Work> Member::work_for_all(Value now) {
 /// A gateway that has much to do for some is there for the others too.
 std::optional<Work> Member::next_work(Value now) {
   if (!found_ || view_.revision() < wait_for_) return std::nullopt;
-  if (caught_up() || now >= chain_.beat_due()) passed_over_ = 0;
-  if (passed_over_ >= kMostPassedOver) return std::nullopt;
+  if (caught_up() || now >= chain_.beat_due()) turn_.passed_over = 0;
+  if (turn_.passed_over >= kMostPassedOver) return std::nullopt;
   for (std::size_t n = 1; n <= kFor; ++n) {
-    const auto whom = static_cast<For>((static_cast<std::size_t>(latest_) + n) % kFor);
+    const auto whom = static_cast<For>((static_cast<std::size_t>(turn_.latest) + n) % kFor);
     auto work = work_for(whom, now);
     if (!work) continue;
-    latest_ = whom;
-    if (!caught_up()) ++passed_over_;
+    turn_.latest = whom;
+    if (!caught_up()) ++turn_.passed_over;
     return work;
   }
   return std::nullopt;
@@ -461,9 +461,7 @@ std::vector<Txn> Member::take_txns(Value now) {
   if (work->kind == Work::Kind::leave) journal_.incarnation = 0;
   const Beat says = beat(now);
   work->role = says.role;
-  said_role_ = says.role;
-  said_applied_ = says.applied;
-  said_draining_ = says.draining;
+  said_ = {.applied = says.applied, .draining = says.draining};
   txns.push_back(chain_.send(std::move(*work), says, view_.revision(), now));
   return txns;
 }
@@ -481,7 +479,7 @@ Value Member::next_time(Value now) const {
   if (phase_ != Phase::joined) return next;
   at(chain_.valid_until());
   at(chain_.beat_due());
-  at(fence_again_);
+  at(not_before_.fence);
   for (std::size_t g = 0; g < keys_->gateways(); ++g)
     if (const auto from = view_.fence_from(g)) at(fence_time(g, *from));
   return next;
@@ -492,14 +490,14 @@ Value Member::next_time(Value now) const {
 /// If the store refuses to delete entries, the role of this user in etcd may lack the right.
 void Member::on_cleaned(const Done& done, Value now) {
   if (done.work.kind == Work::Kind::clean && done.fate != Done::Fate::done)
-    clean_from_.at(done.work.number) = add_saturating(now, kCleanAgain);
+    not_before_.clean.at(done.work.number) = add_saturating(now, kCleanAgain);
 }
 
 /// Entries are deleted only after all gateways have left the former description.
 std::optional<Work> Member::clean_up(Value now) const {
   if (!digest_in_force()) return std::nullopt;
   for (std::size_t kind = 0; kind < kUnused; ++kind) {
-    if (now < clean_from_[kind]) continue;
+    if (now < not_before_.clean[kind]) continue;
     Work clean{.kind = Work::Kind::clean,
                .number = kind,
                .compares = {{.key = keys_->current(), .revision = view_.records().current.mod}}};

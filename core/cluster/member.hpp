@@ -124,8 +124,8 @@ class Member {
   template <class Visit>
   void visit_state(Visit&& visit) const {
     visit(journal_, view_, chain_, admissions_, adoptions_, election_, rollouts_, phase_,
-          reachable_, draining_, goes_on_, found_, wait_for_, applied_, said_applied_, ask_applied_,
-          said_draining_, latest_, passed_over_, fence_again_);
+          reachable_, draining_, goes_on_, found_, wait_for_, applied_, said_.applied, ask_applied_,
+          said_.draining, turn_.latest, turn_.passed_over, not_before_.fence);
   }
 
  private:
@@ -147,6 +147,22 @@ class Member {
     all,     ///< fences, rollouts, and entries that nobody uses: the view must be up to date
   };
   static constexpr std::size_t kFor = 3;
+
+  /// What the store has refused is not tried again before this time.
+  struct NotBefore {
+    Value fence = 0;
+    std::array<Value, kUnused> clean{};  ///< to delete unused entries of each kind
+  };
+  /// What the latest beat has said.
+  struct Said {
+    std::int64_t applied = 0;
+    bool draining = false;
+  };
+  /// Whose turn it is.
+  struct Turn {
+    For latest = For::all;        ///< of the latest transaction
+    std::size_t passed_over = 0;  ///< transactions since For::all could have its turn
+  };
 
   /// As the public function, but `id` itself may be the reservation that is being decided.
   [[nodiscard]] std::string why_not(std::uint64_t id, Value now) const;
@@ -196,16 +212,12 @@ class Member {
   bool full_ = false;  ///< that was the latest answer of the store
   std::int64_t wait_for_ =
       0;  ///< the view must have this revision before anything except a beat is sent
-  /// The store refused to delete entries of this kind; not tried again before this time.
-  std::array<Value, kUnused> clean_from_{};
-  std::int64_t applied_ = 0, said_applied_ = 0;
+  NotBefore not_before_;
+  std::int64_t applied_ = 0;
   /// Other gateways wait until this revision is reported as applied.
   std::int64_t ask_applied_ = 0;
-  For latest_ = For::all;        ///< of the latest transaction
-  Value fence_again_ = 0;        ///< the store has refused a fence: no other one before this time
-  std::size_t passed_over_ = 0;  ///< transactions since For::all could have its turn
-  Role said_role_ = Role::standby;
-  bool said_draining_ = false;
+  Said said_;
+  Turn turn_;
   std::vector<Event> events_;
 };
 

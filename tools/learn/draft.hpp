@@ -62,20 +62,24 @@ struct DraftPublisher {
 
 /// A drafted channel, for a table and for tests.
 struct DraftChannel {
+  /// What was observed of the times between its events.
+  struct Gaps {
+    std::uint64_t median = 0;         ///< ns
+    std::uint64_t mean = 0;           ///< ns, of the publisher whose events come most often
+    std::uint64_t shortest = 0;       ///< ns
+    std::uint64_t longest = 0;        ///< ns
+    std::uint64_t pauses = 0;         ///< of cyclic traffic, see Flow::Pauses
+    std::uint64_t longest_pause = 0;  ///< ns
+  };
   std::string name;
   std::string interface;
   std::string identifier;  ///< as people write it
   std::string seen;        ///< see seen_in_words(), of its first publisher
   std::uint64_t events = 0;
-  std::uint64_t period = 0;         ///< stated Period in ns: the longest one of its publishers
-  std::uint64_t jitter = 0;         ///< ns
-  std::uint64_t median = 0;         ///< observed median of the gaps, ns
-  std::uint64_t mean_gap = 0;       ///< ns, of the publisher whose events come most often
-  std::uint64_t shortest_gap = 0;   ///< ns
-  std::uint64_t longest_gap = 0;    ///< ns
-  std::uint64_t pauses = 0;         ///< of cyclic traffic, see Flow::Pauses
-  std::uint64_t longest_pause = 0;  ///< ns
-  std::uint64_t omission = 0;       ///< stated Omission; only periodic channels have one
+  std::uint64_t period = 0;  ///< stated Period in ns: the longest one of its publishers
+  std::uint64_t jitter = 0;  ///< ns
+  Gaps gaps;
+  std::uint64_t omission = 0;  ///< stated Omission; only periodic channels have one
   std::uint32_t bytes = 0;
   std::optional<double> bytes_per_second;  ///< observed; nullopt: too few events to tell
   bool periodic = false;

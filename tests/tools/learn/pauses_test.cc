@@ -99,9 +99,9 @@ TEST(Pauses, AreCountedAndSaidAndReportedByTheGate) {
   const auto sent = with_pauses(100 * kMs, kMs, 600, {{100, 10 * kSecond}, {300, 4 * kSecond}});
   const Draft draft = drafted(sent, {}, {"can0"});
   const DraftChannel& is = pausing_in(draft);
-  EXPECT_EQ(is.pauses, 2U);
-  EXPECT_NEAR(static_cast<double>(is.longest_pause), 10.1e9, 2e6);
-  EXPECT_EQ(is.longest_gap, is.longest_pause);
+  EXPECT_EQ(is.gaps.pauses, 2U);
+  EXPECT_NEAR(static_cast<double>(is.gaps.longest_pause), 10.1e9, 2e6);
+  EXPECT_EQ(is.gaps.longest, is.gaps.longest_pause);
   EXPECT_TRUE(draft.xml.contains("2 pauses, the longest of 10.1s, are no part of its cycle"))
       << draft.xml;
   EXPECT_TRUE(says(draft,
@@ -115,8 +115,8 @@ TEST(Pauses, AreCountedAndSaidAndReportedByTheGate) {
 
 TEST(Pauses, OfCyclesWithoutAnyNothingIsSaid) {
   const Draft draft = drafted(with_pauses(100 * kMs, kMs, 600, {}), {}, {"can0"});
-  EXPECT_EQ(pausing_in(draft).pauses, 0U);
-  EXPECT_EQ(pausing_in(draft).longest_pause, 0U);
+  EXPECT_EQ(pausing_in(draft).gaps.pauses, 0U);
+  EXPECT_EQ(pausing_in(draft).gaps.longest_pause, 0U);
   EXPECT_FALSE(draft.xml.contains("pause")) << draft.xml;
   EXPECT_FALSE(says(draft, "paused"));
 }
@@ -127,7 +127,7 @@ TEST(Pauses, AreLongerThanWhatMayBeLost) {
     const auto sent = with_pauses(100 * kMs, 0, 600, {{200, lost * 100 * kMs}});
     const Draft draft = drafted(sent, {}, {"can0"});
     EXPECT_TRUE(pausing_in(draft).periodic) << draft.xml;
-    EXPECT_EQ(pausing_in(draft).pauses, lost > 10 ? 1U : 0U) << lost;
+    EXPECT_EQ(pausing_in(draft).gaps.pauses, lost > 10 ? 1U : 0U) << lost;
     EXPECT_EQ(pausing_in(draft).omission, lost > 10 ? 1U : lost + 1) << lost;
   }
 }
@@ -156,7 +156,7 @@ TEST(Pauses, AreNotTheSilenceBetweenBursts) {
     const auto sent = runs(c.cycles, c.period);
     const Draft draft = drafted(sent, {}, {"can0"});
     EXPECT_EQ(pausing_in(draft).periodic, c.periodic) << c.cycles << ' ' << c.period;
-    EXPECT_EQ(pausing_in(draft).pauses, c.periodic ? 19U : 0U) << c.cycles << ' ' << c.period;
+    EXPECT_EQ(pausing_in(draft).gaps.pauses, c.periodic ? 19U : 0U) << c.cycles << ' ' << c.period;
     expect_all_passes(draft, sent, std::to_string(c.cycles));
   }
 }
@@ -165,7 +165,7 @@ TEST(Pauses, OfAFewCyclesDoNotMakeTheirPeriodLonger) {
   const auto sent = with_pauses(200 * kMs, 0, 24, {{10, 10 * kSecond}});
   const Draft draft = drafted(sent, {}, {"can0"});
   EXPECT_EQ(pausing_in(draft).period, 100 * kMs) << "half the mean, as of few events";
-  EXPECT_EQ(pausing_in(draft).pauses, 1U);
+  EXPECT_EQ(pausing_in(draft).gaps.pauses, 1U);
   EXPECT_TRUE(draft.xml.contains("every 200ms without 1 pause of 10.2s")) << draft.xml;
   Gate gate(draft);
   for (std::uint64_t i = 0; i < 1000; ++i)
@@ -185,7 +185,7 @@ TEST(Pauses, WhateverTheyAreNothingIsDroppedAndOnlyTheyAreReported) {
     const Draft draft = drafted(sent, {}, {"can0"});
     const std::string what = "seed " + std::to_string(seed);
     EXPECT_TRUE(pausing_in(draft).periodic) << what << draft.xml;
-    EXPECT_EQ(pausing_in(draft).pauses, pauses.size()) << what;
+    EXPECT_EQ(pausing_in(draft).gaps.pauses, pauses.size()) << what;
     EXPECT_GE(pausing_in(draft).period, period * 7 / 10) << what;
     expect_all_passes(draft, sent, what);
     Gate gate(draft);
