@@ -113,7 +113,7 @@ void Client::Connection::connect(Try why) {
   }
   socket_ = std::move(socket);
   start_timer(timer_, milliseconds(0));
-  heard_ = Clock::now();
+  received_ = Clock::now();
   supervise();
   for (const PartOf& part : parts()) ask(part);
   flush();
@@ -156,8 +156,8 @@ void Client::Connection::note_gone(const std::string& why, Clock::time_point sin
 // --- a daemon that hangs -------------------------------------------------------------------------
 
 /// Octets have come from the daemon. If it had hung, the decisions may have changed.
-void Client::Connection::hear() {
-  heard_ = Clock::now();
+void Client::Connection::note_received() {
+  received_ = Clock::now();
   if (!std::exchange(hangs_, false)) return;
   for (const PartOf& part : parts()) ask_again(part);
   supervise();
@@ -170,18 +170,18 @@ void Client::Connection::supervise() {
   if (!socket_ || !is_supervised() || !knows_pings_ || hangs_) return;
   const auto now = Clock::now();
   const auto pause = std::max(options_.answers_within / kPingsOfTime, milliseconds(1));
-  if (ping_ == 0 && now - heard_ >= pause) {
+  if (ping_ == 0 && now - received_ >= pause) {
     ping_ = ++last_id_;
     pinged_ = now;
     out_ += control::encode(control::Request{ping_, control::PingRequest{}, false});
   }
-  const auto silent_since = ping_ == 0 ? heard_ : std::max(heard_, pinged_);
+  const auto silent_since = ping_ == 0 ? received_ : std::max(received_, pinged_);
   const auto due = silent_since + (ping_ == 0 ? pause : options_.answers_within);
   if (ping_ != 0 && now >= due) {
     hangs_ = true;
     note_gone("mlccad does not answer: nothing has come from it for " +
                   std::to_string(options_.answers_within.count()) + " ms",
-              heard_);
+              received_);
     return;
   }
   start_timer(supervision_, std::chrono::ceil<milliseconds>(due - now));
@@ -277,7 +277,7 @@ void Client::Connection::receive() {
     if (n > 0) {
       received += static_cast<std::size_t>(n);
       in_.commit(static_cast<std::size_t>(n));
-      hear();
+      note_received();
       take_replies();
     } else {
       lose(n == 0 ? "mlccad closed the connection" : text_of(errno));

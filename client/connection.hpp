@@ -63,7 +63,7 @@ class Client::Connection {
   void lose(const std::string& why, Try after = Try::planned);
   void retry_later(Try after);
   void note_gone(const std::string& why, Clock::time_point since);
-  void hear();
+  void note_received();
   void supervise();
   [[nodiscard]] bool is_supervised() const { return options_.answers_within.count() > 0; }
   void ask(const PartOf& part);
@@ -102,7 +102,7 @@ class Client::Connection {
   std::uint64_t last_id_ = 0;
   std::uint64_t ping_ = 0;  ///< id of the pending ping; 0: none
   /// When the latest octets came from the daemon, and when the ping was sent.
-  Clock::time_point heard_;
+  Clock::time_point received_;
   Clock::time_point pinged_;
   bool stops_ = false;       ///< it has said on this connection that it stops
   bool hangs_ = false;       ///< it has not answered the ping in time

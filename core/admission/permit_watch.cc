@@ -17,7 +17,7 @@ bool PermitWatch::has_seen(const Permits& permits) const {
   return permits.more_agreed() == more_agreed_ && permits.less_agreed() == less_agreed_;
 }
 
-PermitWatch::Changes PermitWatch::look(const Permits& permits) {
+PermitWatch::Changes PermitWatch::poll(const Permits& permits) {
   Changes changes;
   for (std::size_t n = 0; n < grown_.size(); ++n) {
     const bool more = std::exchange(grown_[n], permits.grown(n)) != permits.grown(n);

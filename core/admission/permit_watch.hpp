@@ -9,7 +9,7 @@
 
 namespace mlcca::core {
 
-/// What has changed in permits since they were looked at last.
+/// What has changed in permits since they were polled last.
 class PermitWatch {
  public:
   /// Something of a network may not be held any more.
@@ -28,7 +28,7 @@ class PermitWatch {
   void reset(std::size_t networks);
   /// Whether nothing has changed.
   [[nodiscard]] bool has_seen(const Permits& permits) const;
-  [[nodiscard]] Changes look(const Permits& permits);
+  [[nodiscard]] Changes poll(const Permits& permits);
 
  private:
   std::vector<std::uint64_t> grown_, shrunk_;  ///< by network

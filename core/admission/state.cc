@@ -362,7 +362,7 @@ void State::share_all(std::size_t gateway) {
 /// What may not be held any more is decided again, and so is what could be given more.
 void State::note_permits() {
   if (permits_ == nullptr) return;
-  const PermitWatch::Changes now = seen_permits_.look(*permits_);
+  const PermitWatch::Changes now = seen_permits_.poll(*permits_);
   others_stale_.insert(now.networks.begin(), now.networks.end());
   for (const PermitWatch::Ended& ended : now.ended) touch_ended(ended.network, ended.since);
   if (now.disagreed_since) touch_disagreed(*now.disagreed_since);

@@ -153,7 +153,7 @@ class State {
   /// What others hold of a network. What this gateway has given up and the store still has counts
   /// there too: it is nobody's to give away.
   void set_foreign(std::size_t network, cluster::Foreign foreign);
-  /// What may be held of shared networks from now on, which is looked at in each settle(); it must
+  /// What may be held of shared networks from now on, which is polled in each settle(); it must
   /// outlive this. It counts there whether or not it is held. Null: all that fits, as if this were
   /// the only gateway.
   void set_permits(const Permits* permits);

@@ -23,7 +23,7 @@ T load(const T& word, int order = __ATOMIC_RELAXED) {
   return __atomic_load_n(&word, order);
 }
 
-/// What tells frames of an entry from others: of CAN, or of Ethernet.
+/// What distinguishes frames of an entry from others: of CAN, or of Ethernet.
 void read_words(const auto& seen, UnknownFrame& frame) {
   if constexpr (requires { seen.can_id; }) {
     frame.can_id = load(seen.can_id);

@@ -28,8 +28,8 @@ void ClusterLines::standing(const std::string& system, const std::string& why, b
 
 /// What others write must not fill the log: the lines of a while are reported together.
 void ClusterLines::troubles(const std::function<std::vector<std::string>()>& find, Value now) {
-  if (now < next_ || !looks_) return;
-  looks_ = false;
+  if (now < next_ || !invalid_) return;
+  invalid_ = false;
   std::vector<std::string> found = find();
   for (const std::string& line : found) {
     if (std::ranges::find(troubles_, line) != troubles_.end()) continue;

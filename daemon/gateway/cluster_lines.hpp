@@ -20,8 +20,8 @@ class ClusterLines {
   /// that lasts, the reason may change, with each member of the store that is tried.
   void standing(const std::string& system, const std::string& why, bool lost, Value now);
   /// The store may have other troubles now.
-  void look_again() { looks_ = true; }
-  /// Troubles of the store, if it is time to look for them.
+  void invalidate() { invalid_ = true; }
+  /// Troubles of the store, if they are invalid and lines are due.
   void troubles(const std::function<std::vector<std::string>()>& find, Value now);
 
  private:
@@ -29,8 +29,8 @@ class ClusterLines {
   std::string said_;                   ///< the latest line about the standing
   std::vector<std::string> troubles_;  ///< the latest lines about the store
   Value next_ = 0;                     ///< others are not reported before that
-  bool looks_ = true;
-  Outage outage_;  ///< of the store, as it is reported
+  bool invalid_ = true;                ///< the troubles have to be found again
+  Outage outage_;                      ///< of the store, as it is reported
 };
 
 }  // namespace mlcca

@@ -425,8 +425,8 @@ void Membership::committed(const Result<void>& done) {
 void Membership::poll() {
   if (!session_.member) return;
   parts_.rollout.poll();
-  looks_for_wishes_ = true;
-  lines_.look_again();
+  wishes_invalid_ = true;
+  lines_.invalidate();
   wishes_.forget_past_pauses();
   enforce_again();
   session_.reserving->tidy();
@@ -522,20 +522,20 @@ void Membership::session_closed(std::uint64_t session) {
 /// turn while another admission is decided. It takes turns with what other gateways are asked for
 /// again, since each of them may take until all patience is over. True if one was asked for.
 bool Membership::wish_some() {
-  if (!session_.joined || is_leaving() || !looks_for_wishes_ || session_.reserving->has_own() ||
+  if (!session_.joined || is_leaving() || !wishes_invalid_ || session_.reserving->has_own() ||
       !standing().empty() || !session_.networks->permits().is_open())
     return false;
   const bool wishes_first = std::exchange(waiting_asked_, false);
   if (wishes_first && wishes_.ask_for_one()) return true;
   waiting_asked_ = waiting_.ask_for_one();
   if (waiting_asked_ || (!wishes_first && wishes_.ask_for_one())) return true;
-  looks_for_wishes_ = false;
+  wishes_invalid_ = false;
   return false;
 }
 
 void Membership::wish_anew() {
   wishes_.anew();
-  looks_for_wishes_ = true;
+  wishes_invalid_ = true;
 }
 
 // --- standing

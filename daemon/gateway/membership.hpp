@@ -261,7 +261,7 @@ class Membership final : private core::Holdings, private Adopting::Hands {
   Value leave_until_ = 0;
   bool lost_ = false;  ///< the lease was lost, and the gates may not have closed yet
   Value enforce_at_ = 0;
-  bool looks_for_wishes_ = true;
+  bool wishes_invalid_ = true;
   bool waiting_asked_ = false;  ///< the latest turn of wish_some() was one of waiting_
   std::vector<std::function<void(const Result<void>&)>> waits_;
   std::function<void(std::uint64_t)> ready_;

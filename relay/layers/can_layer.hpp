@@ -51,7 +51,7 @@ class FrameSocket {
   /// The result of receive(); `gone`: the interface is gone.
   enum class Got : std::uint8_t { frame, nothing, gone };
   virtual Got receive(Frame& to) = 0;
-  /// Whether receive() has frames of which the descriptor does not tell.
+  /// Whether receive() has frames that a poll of the descriptor does not report.
   [[nodiscard]] virtual bool pending() const { return false; }
   virtual Sent send(const canfd_frame& frame, bool fd) = 0;
   [[nodiscard]] virtual std::uint64_t dropped() const = 0;

@@ -55,7 +55,7 @@ class Batch {
   /// The next message, without waiting. If the kernel had fewer messages than a batch takes, the
   /// call after the last of them gives none (EAGAIN) without asking the kernel again.
   [[nodiscard]] Message next(const Fd& socket);
-  /// Whether there are messages of which a poll of the socket does not tell.
+  /// Whether there are messages that a poll of the socket does not report.
   [[nodiscard]] bool pending() const { return at_ < count_; }
 
  private:

@@ -45,7 +45,7 @@ class UdpSocket {
   /// interface is gone.
   enum class Got : std::uint8_t { datagram, nothing, failed, gone };
   virtual Got receive(Datagram& to) = 0;
-  /// Whether receive() has datagrams of which the descriptor does not tell.
+  /// Whether receive() has datagrams that a poll of the descriptor does not report.
   [[nodiscard]] virtual bool pending() const { return false; }
   /// Reads the reported errors of earlier sends, which keep the socket readable until they are
   /// read.

@@ -88,7 +88,7 @@ class Nl80211Source : public KernelSource {
             return;
           }
           auto snapshot = view_.update(seen_, now());
-          if (view_.doubtful()) poll_again_soon();
+          if (view_.unconfirmed()) poll_again_soon();
           report(std::move(snapshot));
         });
   }

@@ -18,7 +18,7 @@ using core::mesh::Sample;
 constexpr std::size_t kLossPolls = 10;
 constexpr std::uint64_t kLossPackets = 20;  // fewer packets do not give a meaningful share
 constexpr std::uint64_t kLossScale = 1'000'000'000;
-constexpr unsigned kDoubts = 3;
+constexpr unsigned kSlowPolls = 3;
 constexpr std::size_t kBusyPolls = 2;
 constexpr std::uint64_t kBusyTime = 500;  // ms
 constexpr std::uint64_t kNanosPerMilli = 1'000'000;
@@ -63,7 +63,7 @@ std::optional<Value> rate_of_metric(std::uint32_t metric) {
 }
 
 View::Memory& View::memory_of(const std::string& mac) {
-  return stations_.try_emplace(mac, Memory{.given_up = GrowingPart(kLossPolls), .doubted = {}})
+  return stations_.try_emplace(mac, Memory{.given_up = GrowingPart(kLossPolls), .slow_at = {}})
       .first->second;
 }
 
@@ -72,8 +72,8 @@ View::Rate View::judge(const Station& station, Memory& memory) {
   if (!station.expected_throughput) return sent;
   const Rate expected{.rate = *station.expected_throughput, .kind = RateKind::effective};
   if (!station.tx_bitrate || sent.rate >= expected.rate) {
-    memory.doubted.reset();
-    memory.doubts = 0;
+    memory.slow_at.reset();
+    memory.slow_polls = 0;
     memory.slower = false;
     return expected;
   }
@@ -81,10 +81,10 @@ View::Rate View::judge(const Station& station, Memory& memory) {
   // expects what it learned before. But a single slow frame may only have tested a rate, so several
   // in a row are required, each sent after the one before.
   const std::uint32_t packets = station.tx_packets.value_or(0);
-  if (!memory.slower && memory.doubted != packets) {
-    memory.doubted = packets;
-    memory.slower = ++memory.doubts >= kDoubts;
-    doubtful_ |= !memory.slower;
+  if (!memory.slower && memory.slow_at != packets) {
+    memory.slow_at = packets;
+    memory.slower = ++memory.slow_polls >= kSlowPolls;
+    unconfirmed_ |= !memory.slower;
   }
   return memory.slower ? sent : expected;
 }
@@ -107,7 +107,7 @@ std::optional<std::uint32_t> View::busy_of(const Seen& seen) {
 core::mesh::Snapshot View::update(const Seen& seen, std::uint64_t now) {
   core::mesh::Snapshot out;
   const std::string& own = seen.interface.mac;
-  doubtful_ = false;
+  unconfirmed_ = false;
   const auto busy = busy_of(seen);
   const auto metrics = metrics_of_links(seen);
   for (const Station& station : seen.stations) {

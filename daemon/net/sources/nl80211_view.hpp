@@ -49,7 +49,7 @@ struct Seen {
 /// which means "no link".
 [[nodiscard]] std::optional<Value> rate_of_metric(std::uint32_t metric);
 
-/// Keeps what counters and doubtful rates require from poll to poll.
+/// Keeps what counters and unconfirmed rates require from poll to poll.
 class View {
  public:
   /// The snapshot after one poll. `now`: CLOCK_MONOTONIC ns of the poll.
@@ -57,13 +57,13 @@ class View {
 
   /// Whether a station in the latest poll sent more slowly than the throughput that is expected to
   /// get through. A further poll shortly afterwards shows whether this lasts.
-  [[nodiscard]] bool doubtful() const { return doubtful_; }
+  [[nodiscard]] bool unconfirmed() const { return unconfirmed_; }
 
  private:
   struct Memory {
     GrowingPart given_up;
-    std::optional<std::uint32_t> doubted;  ///< packets sent at the latest doubtful poll
-    unsigned doubts = 0;                   ///< doubtful polls in a row
+    std::optional<std::uint32_t> slow_at;  ///< packets sent at the latest poll that found it slower
+    unsigned slow_polls = 0;               ///< polls in a row that found it slower
     bool slower = false;                   ///< it sends more slowly than the expected throughput
   };
   struct Rate {
@@ -77,7 +77,7 @@ class View {
   std::map<std::string, Memory> stations_;
   std::optional<std::uint32_t> surveyed_;  ///< MHz
   std::optional<GrowingPart> busy_;
-  bool doubtful_ = false;
+  bool unconfirmed_ = false;
 };
 
 }  // namespace mlcca::net::nl80211

@@ -108,13 +108,13 @@ TEST_F(RadioView, ASlowerBitRateOutweighsTheExpectationWhenItLasts) {
   for (int poll = 0; poll < 2; ++poll) {
     peer().tx_packets = *peer().tx_packets + 5;
     EXPECT_EQ(there().kind, RateKind::effective) << "it may have tried a rate out";
-    EXPECT_TRUE(view.doubtful());
+    EXPECT_TRUE(view.unconfirmed());
   }
   peer().tx_packets = *peer().tx_packets + 5;
   const Sample slow = there();
   EXPECT_EQ(slow.rate, 1'000'000U);
   EXPECT_EQ(slow.kind, RateKind::phy);
-  EXPECT_FALSE(view.doubtful());
+  EXPECT_FALSE(view.unconfirmed());
   EXPECT_EQ(there().rate, 1'000'000U) << "without new packets nothing is known better";
   peer().tx_bitrate = 13'000'000;
   EXPECT_EQ(there().rate, 9'704'000U);
@@ -123,10 +123,10 @@ TEST_F(RadioView, ASlowerBitRateOutweighsTheExpectationWhenItLasts) {
 TEST_F(RadioView, ASlowFrameThatStaysTheLastProvesNothing) {
   peer().tx_bitrate = 1'000'000;
   EXPECT_EQ(there().kind, RateKind::effective);
-  EXPECT_TRUE(view.doubtful());
+  EXPECT_TRUE(view.unconfirmed());
   for (int poll = 0; poll < 5; ++poll) {
     EXPECT_EQ(there().kind, RateKind::effective);
-    EXPECT_FALSE(view.doubtful()) << "nothing was sent: polling again would not show it";
+    EXPECT_FALSE(view.unconfirmed()) << "nothing was sent: polling again would not show it";
   }
 }
 
