@@ -18,11 +18,11 @@
 #include "base/outage.hpp"
 #include "base/result.hpp"
 #include "cluster/channel.hpp"
-#include "cluster/endpoints.hpp"
 #include "cluster/etcd.hpp"
 #include "cluster/follower.hpp"
 #include "cluster/outbox.hpp"
 #include "cluster/settings.hpp"
+#include "cluster/store_members.hpp"
 #include "daemon/cluster/wire.hpp"
 
 namespace mlcca::cluster {
@@ -86,7 +86,7 @@ class Bridge {
   Settings settings_;
   Outside outside_;
   std::function<void()> wrote_;
-  Endpoints endpoints_;
+  StoreMembers endpoints_;
   Outbox outbox_;
   std::unique_ptr<Channel> channel_;
   std::unique_ptr<Channel> retired_;  ///< the former channel, kept because this may run inside one

@@ -21,9 +21,9 @@
 #include "base/standard_streams.hpp"
 #include "base/system_error.hpp"
 #include "cluster/bridge.hpp"
+#include "cluster/daemon_server.hpp"
 #include "cluster/http.hpp"
 #include "cluster/sandbox.hpp"
-#include "cluster/server.hpp"
 #include "cluster/settings.hpp"
 #include "control/version.hpp"
 
@@ -76,7 +76,7 @@ Result<void> serve(const Options& options, const Settings& settings) {
                              const auto& endpoint) { return open_http(raw, settings, endpoint); },
                  .log = say});
   if (auto started = bridge.start(); !started) return started;
-  Server server(raw, std::move(*listening), bridge, say);
+  DaemonServer server(raw, std::move(*listening), bridge, say);
   if (auto started = server.start(); !started) return started;
   LoopTimer alive;
   const auto report = [&alive] {

@@ -4,7 +4,7 @@ CURL_LIBS := $(shell $(PKG_CONFIG) --libs libcurl 2>/dev/null)
 # mlccad's end of the socket between both programs, and the messages that both use.
 $(eval $(call library,clusterlink,daemon/cluster/wire.cc daemon/cluster/link.cc))
 # The encoding of the values in the store, which only mlccad needs.
-$(eval $(call library,clustercodec,daemon/cluster/codec.cc))
+$(eval $(call library,clustercodec,daemon/cluster/record_codec.cc))
 $(eval $(call library,cluster,$(filter-out cluster/main.cc,$(wildcard cluster/*.cc))))
 CLUSTER_ARCHIVES := $O/libcluster.a $O/libclusterlink.a $O/libsources.a $O/libbase.a
 CLUSTER_LIBS := $(CURL_LIBS) -lsystemd

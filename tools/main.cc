@@ -24,13 +24,13 @@
 #include "control/client.hpp"
 #include "tools/audit.hpp"
 #include "tools/bandwidth.hpp"
-#include "tools/input.hpp"
 #include "tools/json.hpp"
 #include "tools/options.hpp"
 #include "tools/other_programs.hpp"
 #include "tools/render.hpp"
 #include "tools/report.hpp"
 #include "tools/requests.hpp"
+#include "tools/sign_of_life.hpp"
 #include "tools/values.hpp"
 
 namespace {

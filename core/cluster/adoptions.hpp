@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/cluster/chain.hpp"
-#include "core/cluster/turns.hpp"
+#include "core/cluster/fair_queue.hpp"
 #include "core/cluster/view.hpp"
 
 namespace mlcca::core::cluster {
@@ -61,7 +61,7 @@ class Adoptions {
 
   std::size_t self_;
   std::map<Records::AskedKey, Adopted> adopted_;
-  Turns to_send_;  ///< those with a vote that the store does not contain yet
+  FairQueue to_send_;  ///< those with a vote that the store does not contain yet
 };
 
 }  // namespace mlcca::core::cluster

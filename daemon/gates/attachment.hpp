@@ -83,7 +83,7 @@ struct Ahead {
   std::uint32_t program = 0;
   bool operator==(const Ahead&) const = default;
 };
-/// The programs before ours in TCX. For clsact, see net/filters.
+/// The programs before ours in TCX. For clsact, see net/filter_order.
 Result<std::vector<Ahead>> tcx_ahead(const GateLocation& place, const InPlace& ours);
 
 /// Puts programs before all others of their hook, in place of our `former` ones. Both run for a

@@ -412,7 +412,7 @@ std::string Adopting::admit_all(const Adopted& adopted) const {
 
 /// Opening comes first: votes alone do not make another gateway wait for this one.
 Adopting::Adopted* Adopting::next_due() {
-  for (core::cluster::Turns* turns : {&others_due_, &votes_}) {
+  for (core::cluster::FairQueue* turns : {&others_due_, &votes_}) {
     const auto gateway = turns->next();
     if (!gateway) continue;
     const Key key{*gateway, *turns->of(*gateway).begin()};

@@ -14,9 +14,9 @@
 
 #include "base/result.hpp"
 #include "core/admission/state.hpp"
+#include "core/cluster/fair_queue.hpp"
 #include "core/cluster/member.hpp"
-#include "core/cluster/turns.hpp"
-#include "daemon/cluster/codec.hpp"
+#include "daemon/cluster/record_codec.hpp"
 #include "daemon/gateway/adopted_admissions.hpp"
 #include "daemon/gateway/request_index.hpp"
 #include "daemon/gateway/reserving.hpp"
@@ -180,7 +180,7 @@ class Adopting {
   std::map<Number, std::set<Key>> made_for_this_;  ///< by the numbers with which it has asked
   std::set<Key> on_behalf_;
   // What is due in step(): votes, and all else, which comes first.
-  core::cluster::Turns votes_, others_due_;
+  core::cluster::FairQueue votes_, others_due_;
   std::size_t done_in_turn_ = 0;
   std::map<std::size_t, std::size_t> requests_of_;  ///< by gateway: how many are decided
   std::set<Key> to_check_;                          ///< their publishers may have gone

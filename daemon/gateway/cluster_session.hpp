@@ -8,7 +8,7 @@
 
 #include "base/sha256.hpp"
 #include "core/cluster/member.hpp"
-#include "daemon/cluster/codec.hpp"
+#include "daemon/cluster/record_codec.hpp"
 #include "daemon/gateway/adopting.hpp"
 #include "daemon/gateway/reserving.hpp"
 #include "daemon/gateway/shared_networks.hpp"
@@ -21,7 +21,7 @@ struct ClusterSession {
   std::size_t self = 0;  ///< index of this gateway
   Sha256::Digest digest{};
   std::shared_ptr<const core::cluster::Keys> keys;
-  std::unique_ptr<cluster::Codec> codec;
+  std::unique_ptr<cluster::RecordCodec> codec;
   std::unique_ptr<SharedNetworks> networks;
   std::unique_ptr<core::cluster::Member> member;  ///< null until a description is put in force
   std::unique_ptr<Adopting> adopting;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/gateway/former_numbers.hpp"
 
-#include "daemon/cluster/codec.hpp"
+#include "daemon/cluster/record_codec.hpp"
 
 namespace mlcca {
 namespace {

@@ -109,7 +109,7 @@ void Membership::begin() {
   session_.system = system.name;
   session_.keys =
       std::make_shared<cc::Keys>(system, "/mlcca/" + cc::encoded(session_.system) + '/');
-  session_.codec = std::make_unique<cluster::Codec>(system, session_.digest);
+  session_.codec = std::make_unique<cluster::RecordCodec>(system, session_.digest);
   session_.networks = std::make_unique<SharedNetworks>(system, session_.self);
   parts_.pulse();
   const std::uint64_t session = random_number();

@@ -19,7 +19,7 @@
 #include "core/admission/holders.hpp"
 #include "core/cluster/footprint.hpp"
 #include "core/cluster/member.hpp"
-#include "daemon/cluster/codec.hpp"
+#include "daemon/cluster/record_codec.hpp"
 #include "daemon/gateway/admissions.hpp"
 #include "daemon/gateway/adopted_admissions.hpp"
 #include "daemon/gateway/adopting.hpp"

@@ -16,7 +16,7 @@
 
 #include "core/admission/state.hpp"
 #include "core/cluster/member.hpp"
-#include "daemon/cluster/codec.hpp"
+#include "daemon/cluster/record_codec.hpp"
 #include "daemon/gateway/shared_networks.hpp"
 
 namespace mlcca {

@@ -11,7 +11,7 @@
 
 #include "base/clock.hpp"
 #include "core/cluster/footprint.hpp"
-#include "daemon/cluster/codec.hpp"
+#include "daemon/cluster/record_codec.hpp"
 #include "daemon/gateway/cluster_session.hpp"
 #include "daemon/gateway/event_log.hpp"
 #include "daemon/gateway/recorder.hpp"

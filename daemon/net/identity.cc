@@ -62,7 +62,7 @@ FactsOf read_once(const FactsOf& facts_of) {
 }
 
 Result<std::optional<int>> find_interface(const core::InterfaceIdentity& identity,
-                                          const LinkTable& links, const FactsOf& facts_of) {
+                                          const InterfaceTable& links, const FactsOf& facts_of) {
   std::optional<int> found;
   for (const auto& [ifindex, link] : links) {
     if (!matches(identity, link, facts_of)) continue;

@@ -27,7 +27,7 @@ using FactsOf = std::function<UdevFacts(int ifindex)>;
 
 /// The interface with this identity; nullopt if it is not there; an error if several match.
 [[nodiscard]] Result<std::optional<int>> find_interface(const core::InterfaceIdentity& identity,
-                                                        const LinkTable& links,
+                                                        const InterfaceTable& links,
                                                         const FactsOf& facts_of);
 
 /// For example "name can0" or "id-path pci-0000:01:00.0 port 1".

@@ -72,12 +72,12 @@ Result<Links> Links::open() {
   return links;
 }
 
-Result<LinkTable> Links::read() {
+Result<InterfaceTable> Links::read() {
   ifinfomsg head{};
   const Message request = new_message(RTM_GETLINK, 0, &head, sizeof head);
   const auto answers = kernel_.dump(request);
   if (!answers) return answers.error().when("reading the interfaces");
-  LinkTable table;
+  InterfaceTable table;
   answers->each_object(RTM_NEWLINK, [&table](nl_object* object) {
     Link link = describe(reinterpret_cast<rtnl_link*>(object));  // NOLINT(*-reinterpret-cast)
     table.emplace(link.ifindex, std::move(link));

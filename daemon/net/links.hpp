@@ -43,7 +43,7 @@ struct Traffic {
 };
 
 /// The interfaces by index.
-using LinkTable = std::map<int, Link>;
+using InterfaceTable = std::map<int, Link>;
 
 /// The kernel's answer to a request for one interface by its index.
 enum class Presence : std::uint8_t {
@@ -67,7 +67,7 @@ class Links final : public LinkMonitor {
   /// Why the table may be out of date, so that refresh() is to be called soon; empty if it could be
   /// read.
   [[nodiscard]] const std::string& problem() const override { return problem_; }
-  [[nodiscard]] const LinkTable& table() const { return table_; }
+  [[nodiscard]] const InterfaceTable& table() const { return table_; }
   /// The name of an interface; its index in digits if it is unknown.
   [[nodiscard]] std::string name_of(int ifindex) const override {
     const auto known = table_.find(ifindex);
@@ -95,13 +95,13 @@ class Links final : public LinkMonitor {
 
  private:
   explicit Links(Fd notices) : notices_(std::move(notices)) {}
-  Result<LinkTable> read();
+  Result<InterfaceTable> read();
   void receive();
   void take_notices(const char* notices, std::size_t size);
 
   Fd notices_;
   Rtnl kernel_;
-  LinkTable table_;
+  InterfaceTable table_;
   std::vector<char> received_;
   std::string problem_;
   bool tc_changed_ = false;

@@ -44,24 +44,25 @@ std::string DescribedPort::lacks_framing(const net::Link& link) const {
          "802.15.4 only";
 }
 
-const net::Link* DescribedPort::link(const net::LinkTable& links) const {
+const net::Link* DescribedPort::link(const net::InterfaceTable& links) const {
   const auto it = links.find(ifindex_);
   return it == links.end() ? nullptr : &it->second;
 }
 
-std::string DescribedPort::interface_name(const net::LinkTable& links) const {
+std::string DescribedPort::interface_name(const net::InterfaceTable& links) const {
   const net::Link* now = link(links);
   return now != nullptr ? now->name : net::to_text(port_.identity);
 }
 
-void DescribedPort::state_in(core::Condition& network, const net::LinkTable& links) const {
+void DescribedPort::state_in(core::Condition& network, const net::InterfaceTable& links) const {
   network.available = problem_.empty();
   network.problem = problem_;
   if (const net::Link* now = link(links); now != nullptr && now->kind == "can")
     network.timing = {now->bitrate, now->data_bitrate};
 }
 
-std::optional<int> DescribedPort::match(const net::LinkTable& links, const net::FactsOf& facts_of) {
+std::optional<int> DescribedPort::match(const net::InterfaceTable& links,
+                                        const net::FactsOf& facts_of) {
   const auto found = net::find_interface(port_.identity, links, facts_of);
   problem_ = found ? "" : found.error().text;
   reassess_ = !found;
@@ -73,7 +74,7 @@ std::optional<int> DescribedPort::match(const net::LinkTable& links, const net::
   return std::exchange(ifindex_, now);
 }
 
-void DescribedPort::report_match(const net::LinkTable& links, const ReportLine& report) const {
+void DescribedPort::report_match(const net::InterfaceTable& links, const ReportLine& report) const {
   if (ifindex_ != 0)
     report(network_,
            fmt::format("{} is {} ({})", links.at(ifindex_).name, network_,
@@ -94,7 +95,7 @@ bool DescribedPort::raise(net::Links& links, const ReportLine& report) {
   return true;
 }
 
-void DescribedPort::assess(const net::LinkTable& links, const ReportLine& report) {
+void DescribedPort::assess(const net::InterfaceTable& links, const ReportLine& report) {
   const net::Link* const now = link(links);
   assessed_ = now != nullptr ? std::optional(*now) : std::nullopt;
   if (now == nullptr) return;
@@ -129,7 +130,7 @@ void DescribedPort::report_can_state(const net::Link& link, const ReportLine& re
          warns);
 }
 
-void DescribedPort::keep_queue(const net::LinkTable& links, const ReportLine& report) {
+void DescribedPort::keep_queue(const net::InterfaceTable& links, const ReportLine& report) {
   const net::Link* const now = link(links);
   if (port_.queueing != core::Queueing::priority || !is_gated_can() || !problem_.empty() ||
       now == nullptr)
@@ -146,7 +147,8 @@ bool DescribedPort::lacks_queue() const {
   return port_.queueing == core::Queueing::priority && !problem_.empty() && ifindex_ != 0;
 }
 
-bool DescribedPort::is_outdated(const net::LinkTable& links, const net::FactsOf& facts_of) const {
+bool DescribedPort::is_outdated(const net::InterfaceTable& links,
+                                const net::FactsOf& facts_of) const {
   if (reassess_) return true;
   const net::Link* const now = link(links);
   if (now == nullptr ? ifindex_ != 0 || assessed_.has_value() : assessed_ != *now) return true;

@@ -39,38 +39,40 @@ class DescribedPort {
   /// 0 if the interface is not there.
   [[nodiscard]] int ifindex() const { return ifindex_; }
   /// The entry of the interface in `links`; nullptr if it is not listed.
-  [[nodiscard]] const net::Link* link(const net::LinkTable& links) const;
+  [[nodiscard]] const net::Link* link(const net::InterfaceTable& links) const;
   /// Why there is no gate for this interface, for example "eth0 has no Ethernet frames, …".
   [[nodiscard]] std::string lacks_framing(const net::Link& link) const;
   /// The present name of the interface, or else the property by which it is recognised.
-  [[nodiscard]] std::string interface_name(const net::LinkTable& links) const;
+  [[nodiscard]] std::string interface_name(const net::InterfaceTable& links) const;
   /// Why the port cannot be used; empty if it can.
   [[nodiscard]] const std::string& problem() const { return problem_; }
   void set_problem(std::string problem) { problem_ = std::move(problem); }
   /// Writes into the condition of its network whether it can be used, and its timing.
-  void state_in(core::Condition& network, const net::LinkTable& links) const;
+  void state_in(core::Condition& network, const net::InterfaceTable& links) const;
 
   // After a change of interfaces: match(), then the gate, then raise() and assess().
 
   /// Finds the interface. If it is another one than before, returns the former index (0: there was
   /// none). Then both interfaces may hold grants of another port.
-  [[nodiscard]] std::optional<int> match(const net::LinkTable& links, const net::FactsOf& facts_of);
-  void report_match(const net::LinkTable& links, const ReportLine& report) const;
+  [[nodiscard]] std::optional<int> match(const net::InterfaceTable& links,
+                                         const net::FactsOf& facts_of);
+  void report_match(const net::InterfaceTable& links, const ReportLine& report) const;
   /// Whether the interface is described as managed, and was not brought up since it appeared.
   [[nodiscard]] bool is_to_be_raised() const { return port_.managed && !raised_; }
   /// Sets the bit rates and brings the interface up. True if that changed it.
   bool raise(net::Links& links, const ReportLine& report);
   /// Sets up the queue, and judges whether the port can be used with the interface as it is.
-  void assess(const net::LinkTable& links, const ReportLine& report);
+  void assess(const net::InterfaceTable& links, const ReportLine& report);
   /// Puts back a queue that another program has replaced, because the analysis assumes it.
-  void keep_queue(const net::LinkTable& links, const ReportLine& report);
+  void keep_queue(const net::InterfaceTable& links, const ReportLine& report);
   /// Whether it has a queue that is to be put back.
   [[nodiscard]] bool lacks_queue() const;
 
   /// Whether the interface differs, or may differ, from what assess() has seen. The identity of the
   /// port decides, not the content of a notification, so nothing is missed if notifications were
   /// lost.
-  [[nodiscard]] bool is_outdated(const net::LinkTable& links, const net::FactsOf& facts_of) const;
+  [[nodiscard]] bool is_outdated(const net::InterfaceTable& links,
+                                 const net::FactsOf& facts_of) const;
 
  private:
   void judge(const net::Link& link);

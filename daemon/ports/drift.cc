@@ -12,7 +12,7 @@
 #include "bpf/gate.h"
 #include "daemon/gates/close_unpinned.hpp"
 #include "daemon/gates/early.hpp"
-#include "daemon/net/filters.hpp"
+#include "daemon/net/filter_order.hpp"
 
 namespace mlcca {
 namespace {
@@ -67,7 +67,7 @@ void Drift::forget_all_but(const std::vector<int>& gated) {
                 [&](const auto& entry) { return !std::ranges::binary_search(gated, entry.first); });
 }
 
-std::vector<int> Drift::repair(const Gates& gates, const net::LinkTable& links) {
+std::vector<int> Drift::repair(const Gates& gates, const net::InterfaceTable& links) {
   const auto gated = std::views::keys(gates);
   forget_all_but({gated.begin(), gated.end()});
   std::vector<int> lost;
@@ -76,7 +76,7 @@ std::vector<int> Drift::repair(const Gates& gates, const net::LinkTable& links) 
   return lost;
 }
 
-bool Drift::repair(int ifindex, gates::PortGate& gate, const net::LinkTable& links) {
+bool Drift::repair(int ifindex, gates::PortGate& gate, const net::InterfaceTable& links) {
   if (!links.contains(ifindex)) return true;
   Seen& seen = seen_[ifindex];
   gated_.insert(ifindex);

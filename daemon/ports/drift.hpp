@@ -32,9 +32,9 @@ class Drift {
 
   /// Puts gates back, makes them run first, and pins them again. Returns those that cannot be put
   /// back.
-  std::vector<int> repair(const Gates& gates, const net::LinkTable& links);
+  std::vector<int> repair(const Gates& gates, const net::InterfaceTable& links);
   /// The same for one gate; false if it cannot be put back.
-  bool repair(int ifindex, gates::PortGate& gate, const net::LinkTable& links);
+  bool repair(int ifindex, gates::PortGate& gate, const net::InterfaceTable& links);
   /// Forgets all interfaces except `gated`, which is sorted.
   void forget_all_but(const std::vector<int>& gated);
   /// Reports that a gate was taken off an interface that is not described any more.

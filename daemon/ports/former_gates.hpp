@@ -24,7 +24,7 @@ class FormerGates {
 
   /// The present interfaces.
   struct Present {
-    const net::LinkTable& links;
+    const net::InterfaceTable& links;
     std::function<net::Presence(int ifindex)> presence;  ///< asks the kernel for one interface
     std::function<bool(int ifindex)> is_gated_port;      ///< whether it is a port with its own gate
     std::size_t slots = 0;  ///< that an Ethernet gate must have room for

@@ -64,7 +64,7 @@ control::GateSlot left_alone(const gates::PortGate& gate, gates::Direction direc
 
 class GateReport {
  public:
-  GateReport(const GatedPorts& ports, const net::LinkTable& links, const core::State& state)
+  GateReport(const GatedPorts& ports, const net::InterfaceTable& links, const core::State& state)
       : ports_(ports), links_(links), state_(state) {}
 
   [[nodiscard]] control::Gate gate_of(std::size_t p) const {
@@ -177,7 +177,7 @@ class GateReport {
   using Identifiers = std::map<std::uint32_t, std::uint32_t>;  // by origin
 
   const GatedPorts& ports_;
-  const net::LinkTable& links_;
+  const net::InterfaceTable& links_;
   const core::State& state_;
   mutable std::map<std::uint32_t, Identifiers> entered_;  ///< by interface index
 };
@@ -207,7 +207,7 @@ std::vector<gates::SlotSpec> listed_slots(
   return control;
 }
 
-control::Gates gate_reports(const GatedPorts& ports, const net::LinkTable& links,
+control::Gates gate_reports(const GatedPorts& ports, const net::InterfaceTable& links,
                             const core::State& state, const std::string& place) {
   control::Gates out;
   const GateReport report(ports, links, state);
@@ -218,7 +218,7 @@ control::Gates gate_reports(const GatedPorts& ports, const net::LinkTable& links
   return out;
 }
 
-std::string gated_places(const GatedPorts& ports, const net::LinkTable& links) {
+std::string gated_places(const GatedPorts& ports, const net::InterfaceTable& links) {
   std::vector<std::string> names;
   for (std::size_t p = 0; p < ports.size(); ++p)
     if (has_report(ports, p))

@@ -21,10 +21,10 @@ namespace mlcca {
     const std::vector<gates::SlotSpec>& slots, std::size_t most,
     const std::function<bool(const gates::SlotSpec&)>& is_control);
 /// `place` is an interface or a network; empty: all.
-[[nodiscard]] control::Gates gate_reports(const GatedPorts& ports, const net::LinkTable& links,
+[[nodiscard]] control::Gates gate_reports(const GatedPorts& ports, const net::InterfaceTable& links,
                                           const core::State& state, const std::string& place);
 /// The interfaces and networks that need gates, in words.
-[[nodiscard]] std::string gated_places(const GatedPorts& ports, const net::LinkTable& links);
+[[nodiscard]] std::string gated_places(const GatedPorts& ports, const net::InterfaceTable& links);
 /// The number of slots of the gates of all ports.
 [[nodiscard]] std::size_t slot_count(const GatedPorts& ports);
 

@@ -36,7 +36,7 @@ void GatedPorts::describe(const core::System& system, std::size_t gateway) {
 }
 
 Result<void> GatedPorts::prepare(const core::System& system, std::size_t gateway,
-                                 const net::LinkTable& links, const net::FactsOf& facts_of,
+                                 const net::InterfaceTable& links, const net::FactsOf& facts_of,
                                  const std::function<void()>& step) {
   for (DescribedPort& port : ports_of(system, gateway)) {
     static_cast<void>(port.match(links, facts_of));
@@ -97,7 +97,7 @@ bool GatedPorts::is_to_be_gated(int ifindex) const {
   });
 }
 
-bool GatedPorts::wants_gate(const net::LinkTable& links) const {
+bool GatedPorts::wants_gate(const net::InterfaceTable& links) const {
   return std::ranges::any_of(ports_, [&](const GatedPort& p) {
     if (p.port.lacks_queue()) return true;
     const net::Link* const link = p.port.link(links);
@@ -110,7 +110,8 @@ bool GatedPorts::is_any_lost() const {
   return std::ranges::any_of(ports_, [](const GatedPort& p) { return p.hold.is_lost(); });
 }
 
-bool GatedPorts::is_any_outdated(const net::LinkTable& links, const net::FactsOf& facts_of) const {
+bool GatedPorts::is_any_outdated(const net::InterfaceTable& links,
+                                 const net::FactsOf& facts_of) const {
   return std::ranges::any_of(
       ports_, [&](const GatedPort& p) { return p.port.is_outdated(links, facts_of); });
 }

@@ -33,8 +33,9 @@ class GatedPorts {
   void describe(const core::System& system, std::size_t gateway);
   /// Makes all gates that this description needs and that do not exist, and begins a change of the
   /// set. `step` is called after each. The error: one could not be made; nothing has changed.
-  Result<void> prepare(const core::System& system, std::size_t gateway, const net::LinkTable& links,
-                       const net::FactsOf& facts_of, const std::function<void()>& step);
+  Result<void> prepare(const core::System& system, std::size_t gateway,
+                       const net::InterfaceTable& links, const net::FactsOf& facts_of,
+                       const std::function<void()>& step);
   /// Gives a port the gate that it needs. A failure becomes the problem of the port. The error:
   /// that of a change that has to be undone (GateSet::must_go_back()).
   Result<void> attach(GatedPort& gated, const net::Link& link, const ReportLine& report);
@@ -63,11 +64,11 @@ class GatedPorts {
   /// Whether the interface is a port that needs a gate.
   [[nodiscard]] bool is_to_be_gated(int ifindex) const;
   /// Whether a port lacks a gate or a queue that it may get now.
-  [[nodiscard]] bool wants_gate(const net::LinkTable& links) const;
+  [[nodiscard]] bool wants_gate(const net::InterfaceTable& links) const;
   /// Whether the interface of any port is held by nothing of this daemon.
   [[nodiscard]] bool is_any_lost() const;
   /// Whether any port differs, or may differ, from what was made of it.
-  [[nodiscard]] bool is_any_outdated(const net::LinkTable& links,
+  [[nodiscard]] bool is_any_outdated(const net::InterfaceTable& links,
                                      const net::FactsOf& facts_of) const;
 
  private:

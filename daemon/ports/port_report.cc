@@ -36,7 +36,7 @@ control::Traffic traffic_of(const gates::PortGate& gate, gates::Direction direct
   return out;
 }
 
-control::Interface report_of(const DescribedPort& port, const net::LinkTable& links) {
+control::Interface report_of(const DescribedPort& port, const net::InterfaceTable& links) {
   control::Interface i;
   i.name = port.interface_name(links);
   i.network = port.network();

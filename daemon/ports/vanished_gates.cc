@@ -8,7 +8,8 @@ void VanishedGates::note(const std::set<int>& gone, const GateSet& gates) {
     if (gates.contains(ifindex)) unconfirmed_.insert(ifindex);
 }
 
-void VanishedGates::let_go(GateSet& gates, const net::LinkTable& links, const Presence& presence) {
+void VanishedGates::let_go(GateSet& gates, const net::InterfaceTable& links,
+                           const Presence& presence) {
   for (const int ifindex : gates.interfaces()) {
     const Fate fate = fate_of(ifindex, links, presence);
     if (fate == Fate::stays) continue;
@@ -17,7 +18,7 @@ void VanishedGates::let_go(GateSet& gates, const net::LinkTable& links, const Pr
   }
 }
 
-VanishedGates::Fate VanishedGates::fate_of(int ifindex, const net::LinkTable& links,
+VanishedGates::Fate VanishedGates::fate_of(int ifindex, const net::InterfaceTable& links,
                                            const Presence& presence) {
   const bool listed = links.contains(ifindex);
   if (listed && !unconfirmed_.contains(ifindex)) return Fate::stays;

@@ -21,7 +21,7 @@ class VanishedGates {
   /// The kernel has reported that these interfaces have gone.
   void note(const std::set<int>& gone, const GateSet& gates);
   /// Gives up the gates for which that is certain, and removes their pins.
-  void let_go(GateSet& gates, const net::LinkTable& links, const Presence& presence);
+  void let_go(GateSet& gates, const net::InterfaceTable& links, const Presence& presence);
   void forget_all_but(const GateSet& gates);
   /// Whether it is uncertain for any gate if its interface exists.
   [[nodiscard]] bool unconfirmed() const { return !unconfirmed_.empty(); }
@@ -34,7 +34,8 @@ class VanishedGates {
     /// Loading its new gate finds out what is attached there.
     replaced,
   };
-  [[nodiscard]] Fate fate_of(int ifindex, const net::LinkTable& links, const Presence& presence);
+  [[nodiscard]] Fate fate_of(int ifindex, const net::InterfaceTable& links,
+                             const Presence& presence);
 
   std::set<int> unconfirmed_;  ///< interfaces with a gate that may have gone
 };

@@ -77,7 +77,8 @@ bool is_of(const gate_event& event, const core::GateState& rules, const GatedPor
   });
 }
 
-void report_unwatched(GatedPorts& ports, const net::LinkTable& links, const ReportLine& report) {
+void report_unwatched(GatedPorts& ports, const net::InterfaceTable& links,
+                      const ReportLine& report) {
   std::size_t p = 0;
   for (GatedPort& gated : ports) {
     const gates::PortGate* gate = ports.gate(p++);

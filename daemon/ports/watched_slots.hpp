@@ -23,6 +23,7 @@ namespace mlcca {
 [[nodiscard]] bool is_of(const gate_event& event, const core::GateState& rules,
                          const GatedPorts& ports);
 /// Reports when a port's gate begins and ends to have too few watches.
-void report_unwatched(GatedPorts& ports, const net::LinkTable& links, const ReportLine& report);
+void report_unwatched(GatedPorts& ports, const net::InterfaceTable& links,
+                      const ReportLine& report);
 
 }  // namespace mlcca

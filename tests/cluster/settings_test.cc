@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "cluster/endpoints.hpp"
+#include "cluster/store_members.hpp"
 #include "tests/cluster/processes.hpp"
 
 namespace mlcca::cluster {
@@ -90,7 +90,7 @@ TEST(ClusterSettings, AFileThatIsMissingOrTooLongIsNamed) {
 }
 
 TEST(ClusterEndpoints, AllAreTriedAtOnceAndThenAfterPausesThatGrow) {
-  Endpoints endpoints({"a", "b", "c"});
+  StoreMembers endpoints({"a", "b", "c"});
   EXPECT_EQ(endpoints.current(), "a");
   EXPECT_EQ(endpoints.failed(), 0U);
   EXPECT_EQ(endpoints.current(), "b");
@@ -106,7 +106,7 @@ TEST(ClusterEndpoints, AllAreTriedAtOnceAndThenAfterPausesThatGrow) {
 }
 
 TEST(ClusterEndpoints, AnOnlyOneIsTriedAgainAfterAPause) {
-  Endpoints endpoints({"a"});
+  StoreMembers endpoints({"a"});
   EXPECT_GT(endpoints.failed(), 0U);
   EXPECT_EQ(endpoints.current(), "a");
 }

@@ -21,7 +21,7 @@
 #include <variant>
 
 #include "core/cluster/member.hpp"
-#include "daemon/cluster/codec.hpp"
+#include "daemon/cluster/record_codec.hpp"
 #include "tests/core/cluster/parts.hpp"
 #include "tests/core/cluster/store_stub.hpp"
 #include "tests/fuzz/demand.hpp"
@@ -197,7 +197,7 @@ class Scene {
   }
 
   const core::System system_ = described();
-  const mlcca::cluster::Codec codec_{system_, in_use()};
+  const mlcca::cluster::RecordCodec codec_{system_, in_use()};
   const std::shared_ptr<const Keys> keys_ = std::make_shared<Keys>(system_, "p/");
   test::StoreStub store_;
   std::size_t seen_ = 0;

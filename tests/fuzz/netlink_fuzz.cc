@@ -26,7 +26,7 @@
 
 #include "daemon/net/can_controller.hpp"
 #include "daemon/net/can_routes.hpp"
-#include "daemon/net/filters.hpp"
+#include "daemon/net/filter_order.hpp"
 #include "daemon/net/links.hpp"
 #include "daemon/net/queue.hpp"
 #include "daemon/net/sources/conversation.hpp"
@@ -195,7 +195,7 @@ void links() {
   kernel.answers_now = true;
   std::set<int> gone;
   for (int i = 0; i < 3; ++i) {
-    const net::LinkTable before = opened->table();
+    const net::InterfaceTable before = opened->table();
     const auto read = opened->refresh();
     demand(read.has_value() == opened->problem().empty());
     if (!read) demand(opened->table() == before);

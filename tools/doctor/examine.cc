@@ -13,7 +13,7 @@
 
 #include "bpf/gate.h"
 #include "daemon/gates/readback.hpp"
-#include "daemon/net/filters.hpp"
+#include "daemon/net/filter_order.hpp"
 #include "tools/doctor/device.hpp"
 #include "tools/doctor/measure.hpp"
 
@@ -46,8 +46,8 @@ void take_gate(const std::string& root, Device& device) {
 }
 
 /// The entry of a CAN interface.
-Result<net::LinkTable::const_iterator> entry_of(const net::Links& links,
-                                                const std::string& interface) {
+Result<net::InterfaceTable::const_iterator> entry_of(const net::Links& links,
+                                                     const std::string& interface) {
   const auto at = std::ranges::find(links.table(), interface,
                                     [](const auto& entry) { return entry.second.name; });
   if (at == links.table().end()) return fail(interface + ": there is no such interface");

@@ -21,7 +21,7 @@
 #include "base/standard_streams.hpp"
 #include "bpf/gate.h"
 #include "daemon/gates/readback.hpp"
-#include "daemon/net/filters.hpp"
+#include "daemon/net/filter_order.hpp"
 #include "daemon/net/links.hpp"
 #include "daemon/store/journal.hpp"
 #include "daemon/verb_options.hpp"

@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-#include "daemon/cluster/codec.hpp"
+#include "daemon/cluster/record_codec.hpp"
 #include "daemon/gateway/membership.hpp"
 #include "daemon/gateway/recorder.hpp"
 

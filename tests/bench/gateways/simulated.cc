@@ -52,7 +52,7 @@ Described::Described(const std::string& file) {
   if (!read) give_up(file + ": " + read.error().front().text);
   system = std::move(*read);
   keys = std::make_shared<cc::Keys>(system, "/mlcca/" + cc::encoded(system.name) + '/');
-  codec = std::make_unique<cluster::Codec>(system, digest);
+  codec = std::make_unique<cluster::RecordCodec>(system, digest);
   cc::Current in_force;
   in_force.generation = 1;
   in_force.digest = digest;

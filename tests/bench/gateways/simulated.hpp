@@ -14,7 +14,7 @@
 #include "cluster/settings.hpp"
 #include "core/cluster/member.hpp"
 #include "core/model/system.hpp"
-#include "daemon/cluster/codec.hpp"
+#include "daemon/cluster/record_codec.hpp"
 #include "tests/bench/gateways/place.hpp"
 
 namespace mlcca::bench {
@@ -27,7 +27,7 @@ struct Described {
   core::System system;
   core::cluster::Digest digest{};
   std::shared_ptr<const core::cluster::Keys> keys;
-  std::unique_ptr<cluster::Codec> codec;
+  std::unique_ptr<cluster::RecordCodec> codec;
   /// The value of d/current which says that this description is in force.
   core::cluster::Entry current;
 };

@@ -22,7 +22,7 @@
 #include <variant>
 #include <vector>
 
-#include "daemon/cluster/codec.hpp"
+#include "daemon/cluster/record_codec.hpp"
 #include "tests/core/admission/bounds.hpp"
 #include "tests/daemon/gateway/held.hpp"
 #include "tests/daemon/gateway/histories.hpp"
@@ -886,7 +886,7 @@ class ClusterMachine : public MembershipBench {
   std::mt19937 power_;
   std::array<ClientsOf, kGateways> clients_;
   std::vector<PendingAnswer> pending_;
-  cluster::Codec codec_{with_a_described_publisher(), core::cluster::Digest{1}};
+  cluster::RecordCodec codec_{with_a_described_publisher(), core::cluster::Digest{1}};
   std::size_t read_ = 0;  ///< of the log of the store
   std::map<std::string, core::cluster::Entry> read_entries_;
   std::uint64_t keys_ = 0;

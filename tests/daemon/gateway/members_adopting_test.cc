@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/cluster/member.hpp"
-#include "daemon/cluster/codec.hpp"
+#include "daemon/cluster/record_codec.hpp"
 #include "daemon/gateway/adopted_admissions.hpp"
 #include "daemon/gateway/adopting.hpp"
 #include "tests/daemon/gateway/membership_bench.hpp"
@@ -92,7 +92,7 @@ class MembersAdopting : public testing::Test {
   FakeAdmissions admissions_;
   FakeHands hands_;
   core::System system_ = two_gateways();
-  cluster::Codec codec_{system_, cc::Digest{1}};
+  cluster::RecordCodec codec_{system_, cc::Digest{1}};
   SharedNetworks networks_{system_, 0};
   cc::Member member_{std::make_shared<cc::Keys>(system_, "/mlcca/pair/"), codec_,
                      cc::Member::Identity{.gateway = 0, .lease = kLease}};

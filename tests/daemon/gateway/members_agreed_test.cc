@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <string>
 
-#include "daemon/cluster/codec.hpp"
+#include "daemon/cluster/record_codec.hpp"
 #include "tests/daemon/gateway/members_across.hpp"
 
 namespace mlcca::test {
@@ -39,7 +39,7 @@ class MembersAgreed : public MembersAcross {
     run();
   }
 
-  cluster::Codec codec{with_datagrams(), cc::Digest{1}};
+  cluster::RecordCodec codec{with_datagrams(), cc::Digest{1}};
 };
 
 TEST_F(MembersAgreed, WhatTheOtherGatewayHasTakenBackIsNotGranted) {

@@ -145,7 +145,7 @@ class MembersOfThree : public MembershipBench {
     store.write({{.key = "/mlcca/pair/m/g" + std::to_string(g), .value = codec.write(beat)}});
   }
 
-  cluster::Codec codec;
+  cluster::RecordCodec codec;
 };
 
 TEST_F(MembersOfThree, AGatewayThatIsOffDoesNotKeepWhatLeadsOverAnotherOne) {

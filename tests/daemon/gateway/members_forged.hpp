@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/cluster/types.hpp"
-#include "daemon/cluster/codec.hpp"
+#include "daemon/cluster/record_codec.hpp"
 #include "tests/daemon/gateway/membership_bench.hpp"
 
 namespace mlcca::test {
@@ -70,7 +70,7 @@ class MembersForged : public MembershipBench {
     return all;
   }
 
-  cluster::Codec codec{with_a_described_publisher(), core::cluster::Digest{1}};
+  cluster::RecordCodec codec{with_a_described_publisher(), core::cluster::Digest{1}};
 };
 
 }  // namespace mlcca::test

@@ -79,7 +79,7 @@ class MembersMany : public MembershipBench {
   [[nodiscard]] cc::Beat beat_of_g0() const {
     return codec.beat(store.entries.at("/mlcca/pair/m/g0").value).value_or(cc::Beat{});
   }
-  cluster::Codec codec{with_a_third_gateway(), cc::Digest{1}};
+  cluster::RecordCodec codec{with_a_third_gateway(), cc::Digest{1}};
 };
 
 TEST_F(MembersMany, TakeTurns) {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/cluster/lease.hpp"
-#include "daemon/cluster/codec.hpp"
+#include "daemon/cluster/record_codec.hpp"
 #include "tests/daemon/gateway/membership_bench.hpp"
 
 namespace mlcca::test {
@@ -112,7 +112,7 @@ TEST_F(MembersNamed, AnEntryThatCannotBeReadIsNamedUntilItsGatewayDeletesIt) {
 
 TEST_F(MembersNamed, WhoClaimsMoreThanThereIsIsNamed) {
   start_both();
-  const cluster::Codec codec(two_gateways(), core::cluster::Digest{1});
+  const cluster::RecordCodec codec(two_gateways(), core::cluster::Digest{1});
   cc::Taken much{.channel = "c5", .publisher = "x", .part = {}, .through = {}};
   for (core::AdmissionId id = 1; id <= 6; ++id) {
     cc::BusPart& part = much.part.bus.emplace_back();
@@ -141,7 +141,7 @@ TEST_F(MembersNamed, ALeaseThatIsTooLongOpensNothingAndIsNamed) {
   start_both();
   ASSERT_EQ(asked(1, fast("c2", 1)), "granted");
   at(1).end();
-  const cluster::Codec codec(two_gateways(), core::cluster::Digest{1});
+  const cluster::RecordCodec codec(two_gateways(), core::cluster::Digest{1});
   cc::Beat beat;
   beat.digest = cc::Digest{1};
   beat.lease = 3 * cc::kMostLease;

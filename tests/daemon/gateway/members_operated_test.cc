@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "daemon/cluster/codec.hpp"
+#include "daemon/cluster/record_codec.hpp"
 #include "tests/daemon/gateway/membership_bench.hpp"
 
 namespace mlcca::test {
@@ -134,7 +134,7 @@ TEST_F(MembersOperated, MembersAndReservationsAreThoseOfAll) {
 
 TEST_F(MembersOperated, WhatARemovedGatewayHasLeftIsNamedWithWhatDeletesIt) {
   const std::string prefix = "/mlcca/pair/";
-  const cluster::Codec codec(two_gateways(), Sha256::Digest{1});
+  const cluster::RecordCodec codec(two_gateways(), Sha256::Digest{1});
   store.write({{.key = prefix + "m/g7", .value = codec.write(core::cluster::Beat{.lease = kLease})},
                {.key = prefix + "r/shared/g7/4", .value = "?"},
                {.key = prefix + "r/shared/g7/5", .value = "?"},

@@ -115,7 +115,7 @@ class MembersPassing : public MembershipBench {
     for (std::size_t g = 0; g < 2; ++g) EXPECT_TRUE(at(g).state().admissions().empty()) << g;
   }
 
-  cluster::Codec codec{with_a_third_bus(), core::cluster::Digest{1}};
+  cluster::RecordCodec codec{with_a_third_bus(), core::cluster::Digest{1}};
   std::mt19937 random_;
 };
 

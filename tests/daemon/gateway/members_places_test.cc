@@ -148,7 +148,7 @@ TEST_F(MembersPassing, WhatAGatewayOfTheNextDescriptionMayAdmitGoesOnWaiting) {
   at(1).digest = 5;
   at(1).handed_on = {{1, with_a_third_bus()}, {5, at(1).system}};
   at(1).texts.all = {{Sha256::Digest{1}, "1"}, {Sha256::Digest{5}, "5"}};
-  const cluster::Codec renamed(at(1).system, cc::Digest{5});
+  const cluster::RecordCodec renamed(at(1).system, cc::Digest{5});
   store.write({{.key = "/mlcca/pair/d/current",
                 .value = renamed.write(cc::Current{
                     .generation = 2, .digest = {5}, .former = {1}, .open = true, .waits = {}})},

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "core/cluster/keys.hpp"
-#include "daemon/cluster/codec.hpp"
+#include "daemon/cluster/record_codec.hpp"
 #include "tests/daemon/gateway/members_rollout.hpp"
 
 namespace mlcca::test {
@@ -34,7 +34,7 @@ class RolledOutTexts : public MembersRollout {
   /// What the gateway has said of what is proposed; the other one sees and does nothing meanwhile.
   bool agrees(std::size_t g) {
     const auto& entries = store.entries;
-    const cluster::Codec codec(two_gateways(), Sha256::Digest{1});
+    const cluster::RecordCodec codec(two_gateways(), Sha256::Digest{1});
     const auto vote = entries.find("/mlcca/pair/d/vote/g" + std::to_string(g));
     if (vote == entries.end() || !entries.contains("/mlcca/pair/d/next")) return false;
     const auto said = codec.rollout_vote(vote->second.value);

@@ -284,7 +284,7 @@ TEST_F(RtnlTest, ATableThatCannotBeReadStaysAsItWas) {
   ASSERT_TRUE(links->table().contains(loopback_));
   for (int n = 1; n <= 3; ++n) {
     fail_from(n, ENOBUFS);
-    const LinkTable before = links->table();
+    const InterfaceTable before = links->table();
     const auto read = links->refresh();
     EXPECT_EQ(links->problem().empty(), read.has_value());
     EXPECT_EQ(links->table(), before) << n;

@@ -45,7 +45,7 @@ class DescribedPortTest : public ::testing::Test {
   }
 
   core::System system_;
-  net::LinkTable links_;
+  net::InterfaceTable links_;
   net::FactsOf facts_of_ = [](int) { return net::UdevFacts{}; };
   std::vector<std::string> reported_;
   ReportLine report_ = [this](const std::string&, const std::string& line, bool) {

@@ -22,7 +22,7 @@ class FormerGatesTest : public ::testing::Test {
     links_.emplace(8, test::ethernet(8, "eth8"));
   }
 
-  net::LinkTable links_;
+  net::InterfaceTable links_;
   net::Presence answer_ = net::Presence::there;
   std::vector<std::string> reported_;
   test::FakeHooks hooks_;

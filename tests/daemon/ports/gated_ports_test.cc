@@ -40,7 +40,7 @@ class GatedPortsTest : public ::testing::Test {
     return rule;
   }
 
-  net::LinkTable links_;
+  net::InterfaceTable links_;
   net::FactsOf facts_of_ = [](int) { return net::UdevFacts{}; };
   test::FakeHooks hooks_;
   GatedPorts ports_{test::load_into(hooks_), [](const std::string&) {

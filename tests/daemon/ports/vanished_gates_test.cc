@@ -20,7 +20,7 @@ class VanishedGatesTest : public ::testing::Test {
   }
 
   net::Link eth7_ = test::ethernet(7, "eth7");
-  net::LinkTable links_;
+  net::InterfaceTable links_;
   net::Presence answer_ = net::Presence::there;
   test::FakeHooks hooks_;
   GateSet gates_{test::load_into(hooks_)};

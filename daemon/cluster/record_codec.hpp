@@ -16,10 +16,10 @@
 namespace mlcca::cluster {
 
 /// The readers return nullopt for a value that is not a valid record of this description.
-class Codec final : public core::cluster::Codec {
+class RecordCodec final : public core::cluster::Codec {
  public:
   /// For the description with that digest. Copies what it needs of the system.
-  Codec(const core::System& system, const core::cluster::Digest& digest);
+  RecordCodec(const core::System& system, const core::cluster::Digest& digest);
 
   [[nodiscard]] std::string write(const core::cluster::Beat& beat) const override;
   [[nodiscard]] std::string write(const core::cluster::Taken& taken) const override;

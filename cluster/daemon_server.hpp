@@ -22,10 +22,10 @@ namespace mlcca::cluster {
 /// user who runs this program. A message that cannot be understood ends the connection. If
 /// descriptors or memory are lacking for a connection, it is accepted one second later, or when the
 /// former one ends.
-class Server {
+class DaemonServer {
  public:
   using Log = std::function<void(const std::string&)>;
-  Server(sd_event* loop, Fd listening, Bridge& bridge, Log log);
+  DaemonServer(sd_event* loop, Fd listening, Bridge& bridge, Log log);
 
   [[nodiscard]] Result<void> start();
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Tests of the control socket of mlcca-cluster, with a store that does not answer.
-#include "cluster/server.hpp"
+#include "cluster/daemon_server.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -71,7 +71,7 @@ class ClusterServer : public ::testing::Test {
   test::FakeChannel::Calls calls_;
   std::string log_;
   Bridge bridge_;
-  Server server_;
+  DaemonServer server_;
 };
 
 TEST_F(ClusterServer, TakesNoMoreTransactionsThanItCarriesOutAndNoticesWhenMlccadGoes) {

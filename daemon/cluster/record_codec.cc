@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "daemon/cluster/codec.hpp"
+#include "daemon/cluster/record_codec.hpp"
 
 #include <algorithm>
 #include <array>
@@ -119,7 +119,7 @@ void put_all(const Parts& from, Entries& to, Make make) {
 
 }  // namespace
 
-Codec::Codec(const core::System& system, const cc::Digest& digest)
+RecordCodec::RecordCodec(const core::System& system, const cc::Digest& digest)
     : digest_(digest), publishers_(system.publishers.size()) {
   for (const core::Gateway& gateway : system.gateways) gateways_.push_back(gateway.name);
   for (std::size_t n = 0; n < system.networks.size(); ++n) {
@@ -132,14 +132,14 @@ Codec::Codec(const core::System& system, const cc::Digest& digest)
   }
 }
 
-std::vector<std::string> Codec::names_of(const std::vector<std::size_t>& gateways) const {
+std::vector<std::string> RecordCodec::names_of(const std::vector<std::size_t>& gateways) const {
   std::vector<std::string> names;
   names.reserve(gateways.size());
   for (const std::size_t g : gateways) names.push_back(gateways_[g]);
   return names;
 }
 
-std::optional<std::vector<std::size_t>> Codec::gateways_of(
+std::optional<std::vector<std::size_t>> RecordCodec::gateways_of(
     const std::vector<std::string>& names) const {
   std::vector<std::size_t> all;
   for (const std::string& name : names) {
@@ -152,13 +152,13 @@ std::optional<std::vector<std::size_t>> Codec::gateways_of(
   return all;
 }
 
-bool Codec::is_known(const cc::Source& source) const {
+bool RecordCodec::is_known(const cc::Source& source) const {
   const bool there = source.admission != 0 ? source.publisher == 0 : source.publisher < publishers_;
   return there &&
          (source.from == core::Flow::kOwn || source.from < networks_.size() + gateways_.size());
 }
 
-std::string Codec::write(const cc::Beat& beat) const {
+std::string RecordCodec::write(const cc::Beat& beat) const {
   return control::bytes_of(BeatEntry{.incarnation = number_of(beat.incarnation),
                                      .session = beat.session,
                                      .sequence = beat.seq,
@@ -170,7 +170,7 @@ std::string Codec::write(const cc::Beat& beat) const {
                                      .lease_ns = beat.lease});
 }
 
-std::optional<cc::Beat> Codec::beat(Text value) const {
+std::optional<cc::Beat> RecordCodec::beat(Text value) const {
   const auto entry = control::message_in<BeatEntry>(value);
   if (!entry) return std::nullopt;
   const auto digest = digest_in(entry->digest);
@@ -188,7 +188,7 @@ std::optional<cc::Beat> Codec::beat(Text value) const {
                   .lease = entry->lease_ns};
 }
 
-std::string Codec::write(const cc::Taken& taken) const {
+std::string RecordCodec::write(const cc::Taken& taken) const {
   TakenEntry entry{.digest = octets_of(digest_),
                    .channel = taken.channel,
                    .publisher = taken.publisher,
@@ -210,7 +210,7 @@ std::string Codec::write(const cc::Taken& taken) const {
   return control::bytes_of(entry);
 }
 
-std::optional<cc::Taken> Codec::taken(Text value, std::size_t network) const {
+std::optional<cc::Taken> RecordCodec::taken(Text value, std::size_t network) const {
   const auto entry = control::message_in<TakenEntry>(value);
   if (!entry || digest_in(entry->digest) != digest_) return std::nullopt;
   auto through = gateways_of(entry->through);
@@ -243,19 +243,19 @@ std::optional<cc::Taken> Codec::taken(Text value, std::size_t network) const {
   return sound ? std::optional(std::move(taken)) : std::nullopt;
 }
 
-std::string Codec::write(const cc::RouteRequest& asked) const {
+std::string RecordCodec::write(const cc::RouteRequest& asked) const {
   return control::bytes_of(AskedEntry{.stage = static_cast<std::uint32_t>(asked.stage),
                                       .asking = asked.admission,
                                       .gateways = names_of(asked.gateways)});
 }
 
-bool Codec::of_other_description(Text taken) const {
+bool RecordCodec::of_other_description(Text taken) const {
   const auto entry = control::message_in<TakenEntry>(taken);
   const auto digest = entry ? digest_in(entry->digest) : std::nullopt;
   return digest && *digest != digest_;
 }
 
-std::optional<cc::RouteRequest> Codec::asked(Text value) const {
+std::optional<cc::RouteRequest> RecordCodec::asked(Text value) const {
   auto entry = control::message_in<AskedEntry>(value);
   if (!entry || entry->stage > static_cast<std::uint32_t>(cc::Stage::ending)) return std::nullopt;
   auto gateways = gateways_of(entry->gateways);
@@ -272,7 +272,7 @@ std::optional<cc::RouteRequest> Codec::asked(Text value) const {
                           .made_for = for_whom};
 }
 
-std::string Codec::write(const cc::VoteOf& vote) const {
+std::string RecordCodec::write(const cc::VoteOf& vote) const {
   const auto name_in = [&](const std::vector<std::string>& names, std::size_t index) {
     return !vote.vote.ok && index < names.size() ? names[index] : std::string();
   };
@@ -287,7 +287,7 @@ std::string Codec::write(const cc::VoteOf& vote) const {
       .gateway = vote.vote.gateway ? name_in(gateways_, *vote.vote.gateway) : std::string()});
 }
 
-std::optional<cc::VoteOf> Codec::vote(Text value) const {
+std::optional<cc::VoteOf> RecordCodec::vote(Text value) const {
   const auto entry = control::message_in<VoteEntry>(value);
   if (!entry || !is_revision(entry->asked)) return std::nullopt;
   cc::VoteOf vote{.asked = revision_of(entry->asked),
@@ -308,7 +308,7 @@ std::optional<cc::VoteOf> Codec::vote(Text value) const {
   return vote;
 }
 
-std::string Codec::write(const cc::Current& current) const {
+std::string RecordCodec::write(const cc::Current& current) const {
   return control::bytes_of(CurrentEntry{.generation = current.generation,
                                         .digest = octets_of(current.digest),
                                         .former = octets_of(current.former),
@@ -317,7 +317,7 @@ std::string Codec::write(const cc::Current& current) const {
                                         .undone = current.undone});
 }
 
-std::optional<cc::Current> Codec::current(Text value) const {
+std::optional<cc::Current> RecordCodec::current(Text value) const {
   auto entry = control::message_in<CurrentEntry>(value);
   if (!entry) return std::nullopt;
   const auto digest = digest_in(entry->digest);
@@ -331,7 +331,7 @@ std::optional<cc::Current> Codec::current(Text value) const {
                      .undone = entry->undone};
 }
 
-std::string Codec::write(const cc::Next& next) const {
+std::string RecordCodec::write(const cc::Next& next) const {
   return control::bytes_of(NextEntry{.generation = next.generation,
                                      .digest = octets_of(next.digest),
                                      .chunks = next.chunks,
@@ -341,7 +341,7 @@ std::string Codec::write(const cc::Next& next) const {
                                      .force = next.force});
 }
 
-std::optional<cc::Next> Codec::next(Text value) const {
+std::optional<cc::Next> RecordCodec::next(Text value) const {
   auto entry = control::message_in<NextEntry>(value);
   if (!entry) return std::nullopt;
   const auto digest = digest_in(entry->digest);
@@ -355,12 +355,12 @@ std::optional<cc::Next> Codec::next(Text value) const {
                   .force = entry->force};
 }
 
-std::string Codec::write(const cc::RolloutVote& vote) const {
+std::string RecordCodec::write(const cc::RolloutVote& vote) const {
   return control::bytes_of(
       JudgedEntry{.next = number_of(vote.next), .agrees = vote.ok, .reason = bounded(vote.reason)});
 }
 
-std::optional<cc::RolloutVote> Codec::rollout_vote(Text value) const {
+std::optional<cc::RolloutVote> RecordCodec::rollout_vote(Text value) const {
   const auto entry = control::message_in<JudgedEntry>(value);
   if (!entry || !is_revision(entry->next)) return std::nullopt;
   return cc::RolloutVote{
@@ -368,7 +368,7 @@ std::optional<cc::RolloutVote> Codec::rollout_vote(Text value) const {
 }
 
 /// The epoch as an operator writes it: only the octets.
-std::optional<cc::Epoch> Codec::epoch(Text value) const {
+std::optional<cc::Epoch> RecordCodec::epoch(Text value) const {
   if (value.empty()) return std::nullopt;
   return octets_in<std::tuple_size_v<cc::Epoch>>(std::string(value));
 }

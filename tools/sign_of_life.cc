@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "tools/input.hpp"
+#include "tools/sign_of_life.hpp"
 
 #include <sys/stat.h>
 #include <unistd.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Records of the store: what is written is read, and what is not of this description is not.
-#include "daemon/cluster/codec.hpp"
+#include "daemon/cluster/record_codec.hpp"
 
 #include <gtest/gtest.h>
 
@@ -68,7 +68,7 @@ cc::Taken some_taken() {
 class CodecTest : public testing::Test {
  protected:
   core::System system = described_pair();
-  cluster::Codec codec{system, some_digest(7)};
+  cluster::RecordCodec codec{system, some_digest(7)};
 };
 
 TEST_F(CodecTest, ABeatIsReadAsItWasWritten) {
@@ -115,7 +115,7 @@ TEST_F(CodecTest, PathsAreOfNodesOfTheMesh) {
 }
 
 TEST_F(CodecTest, NumbersOfAnotherDescriptionMeanNothingHere) {
-  const cluster::Codec other(system, some_digest(8));
+  const cluster::RecordCodec other(system, some_digest(8));
   EXPECT_FALSE(other.taken(codec.write(some_taken()), 0));
   EXPECT_TRUE(other.of_other_description(codec.write(some_taken())));
   EXPECT_FALSE(codec.of_other_description(codec.write(some_taken())));

@@ -12,7 +12,7 @@ namespace mlcca::core::cluster {
 
 /// Admissions that wait for their turn, by the gateway that has asked for them. Nobody has to wait
 /// for all that another gateway has asked for.
-class Turns {
+class FairQueue {
  public:
   void add(std::size_t gateway, std::uint64_t id) { waiting_[gateway].insert(id); }
   void remove(std::size_t gateway, std::uint64_t id) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The kernel lists filters in the order in which they run.
-#include "daemon/net/filters.hpp"
+#include "daemon/net/filter_order.hpp"
 
 #include <linux/pkt_cls.h>
 #include <linux/pkt_sched.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "cluster/server.hpp"
+#include "cluster/daemon_server.hpp"
 
 #include <sys/epoll.h>
 #include <sys/socket.h>
@@ -33,7 +33,7 @@ std::set<uid_t> owners_of(int socket) {
 
 }  // namespace
 
-Server::Server(sd_event* loop, Fd listening, Bridge& bridge, Log log)
+DaemonServer::DaemonServer(sd_event* loop, Fd listening, Bridge& bridge, Log log)
     : loop_(loop),
       listening_(std::move(listening)),
       bridge_(bridge),
@@ -42,7 +42,7 @@ Server::Server(sd_event* loop, Fd listening, Bridge& bridge, Log log)
   bridge_.on_output([this] { send(); });
 }
 
-Result<void> Server::start() {
+Result<void> DaemonServer::start() {
   sd_event_source* raw = nullptr;
   if (const int e = sd_event_add_io(loop_, &raw, listening_.get(), EPOLLIN, on_connection, this);
       e < 0)
@@ -53,12 +53,12 @@ Result<void> Server::start() {
       loop_, [this] { sd_event_source_set_enabled(connections_.get(), SD_EVENT_ON); });
 }
 
-int Server::on_connection(sd_event_source*, int, std::uint32_t, void* self) noexcept {
-  static_cast<Server*>(self)->accept();
+int DaemonServer::on_connection(sd_event_source*, int, std::uint32_t, void* self) noexcept {
+  static_cast<DaemonServer*>(self)->accept();
   return 0;
 }
 
-void Server::accept() {
+void DaemonServer::accept() {
   Fd socket(::accept4(listening_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
   if (!socket) {
     if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED) rest(errno);
@@ -82,15 +82,15 @@ void Server::accept() {
 }
 
 /// Stops accepting for a while: otherwise the socket would stay readable, and the loop would spin.
-void Server::rest(int error) {
+void DaemonServer::rest(int error) {
   if (!std::exchange(rests_, true))
     log_("no connection can be taken: " + system_error("accept", error).error().text);
   sd_event_source_set_enabled(connections_.get(), SD_EVENT_OFF);
   accept_again_.set(kAcceptAgain);
 }
 
-int Server::on_io(sd_event_source*, int, std::uint32_t events, void* self) noexcept {
-  auto& server = *static_cast<Server*>(self);
+int DaemonServer::on_io(sd_event_source*, int, std::uint32_t events, void* self) noexcept {
+  auto& server = *static_cast<DaemonServer*>(self);
   if ((events & EPOLLOUT) != 0) {
     server.full_ = false;
     server.send();
@@ -104,7 +104,7 @@ int Server::on_io(sd_event_source*, int, std::uint32_t events, void* self) noexc
   return 0;
 }
 
-void Server::receive() {
+void DaemonServer::receive() {
   for (int i = 0; i < kTurn && io_; ++i) {
     if (bridge_.is_busy()) {
       listen_for(full_);
@@ -120,7 +120,7 @@ void Server::receive() {
   }
 }
 
-bool Server::take(std::size_t size) {
+bool DaemonServer::take(std::size_t size) {
   auto read = size > buffer_.size() ? fail("it sent a message that is too long")
                                     : reader_.take({buffer_.data(), size});
   if (!read) {
@@ -132,7 +132,7 @@ bool Server::take(std::size_t size) {
 }
 
 /// An error of the socket is reported to the loop as well, which ends the connection.
-void Server::send() {
+void DaemonServer::send() {
   if (!io_ || full_) return;
   for (const wire::Message* next = bridge_.outbox().next(); next != nullptr;
        next = bridge_.outbox().next()) {
@@ -146,13 +146,13 @@ void Server::send() {
   bridge_.sent();
 }
 
-void Server::listen_for(bool output) {
+void DaemonServer::listen_for(bool output) {
   std::uint32_t events = bridge_.is_busy() ? 0U : std::uint32_t{EPOLLIN};
   if (output) events |= EPOLLOUT;
   sd_event_source_set_io_events(io_.get(), events);
 }
 
-void Server::end(const std::string& why) {
+void DaemonServer::end(const std::string& why) {
   if (!why.empty()) log_(why);
   io_.reset();
   socket_.reset();

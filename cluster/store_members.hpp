@@ -12,9 +12,9 @@ namespace mlcca::cluster {
 
 /// Chooses the member of the store that is asked. After a failure it is the next member, at once
 /// until all have failed; then after a pause, which doubles each time.
-class Endpoints {
+class StoreMembers {
  public:
-  explicit Endpoints(std::vector<std::string> all) : all_(std::move(all)) {}
+  explicit StoreMembers(std::vector<std::string> all) : all_(std::move(all)) {}
 
   [[nodiscard]] const std::string& current() const { return all_[at_]; }
   [[nodiscard]] std::size_t count() const { return all_.size(); }
