@@ -277,5 +277,41 @@ TEST_F(MembersEachAgrees, AChannelWithManySubscribersHereIsReservedAgain) {
   EXPECT_TRUE(passes_on("own1")) << asked(0, wanted("c3", "own0", "own1"));
 }
 
+/// All admissions of one place are one delivery, and so one entry. The first one brings the
+/// publisher, too.
+class MembersAtOnePlace : public MembersEachAgrees {
+ protected:
+  void admit(std::size_t admissions) {
+    for (; there_ < admissions; ++there_) {
+      control::Admit further = subscriber("own1");
+      further.subscriber = further.key = "at-own1-" + std::to_string(there_);
+      ASSERT_EQ(asked(0, further), "granted") << there_;
+    }
+    ASSERT_TRUE(passes_on("own1"));
+  }
+  /// Whether g0 has them again after it was taken for dead.
+  bool are_reserved_again() {
+    store.write({{.key = "/mlcca/pair/f/g0", .value = "g1"}});
+    pass(12 * kSecondNs);
+    return passes_on("own1");
+  }
+
+ private:
+  std::size_t there_ = 1;
+};
+
+TEST_F(MembersAtOnePlace, AsManyAdmissionsAsAnEntryTakesAreReservedAgainAndOneMoreIsNot) {
+  constexpr std::size_t most = cluster::StoredRequest::kMostRequests;
+  start_both();
+  ASSERT_EQ(asked(0, wanted("c3", "own0", "own1")), "granted");
+  admit(most);
+  EXPECT_TRUE(are_reserved_again());
+  admit(most + 1);
+  EXPECT_FALSE(are_reserved_again());
+  EXPECT_TRUE(std::ranges::any_of(at(0).published, [](const control::Event& event) {
+    return event.message.find("too long for the store") != std::string::npos;
+  }));
+}
+
 }  // namespace
 }  // namespace mlcca::test
