@@ -62,6 +62,7 @@ World::World(const Scenario& scenario, std::shared_ptr<const Keys> keys)
   drains_ = scenario.drains;
   objections_ = scenario.objections;
   cannots_ = scenario.cannots;
+  cancels_ = scenario.cancels;
   ordered_.assign(scenario.orders.size(), false);
   store_.write(
       {{.key = keys_->current(),

@@ -86,6 +86,7 @@ struct Scenario {
   std::vector<Order> orders = {};         ///< rollouts
   int objections = 0;                     ///< votes against a description
   int cannots = 0;            ///< descriptions that cannot be loaded where all have agreed
+  int cancels = 0;            ///< times that an operator gives up what is being rolled out
   Value patience = 6;         ///< of a rollout, in steps of time
   bool removes = false;       ///< the last gateway is not in description kWithoutLast
   bool off_for_good = false;  ///< who has crashed does not come back, and is called off
@@ -107,6 +108,7 @@ struct Step {
     change_mind,
     drain,
     roll_out,
+    cancel,
     judge,
     load,
     object,
@@ -268,6 +270,9 @@ class World {
   void add_rollout_steps(std::vector<Step>& all) const;
   void take_rollout(const Step& step);
   void roll_out(const Order& order);
+  [[nodiscard]] std::optional<Digest> to_cancel(std::size_t g) const;
+  void cancel(std::size_t g);
+  void note_cancelled(const Txn& txn, const Entry& next);
   void judge(std::size_t g, bool ok);
   void load(std::size_t g);
   void cannot_load(std::size_t g);
@@ -306,8 +311,10 @@ class World {
   int releases_ = 0, lates_ = 0, lost_ = 0, twice_ = 0, stalls_ = 0, pauses_ = 0, crashes_ = 0,
       fences_ = 0, compactions_ = 0, outages_ = 0, restores_ = 0, refusals_ = 0, drains_ = 0;
   std::vector<bool> ordered_;  ///< which of the orders have been given
-  int objections_ = 0, cannots_ = 0;
-  std::set<std::int64_t> refused_;  ///< proposals that whoever has made them takes for ended
+  int objections_ = 0, cannots_ = 0, cancels_ = 0;
+  std::set<std::int64_t> objected_;  ///< proposals against which the store has a vote
+  std::set<Digest> over_;            ///< descriptions whose only rollout was given up
+  std::set<std::int64_t> refused_;   ///< proposals that whoever has made them takes for ended
   Digest was_open_ = TextCodec::digest(1);  ///< the description that was in force last
   std::string broken_;
 };

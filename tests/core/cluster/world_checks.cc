@@ -133,7 +133,7 @@ void World::recover() {
 
 std::pair<std::uint64_t, std::uint64_t> World::fingerprint() const {
   Fingerprint f;
-  f(ordered_, objections_, cannots_, refused_, was_open_[0]);
+  f(ordered_, objections_, cannots_, cancels_, refused_, objected_, over_.size(), was_open_[0]);
   f(now_, up_, down_since_, wants_, releases_, lates_, lost_, twice_, stalls_, pauses_, crashes_,
     fences_, replaces_, compactions_, outages_, restores_, refusals_, drains_, store_.revision,
     store_.entries.size());

@@ -200,6 +200,7 @@ void World::add_rollout_steps(std::vector<Step>& all) const {
   for (std::size_t g = 0; rolls_out() && g < hosts_.size(); ++g) {
     if (!runs(g)) continue;
     const RolloutSide& side = hosts_[g].rollout;
+    if (cancels_ > 0 && to_cancel(g)) all.push_back({.kind = Step::Kind::cancel, .gateway = g});
     if (side.to_judge) all.push_back({.kind = Step::Kind::judge, .gateway = g});
     if (side.following.wanted) all.push_back({.kind = Step::Kind::load, .gateway = g});
   }
@@ -214,6 +215,8 @@ void World::take_rollout(const Step& step) {
     case Step::Kind::roll_out:
       ordered_[step.index] = true;
       return roll_out(scenario_->orders[step.index]);
+    case Step::Kind::cancel:
+      return cancel(step.gateway);
     case Step::Kind::judge:
       return judge(step.gateway, !is_removed(step.gateway, *hosts_[step.gateway].rollout.to_judge));
     case Step::Kind::object:
@@ -245,6 +248,23 @@ void World::roll_out(const Order& order) {
   turn(order.gateway);
 }
 
+/// What an operator would give up at that gateway, as the daemon decides it; nullopt: nothing.
+std::optional<Digest> World::to_cancel(std::size_t g) const {
+  const auto& records = hosts_[g].member->view().records();
+  const auto& current = records.current.value;
+  const RolloutSide& side = hosts_[g].rollout;
+  if (records.next.value) return records.next.value->digest;
+  if (current && !current->open && !current->undone) return current->digest;
+  return side.state == RolloutSide::State::open ? std::optional(side.own) : std::nullopt;
+}
+
+void World::cancel(std::size_t g) {
+  --cancels_;
+  hosts_[g].member->cancel_rollout(*to_cancel(g), "given up");
+  hosts_[g].member->on_time(clock(g));
+  turn(g);
+}
+
 void World::judge(std::size_t g, bool ok) {
   RolloutSide& side = hosts_[g].rollout;
   const Digest digest = *side.to_judge;
@@ -266,8 +286,32 @@ void World::cannot_load(std::size_t g) {
 
 // --- what must hold ------------------------------------------------------------------------------
 
+/// A vote against a proposal keeps it from ever coming into force, and what was given up or taken
+/// back does not open any more. `next`: the proposal before the transaction.
+void World::note_cancelled(const Txn& txn, const Entry& next) {
+  if (scenario_->cancels == 0) return;
+  for (const Put& put : txn.puts)
+    if (const auto vote =
+            put.key.starts_with("d/vote/") ? kRecords.rollout_vote(put.value) : std::nullopt;
+        vote && !vote->ok)
+      objected_.insert(vote->next);
+  const auto current = std::ranges::find(txn.puts, keys_->current(), &Put::key);
+  const bool ends = std::ranges::find(txn.deletes, keys_->next()) != txn.deletes.end();
+  const auto proposed = kRecords.next(next.value);
+  if (current == txn.puts.end()) {
+    if (ends && proposed) over_.insert(proposed->digest);
+    return;
+  }
+  const auto to = *kRecords.current(current->value);
+  if (ends && objected_.contains(next.mod))
+    broken_ = "a rollout comes into force that was given up before";
+  if (to.open && over_.contains(to.digest)) broken_ = "a rollout that was given up opens";
+  if (to.undone) over_.insert(to.former);
+}
+
 /// `next`: the proposal before the transaction.
 void World::note_decision(const Txn& txn, const Entry& next) {
+  note_cancelled(txn, next);
   const auto put = std::ranges::find(txn.puts, keys_->current(), &Put::key);
   if (put == txn.puts.end()) return;
   const auto to = *kRecords.current(put->value);

@@ -8,12 +8,13 @@
 namespace mlcca::core::cluster::test {
 
 std::string text_of(const Step& step) {
-  constexpr std::array kNames = {
-      "time",    "beats",       "apply",          "answer", "watch",         "read all",  "want",
-      "release", "replace",     "change of mind", "drain",  "roll out",      "judge",     "load",
-      "object",  "cannot load", "late",           "lose",   "lose silently", "done late", "again",
-      "stall",   "unstall",     "pause",          "resume", "crash",         "restart",   "fence",
-      "compact", "outage",      "outage ends",    "restore"};
+  constexpr std::array kNames = {"time",      "beats",       "apply",   "answer",  "watch",
+                                 "read all",  "want",        "release", "replace", "change of mind",
+                                 "drain",     "roll out",    "cancel",  "judge",   "load",
+                                 "object",    "cannot load", "late",    "lose",    "lose silently",
+                                 "done late", "again",       "stall",   "unstall", "pause",
+                                 "resume",    "crash",       "restart", "fence",   "compact",
+                                 "outage",    "outage ends", "restore"};
   return std::string(kNames[static_cast<std::size_t>(step.kind)]) + ' ' +
          std::to_string(step.gateway) +
          (step.index == 0 ? std::string() : '/' + std::to_string(step.index));
@@ -187,6 +188,7 @@ void World::take(const Step& step) {
       break;
     }
     case Step::Kind::roll_out:
+    case Step::Kind::cancel:
     case Step::Kind::judge:
     case Step::Kind::load:
     case Step::Kind::object:
