@@ -155,7 +155,10 @@ struct ether_seen {
 	__u8 pad2[2];
 };
 
-/* Like gate_sender; the reason is GATE_R_SOURCE. */
+/*
+ * Like gate_sender; of a slot the reason is GATE_R_SOURCE. In slot 0 or 1, the subject is 0 if it
+ * could not be read.
+ */
 struct ether_sender {
 	__u64 sequence;
 	__u64 count;
@@ -164,8 +167,8 @@ struct ether_sender {
 	__u32 slot;
 	__u32 source; /* egress: ifindex that it entered by; 0: sent by a local program */
 	__u32 uid;    /* egress: user of a local sender; otherwise GATE_ANY_UID */
-	__u32 len;
-	__u8 mac[6]; /* sender of the Ethernet frame; 0: not read */
+	__u32 len;    /* payload bytes; in slot 0 or 1: bytes of the packet */
+	__u8 mac[6];  /* sender of the Ethernet frame; 0: not read */
 	__u8 direction;
 	__u8 reason;
 };

@@ -89,10 +89,12 @@ static __always_inline void note_refusal(struct __sk_buff *skb, struct ether_cpu
 {
 	struct packet p;
 
-	if (names_sender(reason)) {
+	if (names_sender(slot, reason)) {
 		p = packet_of(skb);
 		take_mac(&p, e);
 	}
+	if (slot < ETHER_FIRST_SLOT && reason != GATE_R_UNKNOWN)
+		e->len = skb->len;
 	note_event(cpu, direction, slot, reason, e);
 }
 
@@ -144,13 +146,16 @@ static __always_inline __u32 mark_of_later(const struct ether_fragment *f)
 }
 
 static __always_inline int filter_later(struct __sk_buff *skb, struct ether_cpu *cpu,
-					__u32 direction, const struct event *e)
+					__u32 direction, struct event *e)
 {
 	struct ether_fragment *f = remembered(&fragments, &e->key);
 	struct decision d = judge_later(f, e);
 
-	if (d.reason != GATE_R_PASSED && d.reason != GATE_R_FOREIGN)
+	if (d.reason != GATE_R_PASSED && d.reason != GATE_R_FOREIGN) {
+		e->subject = f ? f->subject : 0;
+		note_refusal(skb, cpu, direction, d.slot, d.reason, e);
 		return drop(cpu, direction, d.slot, d.reason);
+	}
 	count_reason(cpu, direction, d.reason);
 	if (d.reason == GATE_R_FOREIGN)
 		return TC_ACT_UNSPEC;
@@ -174,8 +179,12 @@ static __always_inline int filter(struct __sk_buff *skb, __u32 direction)
 		goto foreign;
 	if (nature == NOT_EVENT_FIRST) {
 		reason = judge_first(&e, &fragments);
-		if (reason != GATE_R_PASSED)
+		if (reason != GATE_R_PASSED) {
+			if (direction == GATE_EGRESS)
+				take_sender(skb, &e);
+			note_refusal(skb, cpu, direction, direction, reason, &e);
 			return drop(cpu, direction, direction, reason);
+		}
 		remember(&foreign_fragments, &e, 0);
 		goto foreign;
 	}
@@ -266,10 +275,12 @@ int ether_early(struct xdp_md *ctx)
 	if (d.reason == GATE_R_PASSED)
 		return XDP_PASS;
 	cpu = this_cpu();
-	if (names_sender(d.reason)) {
+	if (names_sender(d.slot, d.reason)) {
 		p = early_packet_of(ctx);
 		take_mac(&p, &e);
 	}
+	if (d.slot < ETHER_FIRST_SLOT && d.reason != GATE_R_UNKNOWN)
+		e.len = ctx->data_end - ctx->data;
 	if (cpu) {
 		note_event(cpu, GATE_INGRESS, d.slot, d.reason, &e);
 		set_last_reason(d.slot, d.reason);

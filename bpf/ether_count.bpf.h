@@ -90,10 +90,18 @@ static __always_inline __u32 sender_set(const struct ether_sender *who)
 #define SENDER ether_sender
 #include "bpf/senders.bpf.h"
 
-/* Whether reports state who has sent what is refused for this reason. */
-static __always_inline bool names_sender(__u32 reason)
+/* Whether a refused sender is kept, see names_sender() of CAN. */
+static __always_inline bool keeps_sender(__u32 slot, __u32 reason)
 {
-	return reason == GATE_R_UNKNOWN || reason == GATE_R_SOURCE;
+	if (slot < ETHER_FIRST_SLOT)
+		return reason != GATE_R_UNKNOWN && reason != GATE_R_CLOSED;
+	return reason == GATE_R_SOURCE;
+}
+
+/* Whether reports state who has sent what is refused for this reason. */
+static __always_inline bool names_sender(__u32 slot, __u32 reason)
+{
+	return reason == GATE_R_UNKNOWN || keeps_sender(slot, reason);
 }
 
 /* Like note_refusal(), once the address of the sender is read. */
@@ -102,7 +110,7 @@ static __always_inline void note_event(struct ether_cpu *cpu, __u32 direction, _
 {
 	if (reason == GATE_R_UNKNOWN)
 		note_unknown(cpu, direction, e);
-	if (reason == GATE_R_SOURCE && at >= ETHER_FIRST_SLOT) {
+	if (keeps_sender(at, reason)) {
 		struct ether_sender who = {
 		    .subject = e->subject,
 		    .station = e->station,

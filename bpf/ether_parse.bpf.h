@@ -21,7 +21,7 @@ enum nature {
 };
 
 struct event {
-	__u64 subject;
+	__u64 subject;	  /* if it is malformed: 0 unless it could be read */
 	__u64 station;	  /* sender, see ether_station() */
 	__u32 len;	  /* payload bytes */
 	__u32 form;	  /* ETHER_UNFRAGMENTED or ETHER_FRAGMENT */
@@ -99,13 +99,15 @@ static __always_inline enum nature parse_udp(const struct packet *p, __u32 at, s
 	if (!is_event_port(udp.dest))
 		return e->more ? NOT_EVENT_FIRST : NOT_EVENT;
 	e->whole = bpf_ntohs(udp.len);
-	if (e->more ? e->whole <= e->payload : e->whole != e->payload)
-		return MALFORMED;
 	at += ETHER_UDP_HEADER;
-	if (e->payload < ETHER_UDP_HEADER + ETHER_EVENT_HEADER || !TAKE(p, at, &subject) ||
-	    !TAKE(p, at + sizeof(subject), &flag) || flag > 1)
+	if (e->payload < ETHER_UDP_HEADER + sizeof(subject) || !TAKE(p, at, &subject))
 		return MALFORMED;
 	e->subject = bpf_be64_to_cpu(subject);
+	if (e->more ? e->whole <= e->payload : e->whole != e->payload)
+		return MALFORMED;
+	if (e->payload < ETHER_UDP_HEADER + ETHER_EVENT_HEADER ||
+	    !TAKE(p, at + sizeof(subject), &flag) || flag > 1)
+		return MALFORMED;
 	e->len = e->whole - ETHER_UDP_HEADER - ETHER_EVENT_HEADER;
 	e->form = flag ? ETHER_FRAGMENT : ETHER_UNFRAGMENTED;
 	return EVENT;
@@ -120,13 +122,13 @@ static __always_inline enum nature parse_ip(const struct packet *p, __u32 at, st
 		return MALFORMED;
 	if (ip.protocol != IPPROTO_UDP)
 		return NOT_EVENT;
+	e->station = bpf_ntohl(ip.saddr);
 	header = ip.ihl * 4;
 	total = bpf_ntohs(ip.tot_len);
 	if (ip.version != 4 || header < sizeof(ip) || total <= header || total > p->len - at)
 		return MALFORMED;
 	e->payload = total - header;
 	fragment = bpf_ntohs(ip.frag_off);
-	e->station = bpf_ntohl(ip.saddr);
 	e->offset = (fragment & 0x1fff) * 8;
 	e->more = fragment & 0x2000;
 	/*
@@ -152,11 +154,11 @@ static __always_inline enum nature parse_publish(const struct packet *p, __u32 a
 
 	if (!TAKE(p, at + 2, &size) || !TAKE(p, at + ETHER_AWDS_PUBLISH_HEADER, &subject))
 		return MALFORMED;
+	e->subject = bpf_be64_to_cpu(subject);
 	e->len = bpf_ntohs(size);
 	if (e->len < sizeof(subject) || e->len > p->len - at - ETHER_AWDS_PUBLISH_HEADER)
 		return MALFORMED;
 	e->len -= sizeof(subject);
-	e->subject = bpf_be64_to_cpu(subject);
 	e->form = kind == ETHER_AWDS_PUBLISH ? ETHER_UNFRAGMENTED : ETHER_FRAGMENT;
 	return EVENT;
 }

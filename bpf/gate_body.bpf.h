@@ -104,6 +104,7 @@ int gate_ingress(struct __sk_buff *skb)
 		goto echo;
 
 	skb->mark = 0;
+	frame.source = GATE_NO_SOURCE;
 	if (!read_frame(skb, GATE_INGRESS, &frame))
 		return refuse(skb, cpu, GATE_INGRESS, GATE_INGRESS, GATE_R_MALFORMED, &frame);
 	if (frame.can_id & CAN_ERR_FLAG) {
@@ -116,7 +117,6 @@ int gate_ingress(struct __sk_buff *skb)
 		return refuse(skb, cpu, GATE_INGRESS, GATE_INGRESS, GATE_R_CLOSED, &frame);
 	}
 
-	frame.source = GATE_NO_SOURCE;
 	d = judge(skb, GATE_INGRESS, &frame);
 	if (is_reply(&frame))
 		heed_reply(skb, &frame, GATE_INGRESS, d.reason == GATE_R_PASSED);

@@ -81,13 +81,25 @@ static __always_inline __u32 sender_set(const struct gate_sender *who)
 #define SENDER gate_sender
 #include "bpf/senders.bpf.h"
 
+/*
+ * Whether reports state who has sent what is refused for this reason. A closed gate refuses
+ * everything, so that it says nothing about a sender.
+ */
+static __always_inline bool names_sender(__u32 slot, __u32 reason)
+{
+	if (slot < GATE_FIRST_SLOT)
+		return reason != GATE_R_UNKNOWN && reason != GATE_R_CLOSED;
+	return reason == GATE_R_IDENTIFIER || reason == GATE_R_SOURCE;
+}
+
 static __always_inline void note_refusal(struct __sk_buff *skb, struct gate_cpu *cpu,
 					 __u32 direction, __u32 slot, __u32 reason,
 					 struct frame *frame)
 {
 	if (reason == GATE_R_UNKNOWN)
 		note_unknown(cpu, direction, frame);
-	if ((reason == GATE_R_IDENTIFIER || reason == GATE_R_SOURCE) && slot >= GATE_FIRST_SLOT) {
+	if (names_sender(slot, reason)) {
+		__u32 all = skb->len;
 		struct gate_sender who = {
 		    .can_id = frame->can_id,
 		    .source = frame->source,
@@ -99,6 +111,10 @@ static __always_inline void note_refusal(struct __sk_buff *skb, struct gate_cpu 
 		    .reason = reason,
 		};
 
+		/* The verifier refuses one load from either pointer. */
+		asm volatile("" : "+r"(all));
+		if (reason == GATE_R_MALFORMED)
+			who.len = all;
 		note_sender(&who);
 	}
 }

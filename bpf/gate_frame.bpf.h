@@ -56,6 +56,23 @@ static __always_inline bool load_head(struct __sk_buff *skb, __u32 lead, void *h
 	return !bpf_skb_load_bytes(skb, lead, head, sizeof(__u64));
 }
 
+/*
+ * For reports: what can be read of a frame that has not the form that its network prescribes. Its
+ * identifier is read where no lead can precede it, however short the frame is. Format 0: it is not
+ * known.
+ */
+static __always_inline bool misshapen(struct __sk_buff *skb, __u32 direction, __u32 format,
+				      struct frame *frame)
+{
+	__u32 can_id = 0;
+
+	if (direction != GATE_EGRESS || bpf_skb_load_bytes(skb, 0, &can_id, sizeof(can_id)))
+		format = 0;
+	frame->can_id = format ? can_id : 0;
+	frame->format = format;
+	return false;
+}
+
 static __always_inline bool is_xl(struct __sk_buff *skb, __u32 lead, struct xl_head *head)
 {
 	return load_head(skb, lead, head) && head->flags & XL_FLAG && head->len &&
@@ -73,14 +90,17 @@ static __always_inline bool read_xl(struct __sk_buff *skb, __u32 direction, stru
 	bool is_led = direction == GATE_INGRESS && is_xl(skb, XL_LEAD, &led);
 
 	if (is_bare == is_led)
-		return false;
+		return misshapen(skb, direction, GATE_XL, frame);
 	frame->can_id = is_bare ? bare.prio : led.prio;
 	frame->len = is_bare ? bare.len : led.len;
 	frame->format = GATE_XL;
 	return !(frame->can_id & ~XL_ID_MASK);
 }
 
-/* Returns false if it is not a frame of the right size. */
+/*
+ * Returns false if it is not a frame of the right size. Then `frame` has only what misshapen()
+ * finds, or its identifier and format.
+ */
 static __always_inline bool read_frame(struct __sk_buff *skb, __u32 direction, struct frame *frame)
 {
 	__u32 protocol = protocol_of(skb);
@@ -96,12 +116,11 @@ static __always_inline bool read_frame(struct __sk_buff *skb, __u32 direction, s
 		limit = CANFD_MAX_DLEN;
 		lead = skb->len - CANFD_MTU;
 	} else {
-		return protocol == bpf_htons(XL_PROTOCOL) && read_xl(skb, direction, frame);
+		return protocol == bpf_htons(XL_PROTOCOL) ? read_xl(skb, direction, frame)
+							  : misshapen(skb, direction, 0, frame);
 	}
-	if (lead && (direction == GATE_EGRESS || !is_lead(lead)))
-		return false;
-	if (!load_head(skb, lead, &head))
-		return false;
+	if ((lead && (direction == GATE_EGRESS || !is_lead(lead))) || !load_head(skb, lead, &head))
+		return misshapen(skb, direction, frame->format, frame);
 	frame->can_id = head.can_id;
 	frame->len = head.len;
 	return frame->len <= limit;

@@ -30,7 +30,8 @@ struct gate_seen {
 
 /*
  * A sender whose frames a slot refused because they are not the granted sender's: the reason is
- * GATE_R_IDENTIFIER or GATE_R_SOURCE.
+ * GATE_R_IDENTIFIER or GATE_R_SOURCE. Or, in slot 0 or 1, one whose frames were refused for a
+ * reason that concerns no slot, but GATE_R_UNKNOWN and GATE_R_CLOSED.
  */
 struct gate_sender {
 	__u64 sequence; /* refused_senders when it was last seen; 0: empty or being written */
@@ -39,8 +40,8 @@ struct gate_sender {
 	__u32 source; /* egress: as in gate_slot */
 	__u32 uid;    /* egress: user of a local sender; otherwise GATE_ANY_UID */
 	__u16 slot;
-	__u16 len;
-	__u8 format; /* GATE_CLASSIC, GATE_FD or GATE_XL */
+	__u16 len;   /* as in gate_seen; GATE_R_MALFORMED: bytes of the buffer */
+	__u8 format; /* GATE_CLASSIC, GATE_FD or GATE_XL; 0: can_id could not be read */
 	__u8 direction;
 	__u8 reason;
 	__u8 pad[5];

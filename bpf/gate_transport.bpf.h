@@ -55,6 +55,7 @@ static __always_inline __u64 judge_announcement(struct __sk_buff *skb, struct fr
 	struct frame message = *frame;
 	__u64 found;
 
+	frame->message = frame->can_id;
 	if (pgn >> 18)
 		return packed(GATE_R_MALFORMED, direction);
 	if ((id & GATE_J1939_PDU2) != GATE_J1939_PDU2) {
@@ -70,9 +71,10 @@ static __always_inline __u64 judge_announcement(struct __sk_buff *skb, struct fr
 	/* A request to send is answered by frames of other nodes, which no slot admits. */
 	if (data[0] != GATE_TP_BAM || destination != GATE_TP_BROADCAST)
 		return packed(GATE_R_FORMAT, found);
-	if (size < GATE_TP_LEAST || size > GATE_TP_MOST ||
-	    data[3] != (size + GATE_TP_PACKET - 1) / GATE_TP_PACKET)
+	if (size > GATE_TP_MOST)
 		return packed(GATE_R_LENGTH, found);
+	if (size < GATE_TP_LEAST || data[3] != (size + GATE_TP_PACKET - 1) / GATE_TP_PACKET)
+		return packed(GATE_R_MALFORMED, direction);
 	frame->message = id;
 	frame->size = size;
 	frame->transport = TRANSPORT_ANNOUNCE | (__u32)data[3] << 8;
@@ -138,8 +140,9 @@ __noinline __u64 judge_transport(struct __sk_buff *skb, struct frame *frame, __u
 	}
 	if (announces && direction == GATE_INGRESS)
 		end_session(frame, direction);
-	/* A sender that is not the granted one is reported with the message's identifier. */
-	if (found >> 32 == GATE_R_IDENTIFIER || found >> 32 == GATE_R_SOURCE)
+	/* Another sender and what can be no message have the message's identifier in reports. */
+	if (found >> 32 == GATE_R_IDENTIFIER || found >> 32 == GATE_R_SOURCE ||
+	    found >> 32 == GATE_R_MALFORMED)
 		frame->can_id = frame->message;
 	if (found >> 32 == GATE_R_IDENTIFIER &&
 	    is_elsewhere(&table.slots[found & (GATE_SLOTS - 1)], frame->message))

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
 /*
- * Keeps who sends in place of a granted sender, in the table of this CPU. Gates of CAN and of
- * Ethernet have it in common. A kind of gate defines before it is included:
+ * Keeps who sends in place of a granted sender, or what has not the form of an event, in the table
+ * of this CPU. Gates of CAN and of Ethernet have it in common. A kind of gate defines before it is
+ * included:
  *   SENDER         the struct of a sender, with the members `sequence`, `count` and `len`
  *   is_sender()    whether an entry is of this sender
  *   sender_set()   the set that the sender belongs to

@@ -39,8 +39,31 @@ const char* direction_of(const control::Finding& f) {
   return f.egress ? "out" : "in";
 }
 
+bool is_malformed(const control::Finding& f) {
+  return reason_of(f) == core::FrameReason::malformed;
+}
+
+bool is_part(const control::Finding& f) {
+  return f.channel.empty() && reason_of(f) == core::FrameReason::fragment;
+}
+
+/// Of frames that no description can admit: what was read of them.
+std::string read_of_them(const control::Finding& f) {
+  std::string out = f.reason;
+  const char* before = ": ";
+  if (is_malformed(f) && f.length != 0) {
+    out += fmt::format("{}at most {} with headers", before, many(f.length, "byte"));
+    before = ", ";
+  }
+  if (!f.described.empty()) out += fmt::format("{}it names {}", before, f.described);
+  return out;
+}
+
 /// The reason. If the description has the channel, its delivery or publisher is what it lacks.
 std::string stated_reason_of(const control::Finding& f) {
+  const auto reason = reason_of(f);
+  if (reason && reason != core::FrameReason::unknown && !core::is_of_sender(*reason))
+    return read_of_them(f);
   if (f.described.empty()) return f.reason;
   if (!f.publisher.empty())
     return fmt::format("{}: it differs from {} of {}", f.reason, f.described, f.publisher);
@@ -93,12 +116,14 @@ std::string notes_on(const control::Audit& audit) {
   if (audit.left_out != 0)
     out += many(audit.left_out, "further one had fewer frames: they are in others\n",
                 "further ones had fewer frames: they are in others\n");
-  if (std::ranges::any_of(audit.findings, [](const control::Finding& f) {
-        return reason_of(f) == core::FrameReason::malformed;
-      }))
+  if (std::ranges::any_of(audit.findings, is_malformed))
     out +=
-        "malformed: no subject or sender can be read of these frames; a recording shows them, by "
-        "tcpdump or candump\n";
+        "malformed: no addition admits these frames, because they have not the form that their "
+        "network prescribes, for example are too short; tcpdump or candump shows their content\n";
+  if (std::ranges::any_of(audit.findings, is_part))
+    out +=
+        "part of no admitted message: no addition admits these frames alone; what admits the first "
+        "part of their message, which has its own row, admits them\n";
   return out;
 }
 

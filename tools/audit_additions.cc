@@ -40,12 +40,14 @@ bool is_datagram(const control::Finding& f) {
   return f.subject != 0 || !f.address.empty() || !f.mac.empty();
 }
 
-/// Decodes the identifier of a CAN frame; nullopt if no channel of the profile has it.
+/// Decodes the identifier of a CAN frame; nullopt if no channel of the profile has it. A packet of
+/// a J1939 message has none either, but names its sender.
 std::optional<IdentifierParts> channel_of(const control::Finding& f) {
   const auto profile = core::words::kProfiles.find(f.profile);
   if (!profile || !core::names_channels(*profile)) return std::nullopt;
   const std::uint32_t id = f.can_id & (core::kExtendedFlag | core::kExtendedBits);
-  return is_control(*profile, id) ? std::nullopt : parts_of(*profile, id);
+  const bool is_part = reason_of(f) == FrameReason::fragment;
+  return is_control(*profile, id) && !is_part ? std::nullopt : parts_of(*profile, id);
 }
 
 /// What the elements for one finding are made from.
@@ -89,7 +91,14 @@ const std::string& network_of(const control::Finding& f) {
   return f.egress ? f.entered_network : f.network;
 }
 
+/// Whether it is about frames of no delivery that their identifier or subject lets admit. Others
+/// are malformed, for example.
+bool asks_for_channel(const control::Finding& f) {
+  return reason_of(f) == FrameReason::unknown || is_of_sender(f);
+}
+
 std::optional<Elements> elements_of(const control::Finding& f) {
+  if (!asks_for_channel(f)) return std::nullopt;
   if (is_of_sender(f) &&
       (!f.publisher.empty() || (f.egress && f.user.empty() && network_of(f).empty())))
     return std::nullopt;
@@ -321,7 +330,7 @@ std::optional<FrameReason> reason_of(const control::Finding& f) {
 
 bool is_can_frame(const control::Finding& f) {
   return f.channel.empty() && !is_datagram(f) && !f.others &&
-         (reason_of(f) == FrameReason::unknown || is_of_sender(f));
+         (asks_for_channel(f) || f.can_id != 0);
 }
 
 std::string advice(const control::Finding& f) {
@@ -340,6 +349,7 @@ std::string sender_of(const control::Finding& f) {
 std::string name_of(const control::Finding& f) {
   if (!f.channel.empty()) return fmt::format("{} of {}", f.channel, f.publisher);
   if (f.others) return "others";
+  if (is_datagram(f) && f.subject == 0 && !asks_for_channel(f)) return {};
   if (is_datagram(f)) return core::format_subject(f.subject);
   return is_can_frame(f) ? print_can_id(f.can_id) : std::string();
 }

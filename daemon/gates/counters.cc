@@ -172,6 +172,15 @@ std::vector<RefusedSender> refused_senders(std::span<const ether_cpu> cpus) {
   return senders_of(cpus);
 }
 
+bool is_same(const RefusedSender& one, const RefusedSender& other) {
+  const auto identity_of = [](const RefusedSender& sender) {
+    const UnknownFrame& f = sender.frame;
+    return std::tie(sender.slot, sender.reason, sender.source, sender.uid, f.can_id, f.format,
+                    f.direction, f.subject, f.station, f.mac);
+  };
+  return identity_of(one) == identity_of(other);
+}
+
 std::string address_text(std::uint64_t station) {
   if ((station & ETHER_EXTENDED) != 0) return octets_text(station & ~ETHER_EXTENDED, 8);
   if ((station & ETHER_SHORT) != 0)

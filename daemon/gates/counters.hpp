@@ -49,15 +49,23 @@ struct UnknownFrame {
 };
 
 /// A sender whose frames a slot refused because they are not the granted sender's, as one CPU has
-/// counted it.
+/// counted it. Or one whose frames belong to no slot, for example because they are malformed.
 struct RefusedSender {
   std::size_t place = 0;  ///< in the memory of the gate; another sender may take it later
   std::uint32_t slot = 0;
-  core::FrameReason reason = core::FrameReason::source;  ///< `identifier` or `source`
-  UnknownFrame frame;        ///< its latest frame, as one without a slot
+  core::FrameReason reason = core::FrameReason::source;  ///< of a slot `identifier` or `source`
+  /// Its latest frame, as one without a slot. If it is malformed, `len` has all its bytes, and
+  /// `format` and `subject` are 0 where they could not be read.
+  UnknownFrame frame;
   std::uint32_t source = 0;  ///< at egress: as in gate_slot
   std::uint32_t uid = 0;     ///< at egress: user of a local sender; otherwise GATE_ANY_UID
+
+  /// Whether its frames belong to no slot: those numbers count such frames.
+  [[nodiscard]] bool is_without_slot() const { return slot < GATE_FIRST_SLOT; }
 };
+/// Whether both are of the same sender.
+bool is_same(const RefusedSender& one, const RefusedSender& other);
+static_assert(GATE_FIRST_SLOT == ETHER_FIRST_SLOT);
 
 /// The address of a station that has an IPv4 address ("10.0.0.7") or one of 802.15.4; "" for
 /// others.
@@ -86,7 +94,7 @@ ReasonCounters would_drop_counters(const Table& table, Direction direction) {
 /// The frames without a slot, the newest first.
 std::vector<UnknownFrame> unknown_frames(std::span<const gate_cpu> cpus);
 std::vector<UnknownFrame> unknown_frames(std::span<const ether_cpu> cpus);
-/// The senders that slots have refused, in the order of their places, at most GATE_SENDERS for each
+/// The senders of refused frames, in the order of their places, at most GATE_SENDERS for each
 /// CPU.
 std::vector<RefusedSender> refused_senders(std::span<const gate_cpu> cpus);
 std::vector<RefusedSender> refused_senders(std::span<const ether_cpu> cpus);

@@ -274,6 +274,9 @@ Result<void> PortGate::report_again(std::uint32_t slot) const {
   return object().watch(watch).silent != 0 ? state_->silence_timers.arm(watch) : Result<void>{};
 }
 std::size_t PortGate::unwatched() const { return table().unwatched(); }
+SlotCounters PortGate::without_slot(Direction direction) const {
+  return object().counters(std::to_underlying(direction));
+}
 ReasonCounters PortGate::reasons(Direction direction) const { return object().reasons(direction); }
 ReasonCounters PortGate::would_drop(Direction direction) const {
   return object().would_drop(direction);

@@ -99,12 +99,14 @@ class PortGate {
   [[nodiscard]] Result<void> report_again(std::uint32_t slot) const;
   /// The number of slots that should be watched but have no watch.
   [[nodiscard]] std::size_t unwatched() const;
+  /// The counters of the frames of a direction that were refused and belong to no slot.
+  [[nodiscard]] SlotCounters without_slot(Direction direction) const;
   [[nodiscard]] ReasonCounters reasons(Direction direction) const;
   /// Frames that passed in audit mode, by the reason for which they would have been dropped.
   [[nodiscard]] ReasonCounters would_drop(Direction direction) const;
   /// The frames without a slot, the newest first.
   [[nodiscard]] std::vector<UnknownFrame> unknown() const;
-  /// The senders that slots have refused; see gates::refused_senders().
+  /// The senders of refused frames; see gates::refused_senders().
   [[nodiscard]] std::vector<RefusedSender> refused_senders() const;
 
   /// Removes the pins, not the programs. On an interface that has gone to another network

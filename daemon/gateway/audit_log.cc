@@ -112,6 +112,33 @@ std::string interface_of(const GateReader& gates, std::uint32_t ifindex) {
   return fmt::format("interface {}", ifindex);
 }
 
+/// Of a frame that leaves: the user that sent it, or by which interface it came in.
+void take_way(std::string& user, std::string& entered_by, const GateReader& gates,
+              const gates::RefusedSender& sender) {
+  if (sender.frame.direction != gates::Direction::egress) return;
+  if (sender.source != 0)
+    entered_by = interface_of(gates, sender.source);
+  else if (sender.uid != GATE_ANY_UID)
+    user = fmt::format("{}", sender.uid);
+}
+
+/// The reason by which frames of no slot are counted: later parts of a message have several.
+FrameReason counted_as(FrameReason reason) {
+  return core::row_of(reason).kind == core::FrameReasonKind::any ? reason : FrameReason::fragment;
+}
+
+/// How many of a sender's frames an earlier state of its place contains; 0 if it is another one's.
+std::uint64_t frames_before(const gates::RefusedSender& before, const gates::RefusedSender& now) {
+  const bool is_same = gates::is_same(before, now) && before.frame.count <= now.frame.count;
+  return is_same ? before.frame.count : 0;
+}
+
+/// Whether frames of no delivery that were refused for this reason name what they are about by
+/// their identifier or subject. Of other frames it may not be known.
+bool is_about_frames(const StatedReason& stated) {
+  return stated.reason && (*stated.reason == FrameReason::unknown || is_of_sender(stated));
+}
+
 }  // namespace
 
 void AuditLog::restore(const control::Audit& kept) {
@@ -120,8 +147,9 @@ void AuditLog::restore(const control::Audit& kept) {
   for (const control::Finding& f : kept.findings) {
     const std::uint8_t without_xl = f.fd ? GATE_FD : GATE_CLASSIC;
     const std::uint8_t format = f.xl ? std::uint8_t{GATE_XL} : without_xl;
-    const bool is_can =
-        f.channel.empty() && f.subject == 0 && f.address.empty() && f.mac.empty() && !f.others;
+    const bool has_identifier = is_about_frames(stated_reason(f.reason)) || f.can_id != 0;
+    const bool is_can = has_identifier && f.channel.empty() && f.subject == 0 &&
+                        f.address.empty() && f.mac.empty() && !f.others;
     const Key key{.interface = f.interface,
                   .network = f.network,
                   .egress = f.egress,
@@ -183,9 +211,7 @@ void AuditLog::refused(const core::Verdict& verdict, const core::GateEntry& entr
           .address = address_of(f),
           .mac = gates::mac_text(f.station, f.mac),
           .described = scene_.state->system().channels[verdict.channel].name};
-  if (key.egress && sender.source == 0 && sender.uid != GATE_ANY_UID)
-    key.user = fmt::format("{}", sender.uid);
-  if (key.egress && sender.source != 0) key.entered_by = interface_of(gates_, sender.source);
+  take_way(key.user, key.entered_by, gates_, sender);
   note(key, {.fate = fate, .frames = frames, .length = f.len, .span = span});
 }
 
@@ -213,7 +239,7 @@ void AuditLog::poll(std::size_t port, const UnknownFrames& unknown, Reporting re
   const std::uint64_t now = clock_.monotonic_ns();
   const std::uint64_t span = last.at == 0 ? 0 : now - last.at;
   last.at = now;
-  poll_reasons(port, last, reporting);
+  poll_reasons(port, last, span, reporting);
   if (reporting == Reporting::no) {
     poll_frames(port, last, {}, reporting);
     // Read after the kinds: no frame is in their counts that is not in this one.
@@ -236,19 +262,82 @@ void AuditLog::poll(std::size_t port, const UnknownFrames& unknown, Reporting re
          {.fate = fate, .frames = frames - known});
 }
 
-void AuditLog::poll_reasons(std::size_t port, Polled& last, Reporting reporting) {
+void AuditLog::poll_reasons(std::size_t port, Polled& last, std::uint64_t span,
+                            Reporting reporting) {
+  // The counts first: a gate notes a sender before it counts its frame.
+  FramesByReason fresh = fresh_reasons(port, last);
+  poll_senders(port, last, span, reporting, fresh);
+  if (reporting == Reporting::no) return;
+  for (const auto& [of, frames] : fresh) note_rest(port, of, frames);
+}
+
+/// The frames that were counted since the last poll.
+AuditLog::FramesByReason AuditLog::fresh_reasons(std::size_t port, Polled& last) const {
+  FramesByReason fresh;
+  for (const WithoutSlot& now : gates_.without_slot(port)) {
+    WithoutSlot& before = last.parts[now.egress];
+    if (now.all.dropped < before.all.dropped || now.all.would_drop < before.all.would_drop)
+      before = {};
+    // Frames that came while a count was read are missing in it, and are in the next one.
+    const UnknownFrames most{std::max(now.parts.dropped, before.parts.dropped),
+                             std::max(now.parts.would_drop, before.parts.would_drop)};
+    fresh[{FrameReason::fragment, now.egress}] = grown(most, before.parts);
+    before = {.egress = now.egress, .all = now.all, .parts = most};
+  }
   for (const Refusals& counted : gates_.refusals(port)) {
     UnknownFrames& before = last.reasons[{counted.reason, counted.egress}];
-    const UnknownFrames fresh = grown(counted.frames, before);
+    fresh[{counted.reason, counted.egress}] = grown(counted.frames, before);
     before = counted.frames;
-    if (reporting == Reporting::no || fresh.dropped + fresh.would_drop == 0) continue;
-    const Key key{.interface = gates_.interface_name(port),
-                  .network = gates_.network_of(port),
-                  .egress = counted.egress,
-                  .reason = std::string(to_text(counted.reason))};
-    if (fresh.dropped != 0) note(key, {.fate = Fate::dropped, .frames = fresh.dropped});
-    if (fresh.would_drop != 0) note(key, {.fate = Fate::passed, .frames = fresh.would_drop});
   }
+  return fresh;
+}
+
+/// Takes the frames whose sender is known from those that were counted. What is more than these is
+/// left to the next poll.
+void AuditLog::poll_senders(std::size_t port, Polled& last, std::uint64_t span, Reporting reporting,
+                            FramesByReason& fresh) {
+  decltype(last.senders) now;
+  for (const gates::RefusedSender& sender : gates_.refused_senders(port)) {
+    if (!sender.is_without_slot()) continue;
+    const auto known = last.senders.find(sender.place);
+    const std::uint64_t before =
+        known == last.senders.end() ? 0 : frames_before(known->second, sender);
+    gates::RefusedSender& taken = now[sender.place] = sender;
+    if (reporting == Reporting::no) continue;
+    const bool egress = sender.frame.direction == gates::Direction::egress;
+    UnknownFrames& counted = fresh[{counted_as(sender.reason), egress}];
+    const Fate fate = counted.dropped != 0 ? Fate::dropped : Fate::passed;
+    std::uint64_t& left = fate == Fate::dropped ? counted.dropped : counted.would_drop;
+    const std::uint64_t given = std::min(left, sender.frame.count - before);
+    taken.frame.count = before + given;
+    left -= given;
+    if (given == 0) continue;
+    Key key{.interface = gates_.interface_name(port),
+            .network = gates_.network_of(port),
+            .egress = egress,
+            .reason = std::string(to_text(counted_as(sender.reason))),
+            .can_id = sender.frame.can_id,
+            .format = sender.frame.can_id == 0 ? std::uint8_t{0} : sender.frame.format,
+            .subject = sender.frame.subject,
+            .address = gates::address_text(sender.frame.station),
+            .mac = gates::mac_text(sender.frame.station, sender.frame.mac)};
+    take_way(key.user, key.entered_by, gates_, sender);
+    note(key, {.fate = fate, .frames = given, .length = sender.frame.len, .span = span});
+  }
+  last.senders = std::move(now);
+}
+
+/// Frames of senders that the gate does not keep, or keeps no more. A closed gate keeps none.
+void AuditLog::note_rest(std::size_t port, const ReasonOfGate& of, const UnknownFrames& frames) {
+  const auto& [reason, egress] = of;
+  const bool is_closed = reason == FrameReason::closed;
+  const Key key{.interface = gates_.interface_name(port),
+                .network = gates_.network_of(port),
+                .egress = is_closed && egress,
+                .reason = std::string(to_text(reason)),
+                .others = !is_closed};
+  if (frames.dropped != 0) note(key, {.fate = Fate::dropped, .frames = frames.dropped});
+  if (frames.would_drop != 0) note(key, {.fate = Fate::passed, .frames = frames.would_drop});
 }
 
 /// The gate counts a kind of frame until another kind takes its place; then the count starts again,
@@ -392,12 +481,15 @@ bool complete_frames(std::size_t port, const AuditRules& rules, AuditNames& name
                      control::Finding& f) {
   const StatedReason stated = stated_reason(f.reason);
   const bool is_unknown = stated.reason == FrameReason::unknown;
-  if (!is_unknown && !is_of_sender(stated)) return true;
+  if (!f.entered_by.empty()) f.entered_network = names.network_of(f.entered_by);
+  if (!is_about_frames(stated)) {
+    if (f.can_id != 0 || f.subject != 0) f.described = names.channel_of(f);
+    return true;
+  }
   if (is_unknown ? rules.has(port, f) : rules.has_from_sender(port, f)) return false;
   const bool has_identifier = stated.reason == FrameReason::identifier;
   if (is_unknown || !names.has_channel(f.described) || (has_identifier && names.has_number(f)))
     f.described = names.channel_of(f);
-  if (!f.entered_by.empty()) f.entered_network = names.network_of(f.entered_by);
   if (has_identifier) names.compare(port, f);
   f.provided_period_ns = names.provided_period(f);
   return true;

@@ -18,6 +18,7 @@
 #include "core/gates/plan.hpp"
 #include "daemon/gateway/drops.hpp"
 #include "daemon/gateway/scene.hpp"
+#include "daemon/outside/frames.hpp"
 #include "daemon/outside/gate_reader.hpp"
 
 namespace mlcca {
@@ -82,7 +83,8 @@ class AuditLog {
     std::string to = {};
     // For any other frame:
     std::uint32_t can_id = 0;
-    std::uint8_t format = 0;  ///< as in UnknownFrame; 0: not a CAN frame
+    std::uint8_t format =
+        0;  ///< as in UnknownFrame; 0: not a CAN frame, or its can_id is not known
     std::uint64_t subject = 0;
     std::string address = {};
     std::string mac = {};
@@ -117,6 +119,9 @@ class AuditLog {
     std::uint32_t length = 0;  ///< of the longest
     std::uint64_t span = 0;    ///< ns in which they came; 0: unknown
   };
+  /// A reason, and whether the frames were on their way out.
+  using ReasonOfGate = std::pair<core::FrameReason, bool>;
+  using FramesByReason = std::map<ReasonOfGate, UnknownFrames>;
   /// The counters of a port's gate at the last poll.
   struct Polled {
     struct Frame {
@@ -129,14 +134,22 @@ class AuditLog {
     /// kind first.
     std::uint64_t ahead = 0;
     std::map<std::tuple<std::uint32_t, std::uint64_t, std::uint8_t, bool>, Frame> frames;
-    std::map<std::pair<core::FrameReason, bool>, UnknownFrames> reasons;
+    std::map<ReasonOfGate, UnknownFrames> reasons;
+    std::map<bool, WithoutSlot> parts;                    ///< by direction
+    std::map<std::size_t, gates::RefusedSender> senders;  ///< of no slot, by place
   };
   enum class Reporting : bool { no, yes };
   /// Whether it is the finding of further frames of an interface.
   static bool is_rest(const Key& key) { return key.others && key.channel.empty(); }
 
   void poll(std::size_t port, const UnknownFrames& unknown, Reporting reporting);
-  void poll_reasons(std::size_t port, Polled& last, Reporting reporting);
+  /// Notes the frames that were refused for a reason that concerns no slot: by sender where it is
+  /// known.
+  void poll_reasons(std::size_t port, Polled& last, std::uint64_t span, Reporting reporting);
+  FramesByReason fresh_reasons(std::size_t port, Polled& last) const;
+  void poll_senders(std::size_t port, Polled& last, std::uint64_t span, Reporting reporting,
+                    FramesByReason& fresh);
+  void note_rest(std::size_t port, const ReasonOfGate& of, const UnknownFrames& frames);
   /// Returns the number of frames in findings of their kinds.
   std::uint64_t poll_frames(std::size_t port, Polled& last, News news, Reporting reporting);
   void note(const Key& key, const News& news);

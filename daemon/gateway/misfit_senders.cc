@@ -2,24 +2,16 @@
 #include "daemon/gateway/misfit_senders.hpp"
 
 #include <algorithm>
-#include <tuple>
 #include <utility>
 
 namespace mlcca {
 namespace {
 
-auto identity_of(const gates::RefusedSender& sender) {
-  const gates::UnknownFrame& f = sender.frame;
-  return std::tie(sender.slot, sender.reason, sender.source, sender.uid, f.can_id, f.format,
-                  f.direction, f.subject, f.station, f.mac);
-}
-
 /// How many of a sender's frames a former state of the table contains.
 std::uint64_t counted_in(const std::map<std::size_t, gates::RefusedSender>& table,
                          const gates::RefusedSender& sender) {
   const auto before = table.find(sender.place);
-  const bool is_same = before != table.end() &&
-                       identity_of(before->second) == identity_of(sender) &&
+  const bool is_same = before != table.end() && gates::is_same(before->second, sender) &&
                        sender.frame.count >= before->second.frame.count;
   return is_same ? before->second.frame.count : 0;
 }

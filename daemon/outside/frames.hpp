@@ -22,6 +22,13 @@ struct Refusals {
   UnknownFrames frames;
 };
 
+/// Refused frames of one direction of a port that no slot has counted.
+struct WithoutSlot {
+  bool egress = false;
+  UnknownFrames all;    ///< for whatever reason
+  UnknownFrames parts;  ///< of these: what continues a message that was not admitted
+};
+
 /// Frames of a delivery that its slots at this gateway have passed and dropped.
 struct Frames {
   std::uint64_t passed = 0;

@@ -62,7 +62,8 @@ class GateReader : public PortFacts {
   [[nodiscard]] virtual UnknownFrames unknown_frames(std::size_t port) const = 0;
   /// The latest of these frames, each kind with a lower bound of its count.
   [[nodiscard]] virtual std::vector<gates::UnknownFrame> seen_unknown(std::size_t port) const = 0;
-  /// The latest senders that slots of a port have refused.
+  /// The latest senders whose frames a port has refused: slots of it, or the port because they
+  /// belong to no slot.
   [[nodiscard]] virtual std::vector<gates::RefusedSender> refused_senders(
       std::size_t port) const = 0;
   /// The number of the slot of an entry, as in these senders; nullopt if it has none.
@@ -70,6 +71,9 @@ class GateReader : public PortFacts {
       const core::GateEntry& entry) const = 0;
   /// The frames that were refused for reasons that concern no slot.
   [[nodiscard]] virtual std::vector<Refusals> refusals(std::size_t port) const = 0;
+  /// What was refused and belongs to no slot, in both directions. `all` of a gate never decreases;
+  /// `parts` may, by frames that come while it is read.
+  [[nodiscard]] virtual std::vector<WithoutSlot> without_slot(std::size_t port) const = 0;
   /// The refused frames of all slots of a port by reason, without excess. Frames of no slot may be
   /// among them.
   [[nodiscard]] virtual std::vector<Refusals> misfits(std::size_t port) const = 0;

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <linux/can.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "core/model/progress.hpp"
@@ -101,6 +102,29 @@ std::vector<Refusals> counted_for(const gates::PortGate* gate,
 
 std::vector<Refusals> refusals(const gates::PortGate* gate) {
   return counted_for(gate, [](Of kind) { return kind == Of::any; });
+}
+
+/// The gate counts a frame with its slot first: so that slot is read first here.
+std::vector<WithoutSlot> without_slot(const gates::PortGate* gate) {
+  if (gate == nullptr) return {};
+  std::vector<WithoutSlot> out;
+  for (const auto direction : gates::kBothDirections) {
+    const gates::SlotCounters all = gate->without_slot(direction);
+    const gates::ReasonCounters dropped = gate->reasons(direction);
+    const gates::ReasonCounters passed = gate->would_drop(direction);
+    UnknownFrames others;
+    for (std::size_t i = 0; i < core::kFrameReasons.size(); ++i) {
+      const Of kind = core::kFrameReasons.at(i).kind;
+      if (kind != Of::subject && kind != Of::any) continue;
+      others.dropped += dropped.at(i);
+      others.would_drop += passed.at(i);
+    }
+    out.push_back({.egress = direction == gates::Direction::egress,
+                   .all = {all.dropped, all.would_drop},
+                   .parts = {all.dropped - std::min(all.dropped, others.dropped),
+                             all.would_drop - std::min(all.would_drop, others.would_drop)}});
+  }
+  return out;
 }
 
 std::vector<Refusals> misfits(const gates::PortGate* gate) {

@@ -16,6 +16,8 @@ namespace mlcca {
 [[nodiscard]] UnknownFrames unknown_frames(const gates::PortGate* gate);
 /// The frames that were refused for reasons that concern no slot: a closed gate, a malformed frame.
 [[nodiscard]] std::vector<Refusals> refusals(const gates::PortGate* gate);
+/// The frames of both directions that were refused and belong to no slot.
+[[nodiscard]] std::vector<WithoutSlot> without_slot(const gates::PortGate* gate);
 /// The refused frames of all slots, and others that the gate counts for the same reasons.
 [[nodiscard]] std::vector<Refusals> misfits(const gates::PortGate* gate);
 /// The latest frame without a slot that came in, for example "123" or "0x4e6f626f64790000 from

@@ -142,6 +142,9 @@ class Ports final : public GateDriver {
   [[nodiscard]] std::vector<Refusals> refusals(std::size_t port) const override {
     return mlcca::refusals(gate(port));
   }
+  [[nodiscard]] std::vector<WithoutSlot> without_slot(std::size_t port) const override {
+    return mlcca::without_slot(gate(port));
+  }
   [[nodiscard]] std::vector<Refusals> misfits(std::size_t port) const override {
     return mlcca::misfits(gate(port));
   }

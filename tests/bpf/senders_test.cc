@@ -70,8 +70,55 @@ TEST_F(GateSenders, ANodeThatSendsForAnotherIsCountedWithItsIdentifier) {
 TEST_F(GateSenders, WhatPassesAndWhatHasNoSlotIsNotCounted) {
   receive(of_node(5));
   receive(kEff | 0x65U);
-  receive(of_node(5), 9);
+  gate_.control().lapsed = 1;
+  receive(of_node(5));
+  receive(of_node(33));
   EXPECT_TRUE(senders().empty());
+}
+
+TEST_F(GateSenders, AMalformedFrameIsCountedWithItsIdentifierAndTheUserWhoSendsIt) {
+  gate_.run(Direction::egress, frame(of_node(5), 9), {.local = true});
+  gate_.run(Direction::egress, frame(of_node(5), 9), {.local = true});
+  const auto found = senders();
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].reason, core::FrameReason::malformed);
+  EXPECT_TRUE(found[0].is_without_slot());
+  EXPECT_EQ(found[0].frame.can_id, of_node(5));
+  EXPECT_EQ(found[0].frame.format, GATE_CLASSIC);
+  EXPECT_EQ(found[0].frame.direction, Direction::egress);
+  EXPECT_EQ(found[0].frame.count, 2U);
+  EXPECT_EQ(found[0].frame.len, CAN_MTU);
+  EXPECT_EQ(found[0].source, 0U);
+  EXPECT_EQ(found[0].uid, 0U);
+}
+
+/// On its way out nothing precedes a frame, so that the first word is its identifier.
+TEST_F(GateSenders, OfAFrameThatIsTooShortTheIdentifierIsReadWhereItIsKnownToBe) {
+  const Bytes shortest = {0x23, 0x01, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+  gate_.run(Direction::egress, shortest, {.ingress_ifindex = kOther, .xl = true});
+  gate_.run(Direction::ingress, shortest, {.xl = true});
+  auto found = senders();
+  ASSERT_EQ(found.size(), 2U);
+  std::ranges::sort(found, {}, &RefusedSender::slot);
+  EXPECT_EQ(found[0].frame.direction, Direction::ingress);
+  EXPECT_EQ(found[0].frame.can_id, 0U);
+  EXPECT_EQ(found[0].frame.format, 0U) << "it is not known";
+  EXPECT_EQ(found[1].frame.direction, Direction::egress);
+  EXPECT_EQ(found[1].frame.can_id, 0x123U);
+  EXPECT_EQ(found[1].frame.format, GATE_XL);
+  EXPECT_EQ(found[1].source, kOther);
+  for (const RefusedSender& sender : found) {
+    EXPECT_EQ(sender.reason, core::FrameReason::malformed);
+    EXPECT_EQ(sender.frame.len, shortest.size());
+  }
+}
+
+TEST_F(GateSenders, AnErrorFrameOnItsWayOutIsCountedWithTheUserWhoSendsIt) {
+  gate_.run(Direction::egress, frame(CAN_ERR_FLAG | 4, 8), {.local = true});
+  const auto found = senders();
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].reason, core::FrameReason::error_frame);
+  EXPECT_EQ(found[0].uid, 0U);
 }
 
 TEST_F(GateSenders, AuditModeCountsThemToo) {

@@ -3,6 +3,7 @@
 // of its PGN, and packets pass in their turn only.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -105,10 +106,10 @@ std::vector<Row> rows() {
       {"Passes", {dm1}, {}, GATE_R_PASSED},
       {"ShorterPasses", {dm1}, {.size = 9, .packets = 2}, GATE_R_PASSED},
       {"LongerThanGranted", {dm1}, {.size = 21, .packets = 3}, GATE_R_LENGTH},
-      {"FitsOneFrame", {dm1}, {.size = 8, .packets = 2}, GATE_R_LENGTH},
-      {"Empty", {dm1}, {.size = 0, .packets = 0}, GATE_R_LENGTH},
-      {"TooFewPackets", {dm1}, {.packets = 2}, GATE_R_LENGTH},
-      {"TooManyPackets", {dm1}, {.packets = 4}, GATE_R_LENGTH},
+      {"FitsOneFrame", {dm1}, {.size = 8, .packets = 2}, GATE_R_MALFORMED},
+      {"Empty", {dm1}, {.size = 0, .packets = 0}, GATE_R_MALFORMED},
+      {"TooFewPackets", {dm1}, {.packets = 2}, GATE_R_MALFORMED},
+      {"TooManyPackets", {dm1}, {.packets = 4}, GATE_R_MALFORMED},
       {"PacketsOf256", {dm1}, {.packets = 259}, GATE_R_PASSED},  // one octet: 3
       {"LongestPasses", {most}, {.size = 1785, .packets = 255}, GATE_R_PASSED},
       {"BeyondTheLongest", {most}, {.size = 1786, .packets = 255}, GATE_R_LENGTH},
@@ -196,6 +197,21 @@ TEST_F(Transport, PacketsPassInTheirTurnAndNoFurther) {
   EXPECT_EQ(counted(GATE_R_FRAGMENT), 5U);
   EXPECT_EQ(counters(dm1_).passed, 4U);
   EXPECT_EQ(counters(dm1_).dropped, 2U) << "those without a session are nobody's";
+}
+
+/// Nothing of these has a slot. The report has their sender nonetheless.
+TEST_F(Transport, WhatAnnouncesNothingThatCanBeAndWhatNothingAnnouncesHaveASender) {
+  admit({dm1_});
+  EXPECT_FALSE(passes(packet(1)));
+  EXPECT_FALSE(passes(announce({.size = 8, .packets = 2})));
+  auto found = gates::refused_senders(gate_.cpus());
+  ASSERT_EQ(found.size(), 2U);
+  std::ranges::sort(found, {}, &gates::RefusedSender::reason);
+  EXPECT_EQ(found[0].reason, core::FrameReason::malformed);
+  EXPECT_EQ(found[0].frame.can_id, kEff | 0x18feca05) << "of the message that it announces";
+  EXPECT_EQ(found[1].reason, core::FrameReason::fragment);
+  EXPECT_EQ(found[1].frame.can_id, kEff | 0x18ebff05);
+  for (const auto& sender : found) EXPECT_TRUE(sender.is_without_slot());
 }
 
 TEST_F(Transport, TheLongestMessagePassesWhole) {

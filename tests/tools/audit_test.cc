@@ -61,9 +61,9 @@ can0       in         123                                                       
 can1       in         0cf00417                    node 23                                 1           2023-11-14 22:13:22  2023-11-14 22:13:22  unknown subject
 eth0       in         0x4e6f626f64790000          192.0.2.7 (02:00:5e:10:00:01)           3           2023-11-14 22:13:23  2023-11-14 22:13:24  unknown subject
 can1       out        emergency-switch of switch                                         12           2023-11-14 22:13:25  2023-11-14 22:13:26  refused: Omission 2 required, field provides 5 (3 too many)
-eth0       in                                                                                      2  2023-11-14 22:13:27  2023-11-14 22:13:28  malformed
+can0       out        321                         user 1000                                        2  2023-11-14 22:13:27  2023-11-14 22:13:28  malformed: at most 14 bytes with headers
 31 further ones had fewer frames: they are in others
-malformed: no subject or sender can be read of these frames; a recording shows them, by tcpdump or candump
+malformed: no addition admits these frames, because they have not the form that their network prescribes, for example are too short; tcpdump or candump shows their content
 
 Of deliveries that the description has:
 - 'mlccactl explain emergency-switch' says what would have to change
@@ -101,6 +101,36 @@ To admit what is wanted of it, add to the description:
   EXPECT_EQ(render(audit_, Color::no),
             fmt::format(fmt::runtime(expected), core::format_subject(subject_of("robot-can-123")),
                         core::format_subject(subject_of("truck-pgn-F004"))));
+}
+
+TEST_F(AuditReport, FramesThatNoDescriptionCanAdmitNameWhatWasReadOfThemAndProposeNothing) {
+  control::Finding f = audit_.findings[4];
+  EXPECT_EQ(addition_for(f), "");
+  EXPECT_EQ(name_of(f), "321");
+  f.described = "distance";
+  audit_.findings = {f};
+  EXPECT_TRUE(render(audit_, Color::no)
+                  .contains("malformed: at most 14 bytes with headers, it names distance\n"));
+  EXPECT_FALSE(render(audit_, Color::no).contains("lacks"));
+  f.can_id = 0;
+  EXPECT_EQ(name_of(f), "") << "no identifier could be read";
+  f.address = "192.0.2.7";
+  EXPECT_EQ(name_of(f), "") << "no subject could be read";
+  EXPECT_EQ(sender_of(f), "192.0.2.7 by user 1000");
+  f.subject = 0x4e6f626f64790000;
+  EXPECT_EQ(name_of(f), "0x4e6f626f64790000");
+  EXPECT_EQ(addition_for(f), "");
+}
+
+TEST_F(AuditReport, APartOfNoAdmittedMessageNamesItsNode) {
+  control::Finding f = audit_.findings[1];
+  f.reason = "part of no admitted message";
+  f.can_id = 0x98ebff17;
+  EXPECT_EQ(name_of(f), "18ebff17");
+  EXPECT_EQ(sender_of(f), "node 23");
+  EXPECT_EQ(addition_for(f), "");
+  audit_.findings = {f};
+  EXPECT_TRUE(render(audit_, Color::no).contains("\npart of no admitted message: no addition"));
 }
 
 TEST_F(AuditReport, WhatThisComputerSendsIsOfAProgramHere) {

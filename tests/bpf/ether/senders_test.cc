@@ -55,6 +55,47 @@ TEST_F(EtherSenders, TheDriverCountsThemAsWell) {
   EXPECT_NE(found[0].frame.mac, gates::Mac{});
 }
 
+TEST_F(EtherSenders, AMalformedDatagramIsCountedWithItsStationAndTheSubjectThatItNames) {
+  const Bytes bytes = packet([](Datagram& d) { d.flag = 2; });
+  gate_.run(kIn, bytes);
+  EXPECT_TRUE(gate_.dropped_early(bytes));
+  const auto found = senders();
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].reason, core::FrameReason::malformed);
+  EXPECT_TRUE(found[0].is_without_slot());
+  EXPECT_EQ(found[0].frame.subject, kSubject);
+  EXPECT_EQ(found[0].frame.station, kGranted);
+  EXPECT_NE(found[0].frame.mac, gates::Mac{});
+  EXPECT_EQ(found[0].frame.count, 2U);
+  EXPECT_EQ(found[0].frame.len, bytes.size());
+}
+
+TEST_F(EtherSenders, ADatagramThatEndsBeforeItsSubjectHasTheStationOnly) {
+  constexpr std::size_t headers = 14 + 20 + 8;
+  Bytes bytes = packet();
+  bytes.resize(headers + 4);
+  bytes[17] = 20 + 8 + 4;  // length of the IP packet
+  bytes[39] = 8 + 4;       // of the datagram
+  gate_.run(kIn, bytes);
+  const auto found = senders();
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].reason, core::FrameReason::malformed);
+  EXPECT_EQ(found[0].frame.subject, 0U);
+  EXPECT_EQ(found[0].frame.station, kGranted);
+}
+
+TEST_F(EtherSenders, ALaterPartOfNoMessageHasItsStation) {
+  Datagram d;
+  d.subject = kSubject;
+  d.payload = 64;
+  gate_.run(kIn, frame(d.fragment(32, 64)));
+  const auto found = senders();
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].reason, core::FrameReason::fragment);
+  EXPECT_EQ(found[0].frame.station, kGranted);
+  EXPECT_EQ(found[0].frame.subject, 0U);
+}
+
 TEST_F(EtherSenders, AuditModeCountsThemToo) {
   gate_.control().mode = GATE_AUDIT;
   EXPECT_FALSE(gate_.run(kIn, from_station(0x0a000002)).dropped);

@@ -16,7 +16,7 @@ namespace mlcca::test {
 namespace {
 
 constexpr std::uint64_t kSecond = 1'000'000'000;
-constexpr std::uint32_t kSlot = 1;  // of the subject of c0, see FakeGates::slot_number()
+constexpr std::uint32_t kSlot = GATE_FIRST_SLOT + 1;  // of c0, see FakeGates::slot_number()
 
 /// The identifier of c0, as a FAMOUSO node sends it; node 5 is described.
 constexpr std::uint32_t of_node(std::uint32_t node, std::uint32_t priority = 0x7d) {
@@ -243,7 +243,7 @@ TEST_F(AuditOfSenders, WhatNobodyHasAskedForInARoundLapses) {
   bench_.gates().senders["can0"] = {sender(0, of_node(33), 9)};
   senders.begin_round();
   core::GateEntry entry;
-  entry.subject = kSlot;
+  entry.subject = 1;
   EXPECT_EQ(senders.of(entry, 2).size(), 1U) << "they came in the last round";
   senders.begin_round();
   EXPECT_TRUE(senders.of(entry, 7).empty());
@@ -254,7 +254,7 @@ TEST_F(AuditOfSenders, WhatAFormerDaemonHasCountedIsNobodys) {
   MisfitSenders senders(bench_.gates());
   senders.begin_round();
   core::GateEntry entry;
-  entry.subject = kSlot;
+  entry.subject = 1;
   EXPECT_TRUE(senders.of(entry, 5).empty());
   bench_.gates().senders["can0"] = {sender(0, of_node(33), 11)};
   const auto sent = senders.of(entry, 5);
@@ -416,7 +416,7 @@ TEST(MisfitSendersOfARound, ReadTheTableOfAGateABoundedNumberOfTimes) {
   FakeGates& gates = bench.gates();
   MisfitSenders senders(gates);
   core::GateEntry entry;
-  entry.subject = kSlot;
+  entry.subject = 1;
   gates.sender_reads = 0;
   senders.begin_round();
   for (unsigned i = 0; i < 1000; ++i) static_cast<void>(senders.of(entry, 1));

@@ -214,16 +214,6 @@ TEST_F(AuditOnTheBench, ExcessIsAFindingWhereItIsDropped) {
   EXPECT_EQ(findings[0].dropped, 5U);
 }
 
-TEST_F(AuditOnTheBench, FramesThatNobodyCanReadAreFoundByTheirReason) {
-  bench_.gates().refused["can1"] = {{core::FrameReason::malformed, true, {3, 0}}};
-  pass(kSecond);
-  const auto findings = audit().findings;
-  ASSERT_EQ(findings.size(), 1U);
-  EXPECT_EQ(findings[0].reason, "malformed");
-  EXPECT_TRUE(findings[0].egress);
-  EXPECT_EQ(findings[0].dropped, 3U);
-}
-
 /// A flood of identifiers does not displace what came often.
 TEST_F(AuditOnTheBench, OfTooManyFindingsThoseOfTheFewestFramesGiveWay) {
   see("can0", 0x7fe, 1000);

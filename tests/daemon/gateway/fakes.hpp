@@ -228,12 +228,16 @@ class FakeGates final : public GateDriver {
     const auto found = senders.find(interface_name(port));
     return found == senders.end() ? std::vector<gates::RefusedSender>() : found->second;
   }
-  /// The number of a subject's slot is the subject, as tests write it.
+  /// The number of a subject's slot follows from the subject, as tests write it.
   [[nodiscard]] std::optional<std::uint32_t> slot_number(
       const core::GateEntry& entry) const override {
-    return static_cast<std::uint32_t>(entry.subject);
+    return static_cast<std::uint32_t>(GATE_FIRST_SLOT + entry.subject);
   }
   [[nodiscard]] std::vector<Refusals> refusals(std::size_t port) const override;
+  [[nodiscard]] std::vector<WithoutSlot> without_slot(std::size_t port) const override {
+    const auto found = slotless.find(interface_name(port));
+    return found == slotless.end() ? std::vector<WithoutSlot>() : found->second;
+  }
   [[nodiscard]] std::vector<Refusals> misfits(std::size_t port) const override;
   [[nodiscard]] std::string latest_unknown(std::size_t /*port*/) const override { return "123"; }
   [[nodiscard]] std::optional<gates::Bindings> bindings(std::size_t port) const override {
@@ -258,6 +262,7 @@ class FakeGates final : public GateDriver {
   std::map<std::string, std::vector<gates::RefusedSender>> senders;  ///< by interface
   mutable unsigned sender_reads = 0;                                 ///< calls of refused_senders()
   std::map<std::string, std::vector<Refusals>> refused;              ///< by interface
+  std::map<std::string, std::vector<WithoutSlot>> slotless;          ///< by interface
   std::map<std::string, std::vector<Refusals>> misfitting;           ///< by interface
   std::function<void()> before_frames;                               ///< called by frames()
   std::map<core::Subject, Frames> counted;  ///< the result of frames() for the rules of a subject
