@@ -115,7 +115,6 @@ std::string interface_of(const GateReader& gates, std::uint32_t ifindex) {
 /// Of a frame that leaves: the user that sent it, or by which interface it came in.
 void take_way(std::string& user, std::string& entered_by, const GateReader& gates,
               const gates::RefusedSender& sender) {
-  if (sender.frame.direction != gates::Direction::egress) return;
   if (sender.source != 0)
     entered_by = interface_of(gates, sender.source);
   else if (sender.uid != GATE_ANY_UID)
@@ -211,7 +210,7 @@ void AuditLog::refused(const core::Verdict& verdict, const core::GateEntry& entr
           .address = address_of(f),
           .mac = gates::mac_text(f.station, f.mac),
           .described = scene_.state->system().channels[verdict.channel].name};
-  take_way(key.user, key.entered_by, gates_, sender);
+  if (key.egress) take_way(key.user, key.entered_by, gates_, sender);
   note(key, {.fate = fate, .frames = frames, .length = f.len, .span = span});
 }
 
@@ -321,7 +320,7 @@ void AuditLog::poll_senders(std::size_t port, Polled& last, std::uint64_t span, 
             .subject = sender.frame.subject,
             .address = gates::address_text(sender.frame.station),
             .mac = gates::mac_text(sender.frame.station, sender.frame.mac)};
-    take_way(key.user, key.entered_by, gates_, sender);
+    if (egress) take_way(key.user, key.entered_by, gates_, sender);
     note(key, {.fate = fate, .frames = given, .length = sender.frame.len, .span = span});
   }
   last.senders = std::move(now);

@@ -96,7 +96,7 @@ TEST_F(LocalSourceTest, WhatIsMoreThanIsAdmittedIsDroppedAndReportedOnceASecond)
   EXPECT_EQ(due_ms(), 1020U) << "a second after the first one that was too much";
   EXPECT_EQ(happened(1019), "");
   EXPECT_EQ(happened(1020),
-            "excess: 79 events are dropped of programs on this gateway: more than is admitted");
+            "policed: 79 events are dropped of programs on this gateway: more than is admitted");
   EXPECT_FALSE(source_.due());
   // The clock of the system is set back.
   EXPECT_TRUE(source_.takes(2, kUnix - 3'600'000 * kMilli, kBegin + 2000 * kMilli));
