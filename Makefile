@@ -9,9 +9,13 @@ PREFIX ?= /usr/local
 DESTDIR ?=
 
 CXX ?= g++
+# ccache, where it is installed, keeps what was compiled; `make CACHE=` does without it.
+CACHE ?= $(notdir $(shell command -v ccache))
 ifeq ($(origin CXX),default)
-CXX := g++
+CXX := $(if $(CACHE),$(CACHE) )g++
 endif
+# What was compiled in another checkout counts, too.
+export CCACHE_NOHASHDIR := 1
 CLANG ?= clang-19
 LLVM_STRIP ?= llvm-strip-19
 CLANG_TIDY ?= clang-tidy-19

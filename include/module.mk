@@ -5,7 +5,7 @@ ARM_CXX ?= arm-none-eabi-g++
 CLANG14 ?= clang-14
 CORE_HEADERS := $(wildcard include/mlcca/*.hpp)
 FAMOUSO_HEADERS := $(wildcard include/mlcca/famouso/*.h)
-MCU_COMPILERS := $(CXX) $(CLANG14) $(CLANG) $(AVR_CXX) $(ARM_CXX)
+MCU_COMPILERS := $(lastword $(CXX)) $(CLANG14) $(CLANG) $(AVR_CXX) $(ARM_CXX)
 FREESTANDING := -std=c++14 -ffreestanding -fno-exceptions -fno-rtti -fsyntax-only -Iinclude \
 	-Wall -Wextra -Wpedantic -Wconversion -Werror
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cstdint>
 #include <utility>
 
 #include "tools/elements.hpp"
@@ -20,6 +21,14 @@ const char* kind_of(const learn::DraftChannel& channel) {
   if (channel.periodic) return "periodic";
   if (channel.few && !channel.bursts) return "too few to tell";
   return channel.bursts ? "bursts" : "aperiodic";
+}
+
+/// A single event has none.
+bool has_gaps(const learn::DraftChannel& channel) { return channel.events > 1; }
+
+/// Null if there is none.
+Json gap(const learn::DraftChannel& channel, std::uint64_t ns) {
+  return has_gaps(channel) ? Json(ns) : Json();
 }
 
 }  // namespace
@@ -41,7 +50,7 @@ std::string table_of(const learn::Draft& draft, Color color) {
          {fmt::format("{}", channel.events)},
          {time_words(channel.period)},
          {channel.jitter == 0 ? "" : time_words(channel.jitter)},
-         {print_duration(channel.gaps.longest)},
+         {has_gaps(channel) ? print_duration(channel.gaps.longest) : ""},
          {channel.periodic ? fmt::format("{}", channel.omission) : ""},
          {fmt::format("{}", channel.bytes)},
          {channel.bytes_per_second ? fmt::format("{:.0f}", *channel.bytes_per_second) : "too few"},
@@ -64,10 +73,10 @@ Json channels_of(const learn::Draft& draft) {
          {"kind", kind_of(channel)},
          {"period_ns", channel.period},
          {"jitter_ns", channel.jitter},
-         {"median_gap_ns", channel.gaps.median},
-         {"mean_gap_ns", channel.gaps.mean},
-         {"shortest_gap_ns", channel.gaps.shortest},
-         {"longest_gap_ns", channel.gaps.longest},
+         {"median_gap_ns", gap(channel, channel.gaps.median)},
+         {"mean_gap_ns", gap(channel, channel.gaps.mean)},
+         {"shortest_gap_ns", gap(channel, channel.gaps.shortest)},
+         {"longest_gap_ns", gap(channel, channel.gaps.longest)},
          {"pauses", channel.gaps.pauses},
          {"longest_pause_ns", channel.gaps.longest_pause},
          {"omission", channel.periodic ? Json(channel.omission) : Json()},

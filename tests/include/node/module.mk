@@ -2,7 +2,7 @@
 # The attribute core on simulated nodes: ATmega with simavr, Cortex-M3 with QEMU.
 AVR_CXX ?= avr-g++
 ARM_CXX ?= arm-none-eabi-g++
-NODE_COMPILERS = $(CXX) clang++-14 clang++-19 $(AVR_CXX) $(ARM_CXX)
+NODE_COMPILERS = $(lastword $(CXX)) clang++-14 clang++-19 $(AVR_CXX) $(ARM_CXX)
 NODE_CASES := 1 2 3 4 5 6 7
 NODE_FLAGS := -std=c++14 -Os -ffreestanding -fno-exceptions -fno-rtti -fno-threadsafe-statics \
 	-ffunction-sections -fdata-sections -Wl,--gc-sections $(WARN) -Iinclude -Itests/include/node

@@ -145,6 +145,16 @@ TEST_F(LearnVerb, WhatCameTooSeldomHasNoKind) {
       << json.out;
 }
 
+TEST_F(LearnVerb, ASingleEventHasNoGaps) {
+  const std::string log = frames("can0", "2F0", 4, 60) + "(100.250000) can0 123#11\n";
+  const Ran json = run({"learn", folder.write("once.log", log), "--json"});
+  EXPECT_TRUE(json.out.contains(R"("median_gap_ns":null,"mean_gap_ns":null,)"
+                                R"("shortest_gap_ns":null,"longest_gap_ns":null)"))
+      << json.out;
+  const Ran ran = run({"learn", folder.path("once.log"), "--output", folder.path("once.xml")});
+  EXPECT_FALSE(ran.out.contains("0 ns")) << ran.out << ran.error;
+}
+
 TEST_F(LearnVerb, OfTheSameTrafficNothingIsToBeMerged) {
   const auto path = drafted();
   const Ran ran = run({"learn", folder.path("first.log"), "--merge", path});
