@@ -12,6 +12,7 @@ bool FormerReceivers::Former::is(const Publisher& of, const SharedEndpoint& at) 
 void FormerReceivers::keep(const Publisher& publisher, const std::vector<SharedEndpoint>& receivers,
                            std::uint64_t until) {
   std::vector<Former> kept;
+  kept.reserve(receivers.size());
   for (const SharedEndpoint& one : receivers)
     kept.push_back({publisher, one, this->until(publisher, one).value_or(until)});
   std::erase_if(all_, [&](const Former& one) {
