@@ -179,6 +179,15 @@ void DeliveryEvents::gone(const std::string& subject, const core::Delivery& deli
                                                       : std::vector<core::AdmissionId>{}});
 }
 
+/// Reports what has changed of a delivery that was granted before, and still is.
+void DeliveryEvents::continued(const core::Verdict& v, const core::Verdict& old) {
+  if (v.set != old.set)
+    verdict(v.set > old.set ? Kind::degraded : Kind::upgraded, v,
+            switch_line(*scene_.state, v, old.set));
+  else if (v.route != old.route)
+    verdict(Kind::rerouted, v, reroute_line(*scene_.state, v, old.route));
+}
+
 void DeliveryEvents::changes(const std::vector<core::DecisionChange>& changes) {
   for (const core::DecisionChange& change : changes) {
     for (const core::Verdict& v : scene_.state->decisions()[change.channel].verdicts) {
@@ -186,11 +195,7 @@ void DeliveryEvents::changes(const std::vector<core::DecisionChange>& changes) {
       const bool was = old != nullptr && old->granted;
       if (v.granted && !was) verdict(Kind::granted, v, verdict_line(*scene_.state, v));
       if (!v.granted && was) verdict(withdrawal_of(v), v, verdict_line(*scene_.state, v));
-      if (v.granted && was && v.set != old->set)
-        verdict(v.set > old->set ? Kind::degraded : Kind::upgraded, v,
-                switch_line(*scene_.state, v, old->set));
-      else if (v.granted && was && v.route != old->route)
-        verdict(Kind::rerouted, v, reroute_line(*scene_.state, v, old->route));
+      if (v.granted && was) continued(v, *old);
       pulse_();
     }
   }

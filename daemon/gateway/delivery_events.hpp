@@ -70,6 +70,7 @@ class DeliveryEvents {
  private:
   [[nodiscard]] static Contract as_reported(const core::State& state, const core::Verdict& verdict);
   void gone(const std::string& subject, const core::Delivery& delivery);
+  void continued(const core::Verdict& v, const core::Verdict& old);
   [[nodiscard]] std::string why_gone(std::optional<std::size_t> channel,
                                      const core::Delivery& delivery) const;
   [[nodiscard]] std::vector<core::AdmissionId> admissions_of(const core::Verdict& verdict) const;
