@@ -165,10 +165,11 @@ demo: ensure-deps ## the emergency stop, shown on real SocketCAN and systemd (DE
 test: ensure-deps ## everything: layers, format, unit, kernel and guest tests
 	$(Q)$(MAKE) BUNDLE=$(BUNDLE_IF_BARE) test-all
 
-# The tests of the second line wait as often as they compute, so there is one more of them than there are processors.
+# How many tests run at a time that wait as often as they compute, as those of the second line and the guest do.
+WAITING_JOBS = $(shell expr $$(nproc) + 1)
 test-all:
 	$(Q)$(TIMED) $(MAKE) all check-layers check-format cppcheck tidy check-mcu
-	$(Q)$(TIMED) $(MAKE) -j$(shell expr $$(nproc) + 1) FUZZ_OPT=-O0 check-cluster check-node check-fuzz check-work check-sanitized check-plain check-docs check-docs-cluster check-install check-reproducible check-fault check-memory check-torn check-neighbour check-quotas check-client check-exporter check-cockpit
+	$(Q)$(TIMED) $(MAKE) -j$(WAITING_JOBS) FUZZ_OPT=-O0 check-cluster check-node check-fuzz check-work check-sanitized check-plain check-docs check-docs-cluster check-install check-reproducible check-fault check-memory check-torn check-neighbour check-quotas check-client check-exporter check-cockpit
 	$(Q)$(TIMED) $(MAKE) check-harness check-lintian check-guest
 TIMED := tests/support/timed
 

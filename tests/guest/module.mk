@@ -6,7 +6,7 @@ GUEST_TESTS :=
 GUEST_SYSTEMD_TESTS :=
 GUEST_LONGEST = $(addprefix tests/guest/cases/,kills nth-call subscriptions-travel)
 # A case waits a third of its time: for timers, and for what it has started.
-GUEST_JOBS ?= $(shell expr $$(nproc) + 1)
+GUEST_JOBS ?= $(WAITING_JOBS)
 GUEST_READY := $O/guest/ready
 
 $(GUEST_READY): tests/guest/build-image tests/guest/extract-vmlinux tests/guest/init
