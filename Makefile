@@ -169,7 +169,7 @@ test: ensure-deps ## everything: layers, format, unit, kernel and guest tests
 WAITING_JOBS = $(shell expr $$(nproc) + 1)
 test-all:
 	$(Q)$(TIMED) $(MAKE) all check-layers check-format cppcheck tidy check-mcu
-	$(Q)$(TIMED) $(MAKE) -j$(WAITING_JOBS) FUZZ_OPT=-O0 check-cluster check-node check-fuzz check-work check-sanitized check-plain check-docs check-docs-cluster check-install check-reproducible check-fault check-memory check-torn check-neighbour check-quotas check-client check-exporter check-cockpit
+	$(Q)$(TIMED) $(MAKE) -k -Otarget -j$(WAITING_JOBS) FUZZ_OPT=-O0 check-cluster check-node check-fuzz check-work check-sanitized check-plain check-docs check-docs-cluster check-install check-reproducible check-fault check-memory check-torn check-neighbour check-quotas check-client check-exporter check-cockpit
 	$(Q)$(TIMED) $(MAKE) check-harness check-lintian check-guest
 TIMED := tests/support/timed
 
