@@ -237,6 +237,7 @@ void Bridge::drop(const std::string& why) {
   refused_.clear();
   follower_.stop();
   status_call_.reset();
+  status_.reset();
   for (auto& [id, of] : std::exchange(under_way_, {}))
     answer({.id = id,
             .outcome = of.call->sent() ? Outcome::unsure : Outcome::unavailable,

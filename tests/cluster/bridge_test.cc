@@ -364,6 +364,19 @@ TEST_F(ClusterBridge, SaysThatTheStoreIsFull) {
   EXPECT_TRUE(drain_of<StoreState>().back().no_space);
 }
 
+TEST_F(ClusterBridge, OfAStoreThatDoesNotAnswerNothingIsKnown) {
+  bridge_.take(wire::Hello{"t", "gw"});
+  finish(call(etcd::kStatus), status(1, "memberID:1 alarm:NOSPACE "));
+  ASSERT_TRUE(drain_of<StoreState>().back().no_space);
+  loop_.until([&] { return calls_.size() > 1; });
+  call(etcd::kStatus).end(End::kNoStatus, "it is gone");
+  const auto state = drain_of<StoreState>().back();
+  EXPECT_FALSE(state.reachable);
+  EXPECT_FALSE(state.no_space) << "it may have been emptied since";
+  EXPECT_EQ(state.db_bytes, 0U);
+  EXPECT_EQ(state.latency_ns, 0U);
+}
+
 TEST_F(ClusterBridge, WhereNoChannelCanBeMadeItIsTriedAgain) {
   refuses_ = true;
   bridge_.take(wire::Hello{"t", "gw"});
