@@ -17,8 +17,8 @@ function condition(p) {
   if (!p.network.available) return p.network.problem || "not available";
   return p.interfaces.map((i) => {
     if (!i.ifindex) return `${i.name} is absent`;
+    if (i.problem) return i.problem.startsWith(i.name) ? i.problem : `${i.name}: ${i.problem}`;
     if (!i.up) return `${i.name} is down`;
-    if (i.problem) return `${i.name}: ${i.problem}`;
     return `${i.name}${i.profile === "none" && !i.attached ? ", no gate" : i.attached ? ", gated" : ", NO GATE"}`;
   }).join("; ");
 }

@@ -43,6 +43,7 @@ Link describe(rtnl_link* link) {
   out.is_ethernet = rtnl_link_get_arptype(link) == ARPHRD_ETHER;
   out.is_wpan = rtnl_link_get_arptype(link) == ARPHRD_IEEE802154;
   out.up = (rtnl_link_get_flags(link) & IFF_UP) != 0;
+  out.running = (rtnl_link_get_flags(link) & IFF_RUNNING) != 0;
   if (rtnl_link_is_can(link) == 0) return out;
   std::uint32_t value = 0;
   if (rtnl_link_can_state(link, &value) == 0) out.can_state = can_state_name(value);

@@ -25,6 +25,7 @@ struct Link {
   bool is_ethernet = false;        ///< ARPHRD_ETHER
   bool is_wpan = false;            ///< ARPHRD_IEEE802154
   bool up = false;                 ///< administratively up
+  bool running = false;            ///< up, and its medium is there: it has a carrier
   std::string can_state;           ///< "error-active", "error-warning", "error-passive", "bus-off",
                                    ///< "stopped", "sleeping"; empty: the driver has none
   std::uint32_t bitrate = 0;       ///< bit/s, 0: unknown

@@ -111,6 +111,8 @@ void DescribedPort::judge(const net::Link& link) {
     problem_ = link.name + " is down";
   else if (link.can_state == "bus-off")
     problem_ = link.name + " is bus-off";
+  else if (!link.running)
+    problem_ = link.name + " has no carrier: its cable is unplugged, or nobody is at the other end";
   else if (is_gated_can() && link.bitrate == 0 && link.kind == "can")
     problem_ = "the bit rate of " + link.name + " is unknown";
   else if (is_gated_can() && link.bitrate == 0 && network_bitrate_ == 0)

@@ -47,7 +47,7 @@ control::Interface report_of(const DescribedPort& port, const net::InterfaceTabl
   i.problem = port.problem();
   i.ifindex = static_cast<std::uint32_t>(port.ifindex());
   if (const net::Link* link = port.link(links)) {
-    i.up = link->up;
+    i.up = link->running;
     i.can_state = link->can_state;
     i.bitrate = link->bitrate;
   }

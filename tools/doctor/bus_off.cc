@@ -24,7 +24,7 @@ bool is_bus_off(const net::Links& links, int ifindex) {
 /// Whether the controller runs and takes part in the bus.
 bool is_on_bus(const net::Links& links, int ifindex) {
   const auto link = links.table().find(ifindex);
-  return link != links.table().end() && link->second.up && !is_bus_off(links, ifindex) &&
+  return link != links.table().end() && link->second.running && !is_bus_off(links, ifindex) &&
          link->second.can_state.starts_with("error-");
 }
 

@@ -151,6 +151,7 @@ std::optional<std::string> why_not_send(const Device& device, bool may_send) {
   const auto& link = device.link;
   if (!may_send) return "needs --send, which sends frames on the bus";
   if (!link.up) return fmt::format("{0} is down: ip link set {0} up", link.name);
+  if (!link.running && link.can_state != "bus-off") return link.name + " has no carrier";
   if (device.gate == Gate::enforcing)
     return "the gate of mlccad drops the probe frames: mlccactl mode audit lets them pass, "
            "mlccactl "

@@ -31,7 +31,7 @@ class DescribedPortTest : public ::testing::Test {
     link.name = "can0";
     link.kind = "can";
     link.is_can = true;
-    link.up = true;
+    link.up = link.running = true;
     link.bitrate = 500'000;
     links_.emplace(ifindex, link);
   }
@@ -110,12 +110,15 @@ TEST_F(DescribedPortTest, CannotBeUsedWhileItsInterfaceIsDownOrHasNoBitRate) {
     return port().problem();
   };
   EXPECT_EQ(problem(), "");
-  link().up = false;
+  link().up = link().running = false;
   EXPECT_EQ(problem(), "can0 is down");
   link().up = true;
   link().can_state = "bus-off";
   EXPECT_EQ(problem(), "can0 is bus-off");
   link().can_state = "error-active";
+  EXPECT_EQ(problem(),
+            "can0 has no carrier: its cable is unplugged, or nobody is at the other end");
+  link().running = true;
   link().bitrate = 0;
   EXPECT_EQ(problem(), "the bit rate of can0 is unknown");
 }

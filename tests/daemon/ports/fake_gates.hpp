@@ -69,7 +69,7 @@ inline net::Link ethernet(int ifindex, const std::string& name) {
   link.ifindex = ifindex;
   link.name = name;
   link.is_ethernet = true;
-  link.up = true;
+  link.up = link.running = true;
   return link;
 }
 

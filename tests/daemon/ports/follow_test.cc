@@ -2,6 +2,7 @@
 // A notification of an interface that is no port's changes nothing; whatever may be a port's is
 // followed.
 #include <gtest/gtest.h>
+#include <poll.h>
 
 #include <cstdlib>
 #include <map>
@@ -63,6 +64,17 @@ class FollowTest : public ::testing::Test {
     return ports_->needs_reconcile();
   }
 
+  /// Follows what the kernel reports until the port has this problem.
+  void expect_problem(const std::string& problem) {
+    for (int n = 0; n < 100 && ports_->problem(0) != problem; ++n) {
+      pollfd notices{.fd = links_->fd(), .events = POLLIN, .revents = 0};
+      ::poll(&notices, 1, 100);
+      ASSERT_TRUE(links_->refresh());
+      ports_->follow();
+    }
+    EXPECT_EQ(ports_->problem(0), problem);
+  }
+
   static constexpr int kNear = 4711;
   static constexpr int kFar = 4712;
   std::string root_ = test::new_bpf_root();
@@ -94,6 +106,19 @@ TEST_F(FollowTest, WhateverBecomesOfAPortIsFollowed) {
     EXPECT_TRUE(needs_reconcile()) << "until it is followed: " << command;
     follow();
   }
+}
+
+/// The kernel reports a carrier up to a second later.
+TEST_F(FollowTest, ACarrierThatComesAndGoesIsFollowed) {
+  constexpr const char* unplugged =
+      "eth7 has no carrier: its cable is unplugged, or nobody is at the other end";
+  describe_by_name();
+  shell("ip link set eth7 up; ip link set far7 down");
+  expect_problem(unplugged);
+  shell("ip link set far7 up");
+  expect_problem("");
+  shell("ip link set far7 down");
+  expect_problem(unplugged);
 }
 
 TEST_F(FollowTest, AnotherInterfaceThatGetsThePortsNameIsFollowed) {

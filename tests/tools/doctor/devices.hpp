@@ -15,7 +15,7 @@ inline Device controller() {
   device.link.name = "can0";
   device.link.kind = "can";
   device.link.is_can = true;
-  device.link.up = true;
+  device.link.up = device.link.running = true;
   device.link.can_state = "error-active";
   device.link.bitrate = 500'000;
   device.controller.driver = "kvaser_pci";
@@ -41,7 +41,7 @@ inline Device virtual_bus() {
   device.link.name = "v0";
   device.link.kind = "vxcan";
   device.link.is_can = true;
-  device.link.up = true;
+  device.link.up = device.link.running = true;
   device.controller.queue = "noqueue";
   return device;
 }
