@@ -145,7 +145,7 @@ void Admissions::withdraw_all(const std::string& why, Value now, std::vector<Eve
   std::erase_if(own_, [](const auto& entry) { return nowhere_but_here(entry.second); });
 }
 
-void Admissions::find(const View& view, bool goes_on, Value now, std::vector<Event>& events) {
+void Admissions::find(const View& view, std::int64_t since, Value now, std::vector<Event>& events) {
   const Records& records = view.records();
   for (auto it = records.asked.lower_bound({self_, 0});
        it != records.asked.end() && it->first.first == self_; ++it) {
@@ -158,7 +158,7 @@ void Admissions::find(const View& view, bool goes_on, Value now, std::vector<Eve
             .state = State::granted,
             .answered = true};
     if (record.asked.stage == Stage::prepared) own.state = State::erasing;
-    if (record.asked.stage == Stage::ending || (granted && !goes_on)) give_up(own, now);
+    if (record.asked.stage == Stage::ending || (granted && record.mod < since)) give_up(own, now);
     if (own.state == State::erasing) own.erase_from = queues_empty_at(now);
     if (own.state == State::granted)
       events.emplace_back(Found{.id = key.second, .admission = record.asked.admission});

@@ -233,7 +233,8 @@ void Member::step(Value now) {
   if (joined && now >= view_.leases_end()) journal_.waits = false;
   if (joined && !found_ && caught_up()) {
     found_ = true;
-    admissions_.find(view_, goes_on_, now, events_);
+    // What an earlier incarnation had may still be there if this one has been started twice since.
+    admissions_.find(view_, journal_.incarnation, now, events_);
     events_.emplace_back(Joined{.goes_on = goes_on_});
   }
   const std::size_t before = events_.size();

@@ -37,6 +37,7 @@ std::vector<Scenario> scenarios() {
       {.name = "paused", .clock_ppm = worst, .steps = 8, .pauses = 1},
       {.name = "stalled", .clock_ppm = worst, .steps = 8, .stalls = 1, .crashes = 1, .faulty = {1}},
       {.name = "fenced", .clock_ppm = worst, .steps = 8, .fences = 1},
+      {.name = "fenced, dead twice", .steps = 4, .crashes = 2, .fences = 1},
       {.name = "fenced and blind", .clock_ppm = worst, .steps = 8, .stalls = 1, .fences = 1},
       {.name = "way late",
        .gateways = 3,
