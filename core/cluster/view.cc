@@ -52,7 +52,10 @@ void View::apply(const Batch& batch, Value now) {
     touch_all();
   }
   if (!batch.last) return;
+  const Exceeded before = records_.too_many;
   for (const Entry& entry : parts_) take_in(entry, now);
+  // Nothing that is known of any network is complete from then on.
+  if (records_.too_many != before) touch_all();
   parts_.clear();
   revision_ = batch.revision;
   expire(now);

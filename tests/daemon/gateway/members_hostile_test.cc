@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/cluster/lease.hpp"
+#include "core/cluster/records.hpp"
 #include "tests/daemon/gateway/members_forged.hpp"
 
 namespace mlcca::test {
@@ -91,6 +92,21 @@ TEST_F(MembersHostile, AnEpochAfterALeaseWithoutAnEndIsUsedAnHourAfterItsBeginni
   start(1);
   pass(4 * kSecondNs);
   EXPECT_EQ(asked(0, wanted("c3", "own0", "shared")), "granted");
+}
+
+/// They are of no network, and what is known of each is not complete from then on.
+TEST_F(MembersHostile, AboveTheLimitOfEntriesThatCannotBeReadNothingMoreIsGranted) {
+  start_both();
+  for (std::size_t n = 0; n <= cc::kMostStrange; n += 64) {
+    std::vector<cc::Put> puts;
+    for (std::size_t m = n; m < n + 64; ++m)
+      puts.push_back({.key = key("x/g1/") + std::to_string(m + 1), .value = "nothing"});
+    store.write(puts);
+    run();
+  }
+  pass(kSecondNs);
+  EXPECT_NE(asked(0, wanted("c3", "own0", "shared")), "granted");
+  EXPECT_EQ(entries("r/"), 0U);
 }
 
 TEST_F(MembersHostile, AUserIsDecidedBetweenTheRequestsOfAnotherGateway) {
