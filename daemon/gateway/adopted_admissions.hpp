@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <expected>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,10 @@ class AdoptedAdmissions {
   /// says why it does not fit.
   [[nodiscard]] virtual std::expected<Reserving::Wish, Reserving::Refusal> wish(
       const control::Request& request, std::size_t gateway) = 0;
+  /// The admissions of publishers and subscribers of which a delivery of these channels is not
+  /// granted.
+  [[nodiscard]] virtual std::set<core::AdmissionId> not_granted(
+      const std::set<std::size_t>& channels) = 0;
   /// Whether nobody publishes any more what that subscriber was admitted for.
   [[nodiscard]] virtual bool is_without_publisher(const control::Request& request) = 0;
   /// Whether that is for good: no admission of this gateway brings such a publisher, not even one

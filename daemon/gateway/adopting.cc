@@ -113,6 +113,7 @@ void Adopting::on(const core::cluster::Ended& event) {
   hold_nothing(it->second);
   set_not_due(it->first);
   to_check_.erase(it->first);
+  to_judge_.erase(it->first);
   adopted_.erase(it);
 }
 
@@ -135,6 +136,8 @@ void Adopting::forget() {
   votes_.clear();
   others_due_.clear();
   to_check_.clear();
+  changed_.clear();
+  to_judge_.clear();
   requests_of_.clear();
 }
 
@@ -234,12 +237,23 @@ void Adopting::hand_on(Adopted& adopted) {
   }
 }
 
+/// The store still has it: until it has not, what was in use counts as reserved by its gateway.
 void Adopting::close(Adopted& adopted) {
   hand_on(adopted);
   if (!adopted.open) return;
   set_open(adopted, false);
   hands_.remove(ids_in(adopted.ours));
+  if (adopted.is_on_behalf())
+    hands_.give_back(ids_in(adopted.ours));
+  else
+    networks_.count(adopted.number, adopted.footprint, adopted.origin.gateway);
   hand_on(adopted);
+}
+
+/// This gateway cannot keep it any more.
+void Adopting::end(Adopted& adopted, const Refusal& why) {
+  close(adopted);
+  answer(adopted, why);
 }
 
 /// The other gateway cannot want it any more, and may not have ended it yet.
@@ -252,7 +266,6 @@ void Adopting::replace(Adopted& former) {
     hands_.give_back(ids_in(former.ours));
   }
   hold_nothing(former);
-  networks_.count(former.number, former.footprint, former.origin.gateway);
   former.answer = vote_of({.why = kReplaced});
   set_due(former, Due::answer);
 }
@@ -365,10 +378,7 @@ void Adopting::vote(Adopted& adopted, core::cluster::Member& member, Value now) 
   if (!adopted.refusal.empty()) why.why = adopted.refusal;
   if (adopted.asked && !is_unwanted(adopted)) {
     why.why = name_all(adopted);
-    networks_.leave_out(adopted.number);
-    hands_.bring_in_line();
-    if (why.why.empty()) why = misfit(adopted);
-    networks_.leave_out(std::nullopt);
+    if (why.why.empty()) why = misfit_now(adopted);
   }
   const core::cluster::Origin origin = adopted.origin;
   member.vote(origin, vote_of(std::move(why)), now);
@@ -391,7 +401,6 @@ std::string Adopting::open(Adopted& adopted) {
   networks_.leave_out(std::nullopt);
   if (why.empty()) return why;
   close(adopted);
-  networks_.count(adopted.number, adopted.footprint, adopted.origin.gateway);
   hands_.bring_in_line();
   return why;
 }
@@ -435,6 +444,7 @@ bool Adopting::step(core::cluster::Member& member, Value now) {
   }
   for (const Key& key : std::exchange(to_check_, {}))
     any = ends_with_publisher(adopted_.at(key)) || any;
+  any = take_back_lost() || any;
   for (const auto& [of, request] : std::exchange(found_, {})) hands_.give_back({request.id});
   return any;
 }
@@ -449,8 +459,10 @@ void Adopting::act_on(Adopted& adopted, core::cluster::Member& member, Value now
       member.vote(origin, vote_of({.why = std::move(why)}), now);
   } else if (due == Due::resume) {
     const auto done = admissions_.admit(adopted.ours.front());
-    if (!done) close(adopted);
-    answer(adopted, {.why = done ? std::string() : done.error().text});
+    if (done)
+      answer(adopted, {});
+    else
+      end(adopted, {.why = done.error().text});
   } else if (due == Due::answer) {
     member.vote(origin, adopted.answer, now);
   }
@@ -581,8 +593,7 @@ void Adopting::publishers_gone() { to_check_.insert(on_behalf_.begin(), on_behal
 
 bool Adopting::ends_with_publisher(Adopted& adopted) {
   if (!adopted.open || !admissions_.is_without_publisher(adopted.ours.front())) return false;
-  close(adopted);
-  answer(adopted, {.why = "the publisher that it is for is not admitted any more"});
+  end(adopted, {.why = "the publisher that it is for is not admitted any more"});
   return true;
 }
 
@@ -590,9 +601,31 @@ void Adopting::withdrawn(core::AdmissionId id, const Refusal& why) {
   const auto holder = holders_.find(id);
   if (holder == holders_.end()) return;
   Adopted& adopted = adopted_.at(holder->second);
-  if (!adopted.is_on_behalf() || !adopted.open) return;
-  close(adopted);
-  answer(adopted, why);
+  if (adopted.is_on_behalf() && adopted.open) end(adopted, why);
+}
+
+// --- what is not granted here any more -----------------------------------------------------------
+
+/// Takes back the agreement to what this gateway cannot carry any more, for example because a
+/// network of it is down: the gateway that has asked withdraws it, and asks again later. Nothing is
+/// judged while networks are closed, since then nothing is granted for another reason.
+bool Adopting::take_back_lost() {
+  if (!networks_.permits().is_open()) return false;
+  if (!changed_.empty())
+    for (const core::AdmissionId id : admissions_.not_granted(std::exchange(changed_, {})))
+      if (const auto holder = holders_.find(id); holder != holders_.end())
+        to_judge_.insert(holder->second);
+  bool any = false;
+  while (!to_judge_.empty() && done_in_turn_ < kMostInTurn) {
+    Adopted& adopted = adopted_.at(to_judge_.extract(to_judge_.begin()).value());
+    if (!adopted.open) continue;
+    done_in_turn_ += kRequestsOfOne + adopted.asks.size();
+    const Refusal why = misfit_now(adopted);
+    if (why.why.empty()) continue;
+    end(adopted, why);
+    any = true;
+  }
+  return any;
 }
 
 // --- what does not fit ---------------------------------------------------------------------------
@@ -618,6 +651,15 @@ Adopting::Refusal Adopting::misfit(const Adopted& adopted) const {
     if (has_publisher(request)) publishers.push_back(&request);
   }
   return misfit_of_held(adopted);
+}
+
+/// Beside all that is reserved except for itself.
+Adopting::Refusal Adopting::misfit_now(const Adopted& adopted) {
+  networks_.leave_out(adopted.number);
+  hands_.bring_in_line();
+  Refusal why = adopted.is_on_behalf() ? admissions_.misfit(adopted.ours.front()) : misfit(adopted);
+  networks_.leave_out(std::nullopt);
+  return why;
 }
 
 /// Of what another admission of the same gateway holds, and this one asks for, too.

@@ -71,6 +71,9 @@ class Adopting {
   /// After a start the store has this reservation of this gateway, which was made for another one.
   /// True if it is to be kept: the request of the other one follows, or it is given back in step().
   [[nodiscard]] bool keep_found(const cluster::StoredRequest& asked);
+  /// What is decided of that channel has changed: what this gateway has agreed to may not be granted
+  /// any more.
+  void note_changed(std::size_t channel) { changed_.insert(channel); }
   /// Publishers may have gone for which subscribers of other gateways were admitted here.
   void publishers_gone();
   /// What was reserved for an admission that was made for another gateway was withdrawn.
@@ -87,7 +90,9 @@ class Adopting {
   /// and gateways take turns. True if anything was done.
   bool step(core::cluster::Member& member, Value now);
   /// Whether step() has more to do in the next turn.
-  [[nodiscard]] bool has_due() const { return !votes_.empty() || !others_due_.empty(); }
+  [[nodiscard]] bool has_due() const {
+    return !votes_.empty() || !others_due_.empty() || !to_judge_.empty();
+  }
   /// Whether all that the store says to be open is open, or was refused.
   [[nodiscard]] bool has_opened() const { return others_due_.empty(); }
   /// Adds the open admissions to another state of the same description.
@@ -146,11 +151,14 @@ class Adopting {
                                          const WhichRequest& which);
   [[nodiscard]] std::string name_all(Adopted& adopted);
   [[nodiscard]] Refusal misfit(const Adopted& adopted) const;
+  [[nodiscard]] Refusal misfit_now(const Adopted& adopted);
   [[nodiscard]] Refusal misfit_of_held(const Adopted& adopted) const;
   [[nodiscard]] std::optional<core::cluster::Footprint> mapped(const Adopted& adopted) const;
   [[nodiscard]] std::string open(Adopted& adopted);
   [[nodiscard]] std::string admit_all(const Adopted& adopted) const;
   void close(Adopted& adopted);
+  void end(Adopted& adopted, const Refusal& why);
+  bool take_back_lost();
   [[nodiscard]] Adopted* other_with(const Adopted& adopted, const WhichRequest& which);
   void hand_on(Adopted& adopted);
   void vote(Adopted& adopted, core::cluster::Member& member, Value now);
@@ -184,6 +192,8 @@ class Adopting {
   std::size_t done_in_turn_ = 0;
   std::map<std::size_t, std::size_t> requests_of_;  ///< by gateway: how many are decided
   std::set<Key> to_check_;                          ///< their publishers may have gone
+  std::set<std::size_t> changed_;                   ///< channels, see note_changed()
+  std::set<Key> to_judge_;                          ///< something of them is not granted any more
   std::map<For, control::Request> found_;  ///< reserved by an earlier process, see keep_found()
 };
 

@@ -53,6 +53,7 @@ GatewayParts::GatewayParts(Options given, Outside around)
   turn.on_changed([this](const core::DecisionChange& change) {
     drops.verdicts_changed(change);
     delivery_health.restart(change.channel);
+    if (membership) membership->note_changed(change.channel);
   });
   drops.on_polled([this](const auto& polled) { delivery_health.judge(polled); });
 }

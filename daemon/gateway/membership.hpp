@@ -130,6 +130,10 @@ class Membership final : private core::Holdings, private Adopting::Hands {
   bool refuse(const std::string& key, const std::string& why);
   void admissions_gone(const std::vector<core::AdmissionId>& gone);
   void session_closed(std::uint64_t session);
+  /// What is decided of that channel has changed.
+  void note_changed(std::size_t channel) {
+    if (session_.adopting) session_.adopting->note_changed(channel);
+  }
   /// Whether the admission was made for another gateway, which alone releases it.
   [[nodiscard]] bool is_adopted(core::AdmissionId id) const {
     return session_.adopting && session_.adopting->has(id);

@@ -95,6 +95,19 @@ Reserving::Refusal AdmissionsOfOthers::misfit(const control::Request& request) {
   return wish.fit() ? Reserving::Refusal() : first_refusal(state, wish);
 }
 
+std::set<core::AdmissionId> AdmissionsOfOthers::not_granted(const std::set<std::size_t>& channels) {
+  const core::State& state = *parts_.scene.state;
+  const core::Members& members = state.members();
+  std::set<core::AdmissionId> all;
+  for (const std::size_t channel : channels)
+    for (const core::Verdict& v : state.decisions()[channel].verdicts) {
+      if (v.granted) continue;
+      all.insert(members.admission_of_publisher(v.publisher));
+      for (const std::size_t s : v.subscribers) all.insert(members.admission_of_subscriber(s));
+    }
+  return all;
+}
+
 bool AdmissionsOfOthers::is_without_publisher(const control::Request& request) {
   const core::State& state = *parts_.scene.state;
   const auto& admit = std::get<control::Admit>(request.body);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <expected>
 #include <memory>
+#include <set>
 #include <vector>
 
 #include "base/result.hpp"
@@ -50,6 +51,8 @@ class AdmissionsOfOthers final : public AdoptedAdmissions {
   void restore(const control::Request& request) override;
   [[nodiscard]] std::expected<Reserving::Wish, Reserving::Refusal> wish(
       const control::Request& request, std::size_t gateway) override;
+  [[nodiscard]] std::set<core::AdmissionId> not_granted(
+      const std::set<std::size_t>& channels) override;
   [[nodiscard]] bool is_without_publisher(const control::Request& request) override;
   [[nodiscard]] bool is_publisher_gone(const control::Request& request) override;
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,6 +37,9 @@ class FakeAdmissions final : public AdoptedAdmissions {
   std::expected<Reserving::Wish, Reserving::Refusal> wish(const control::Request& /*request*/,
                                                           std::size_t /*gateway*/) override {
     return std::unexpected(Reserving::Refusal{.why = "nothing is reserved"});
+  }
+  std::set<core::AdmissionId> not_granted(const std::set<std::size_t>& /*channels*/) override {
+    return {};
   }
   bool is_without_publisher(const control::Request& /*request*/) override { return false; }
   bool is_publisher_gone(const control::Request& /*request*/) override { return false; }
