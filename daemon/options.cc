@@ -10,6 +10,7 @@
 #include "base/command_line.hpp"
 #include "base/number.hpp"
 #include "control/version.hpp"
+#include "core/cluster/lease.hpp"
 
 namespace mlcca {
 namespace {
@@ -26,10 +27,6 @@ std::optional<std::uint64_t> parse_time(const std::string& text) {
   if (rest == "s" && *number <= longest) return *number * std::uint64_t{1'000'000'000};
   return std::nullopt;
 }
-
-// The same bounds as in core::cluster.
-constexpr std::uint64_t kLeastLease = 2'000'000'000;
-constexpr std::uint64_t kMostLease = 3'600'000'000'000;
 
 /// Whether a file certainly does not exist. A file that cannot be looked up may exist.
 bool is_absent(const std::string& file) {
@@ -92,7 +89,7 @@ Parsed parse_options(int argc, char** argv) {
                  "3600s")
       ->check([](const std::string& text) {
         const auto ns = parse_time(text);
-        return ns && *ns >= kLeastLease && *ns <= kMostLease
+        return ns && *ns >= core::cluster::kLeastLease && *ns <= core::cluster::kMostLease
                    ? std::string()
                    : "a time from 2s to 3600s (not " + text + ")";
       })

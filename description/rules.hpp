@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/mesh/link_table.hpp"
 #include "core/model/system.hpp"
 #include "description/problems.hpp"
 
@@ -16,11 +17,12 @@ inline constexpr std::size_t kMaxUserAttributes = 64;
 inline constexpr std::size_t kMaxPairs = 262144;  ///< publishers times subscribers of a channel
 inline constexpr std::size_t kMaxNetworks = 1024;
 inline constexpr std::size_t kMaxGateways = 256;
-inline constexpr std::size_t kMaxMasks = 32;        ///< bindings with a mask on one network
-inline constexpr std::size_t kMaxPorts = 256;       ///< for each gateway
-inline constexpr std::size_t kMaxMeshNodes = 4096;  ///< for each mesh, like the following limits
-inline constexpr std::size_t kMaxMeshLinks = 8192;  ///< directed links, as core::mesh::kMaxLinks;
-                                                    ///< also the limit of members of domains
+inline constexpr std::size_t kMaxMasks = 32;   ///< bindings with a mask on one network
+inline constexpr std::size_t kMaxPorts = 256;  ///< for each gateway
+/// For each mesh, like the following limits.
+inline constexpr std::size_t kMaxMeshNodes = core::mesh::kMaxNodes;
+/// Directed links; also the limit of members of domains.
+inline constexpr std::size_t kMaxMeshLinks = core::mesh::kMaxLinks;
 inline constexpr std::size_t kMaxMeshDomains = 1024;
 inline constexpr std::size_t kMaxMeshSources = 16;
 

@@ -11,6 +11,7 @@
 
 #include "core/model/system.hpp"
 #include "core/profiles/profile.hpp"
+#include "mlcca/der_format.hpp"
 
 namespace mlcca::tools {
 
@@ -18,7 +19,7 @@ namespace mlcca::tools {
 /// underscores and hyphens, of bounded length.
 [[nodiscard]] std::string name_like(std::string_view text);
 /// The most characters of a name of a description.
-inline constexpr std::size_t kLongestName = 63;
+inline constexpr std::size_t kLongestName = der::kMaxName;
 /// A name that is not in `taken`: `stem` and `end`, with a number appended if that is taken. The
 /// stem is shortened so far that the name has its length. It is taken then.
 [[nodiscard]] std::string free_name(std::set<std::string>& taken, std::string_view stem,

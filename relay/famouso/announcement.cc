@@ -8,6 +8,7 @@
 
 #include "base/ascii.hpp"
 #include "base/big_endian.hpp"
+#include "mlcca/der_decode.hpp"
 
 namespace mlcca::relay {
 namespace {
@@ -16,14 +17,13 @@ constexpr std::uint8_t kAnnouncementKind = 5;
 constexpr std::size_t kLastsAt = 10;
 constexpr std::size_t kForwardsAt = 18;
 constexpr std::size_t kNamesAt = 19;
-constexpr std::size_t kLongestName = 63;
 
 /// The names in the octets; nullopt if one of them is malformed.
 std::optional<std::vector<std::string>> names_in(Octets rest) {
   std::vector<std::string> names;
   while (!rest.empty()) {
     const std::size_t size = rest.front();
-    if (size == 0 || size > kLongestName || size >= rest.size()) return std::nullopt;
+    if (size == 0 || size > der::kMaxName || size >= rest.size()) return std::nullopt;
     const Octets name = rest.subspan(1, size);
     if (!std::ranges::all_of(name, [](std::uint8_t c) { return is_of_name(static_cast<char>(c)); }))
       return std::nullopt;

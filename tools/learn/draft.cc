@@ -14,6 +14,7 @@
 
 #include "base/many.hpp"
 #include "core/gates/plan.hpp"
+#include "core/model/medium.hpp"
 #include "core/model/station.hpp"
 #include "core/model/text.hpp"
 #include "core/model/words.hpp"
@@ -35,7 +36,6 @@ constexpr std::uint32_t kFastBitrate = 1'000'000;   // if that cannot carry what
 constexpr std::uint32_t kFastDataBitrate = 5'000'000;
 constexpr std::uint64_t kAssumedLatency = 1'000'000;  // ns for forwarding, if it was not observed
 constexpr std::uint64_t kAssumedEthernet = 100'000;   // ns for an Ethernet
-constexpr std::uint32_t kClassicBytes = 8;
 
 std::string mac_text(const std::array<std::uint8_t, 6>& mac) {
   return fmt::format("{:02x}", fmt::join(mac, ":"));
@@ -225,7 +225,7 @@ class Drafter {
                               ? std::optional(*place.priorities.begin())
                               : std::nullopt;
     // Longer events than those that were seen there may cross, too.
-    const bool fd = place.fd || (row.bytes > kClassicBytes &&
+    const bool fd = place.fd || (row.bytes > core::kClassicBytes &&
                                  core::traits_of(profile).fragmentation == nullptr);
     std::string format;
     if (fd) format = place.classic ? R"( format="any")" : R"( format="fd")";

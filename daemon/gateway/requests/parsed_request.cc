@@ -12,6 +12,7 @@
 #include "base/number.hpp"
 #include "core/profiles/profile.hpp"
 #include "daemon/gateway/requests/stated.hpp"
+#include "mlcca/der_format.hpp"
 
 namespace mlcca {
 namespace {
@@ -20,7 +21,6 @@ constexpr std::size_t kNamesShown = 8;
 constexpr std::uint32_t kHighestNode = 253;  // the highest one of any profile
 constexpr std::uint32_t kLowestPriority = 127;
 constexpr std::uint32_t kAnyUser = 0xffffffff;  // in a slot: every user may send
-constexpr std::size_t kLongestName = 63;
 
 template <class Range>
 std::string known(const Range& things) {
@@ -63,9 +63,9 @@ Result<std::optional<std::uint32_t>> mesh_node_named(const core::State& state, c
 Result<std::string> end_name(const std::string& given, const std::string& otherwise) {
   if (given.empty()) return otherwise;
   const bool plain = std::ranges::all_of(given, [](char c) { return c > ' ' && c < 127; });
-  if (!plain || given.size() > kLongestName)
+  if (!plain || given.size() > der::kMaxName)
     return fail(
-        fmt::format("a name has 1 to {} printable characters without blanks", kLongestName));
+        fmt::format("a name has 1 to {} printable characters without blanks", der::kMaxName));
   return given;
 }
 

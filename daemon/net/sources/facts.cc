@@ -8,6 +8,7 @@
 #include "base/octets.hpp"
 #include "base/text.hpp"
 #include "core/mesh/bounds.hpp"
+#include "core/mesh/link_table.hpp"
 
 namespace mlcca::net::facts {
 namespace {
@@ -160,7 +161,8 @@ Result<std::optional<Question>> QuestionReader::take(Octets message) {
       node.address = r.text();
       return node;
     };
-    if (!unpack<Node>(from, question_.mesh.nodes, read, kMaxNodes) || !from.ended_well())
+    if (!unpack<Node>(from, question_.mesh.nodes, read, core::mesh::kMaxNodes) ||
+        !from.ended_well())
       return not_understood();
     return std::nullopt;
   }

@@ -26,7 +26,6 @@
 namespace mlcca::net::facts {
 
 inline constexpr std::size_t kMaxMessage = std::size_t{32} << 10U;  ///< bytes
-inline constexpr std::size_t kMaxNodes = 4096;
 
 using Message = std::string;
 using Octets = std::span<const char>;

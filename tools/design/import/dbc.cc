@@ -10,6 +10,7 @@
 
 #include "base/number.hpp"
 #include "base/text.hpp"
+#include "core/model/medium.hpp"
 #include "core/profiles/profile.hpp"
 #include "tools/design/import/dbc_timing.hpp"
 #include "tools/design/import/text.hpp"
@@ -18,7 +19,6 @@
 namespace mlcca::tools::design {
 namespace {
 
-constexpr std::uint32_t kClassicBytes = 8;
 constexpr std::uint32_t kFdBytes = 64;
 constexpr std::uint32_t kLongJ1939 = 1785;
 constexpr std::uint8_t kNullAddress = 0xfe;
@@ -146,10 +146,10 @@ class DbcMeaning {
 
   core::FrameFormat format_of(const DbcMessage& from) {
     const bool stated_fd = says(from.format, "_FD");
-    if (from.bytes > kClassicBytes && !stated_fd)
+    if (from.bytes > core::kClassicBytes && !stated_fd)
       lack("assumed-fd", "more than 8 bytes: taken as an FD frame", from.line,
            fmt::format("{}: {} bytes", from.name, from.bytes));
-    if (stated_fd || from.bytes > kClassicBytes) return core::FrameFormat::fd;
+    if (stated_fd || from.bytes > core::kClassicBytes) return core::FrameFormat::fd;
     const bool fd_bus = says(dbc_.bus_type, "FD");
     if (!fd_bus || from.format) return core::FrameFormat::classic;
     lack("assumed-any", "the bus has FD frames, and this message does not say: both pass",

@@ -11,6 +11,7 @@
 
 #include "base/ascii.hpp"
 #include "base/number.hpp"
+#include "core/model/medium.hpp"
 #include "core/model/words.hpp"
 #include "description/read.hpp"
 #include "description/values.hpp"
@@ -26,7 +27,6 @@ constexpr Value kDatagram = 1400;          // bytes, fits any Ethernet frame
 constexpr std::uint32_t kFirstId = 0x100;  // the first identifier that is assigned
 constexpr std::uint32_t kMostBitrate = 1'000'000;
 constexpr std::uint32_t kUsualBitrate = 500'000;
-constexpr Value kClassicBytes = 8;
 constexpr Value kMostBytes = 65'535;
 
 bool is_interface_name(std::string_view name) {
@@ -117,7 +117,7 @@ class PlanWriter {
     const auto& channel = plan_.channels[c];
     put("    <Binding channel=\"{}\"{}><Identifier form=\"standard\">0x{:03x}</Identifier>"
         "</Binding>\n",
-        channel.name, channel.bytes > kClassicBytes ? " format=\"fd\"" : "", kFirstId + c);
+        channel.name, channel.bytes > core::kClassicBytes ? " format=\"fd\"" : "", kFirstId + c);
   }
 
   static bool is_on(const PlannedChannel& channel, std::size_t network) {
@@ -217,7 +217,7 @@ namespace {
 
 Result<void> check_size(const Plan& plan, const PlannedChannel& channel) {
   for (std::size_t n = 0; n < plan.networks.size(); ++n)
-    if (is_can(plan, n) && channel.bytes > kClassicBytes &&
+    if (is_can(plan, n) && channel.bytes > core::kClassicBytes &&
         (channel.from == n || std::ranges::find(channel.to, n) != channel.to.end()))
       return fail(fmt::format("'{}': a classic frame on {} has at most 8 bytes", channel.name,
                               plan.networks[n].name));
