@@ -14,6 +14,7 @@
 #include "core/model/text.hpp"
 #include "core/model/words.hpp"
 #include "core/profiles/profile.hpp"
+#include "mlcca/arithmetic.hpp"
 #include "tools/audit.hpp"
 #include "tools/elements.hpp"
 #include "tools/escape.hpp"
@@ -116,11 +117,55 @@ std::optional<Elements> elements_of(const control::Finding& f) {
   return out;
 }
 
+/// The daemon reads the counters of the gates so often, in ns. When within that time the frames
+/// came is not known.
+constexpr std::uint64_t kReading = 1'000'000'000;
+
+/// What is known of when the frames of a finding came.
+struct Seen {
+  std::uint64_t gap = 0;      ///< ns, in the busiest second
+  std::uint64_t frames = 0;   ///< at least
+  std::uint64_t seconds = 0;  ///< ns that the readings took in which they were; 0: not known
+};
+
+/// Nullopt if only one frame was seen.
+std::optional<Seen> seen_of(const control::Finding& f) {
+  const std::uint64_t frames = f.dropped + f.would_drop;
+  if (f.busy_gap_ns == 0 && frames < 2) return std::nullopt;
+  const std::uint64_t seconds =
+      f.last_unix_s >= f.first_unix_s ? f.last_unix_s - f.first_unix_s : 0;
+  return Seen{.gap = f.busy_gap_ns != 0 ? f.busy_gap_ns : std::max(kReading / frames, 1UL),
+              .frames = frames,
+              .seconds = f.at_least ? 0 : (seconds + 1) * kReading};
+}
+
+/// How much longer than these readings the frames would take if a gate let one pass each Period.
+std::uint64_t longer(const Seen& seen, std::uint64_t period) {
+  constexpr std::uint64_t clocks = 2000;  // the gates tolerate 500 ppm
+  const std::uint64_t all = mul_saturating(seen.frames, period - period / clocks);
+  return seen.seconds == 0 || all < seen.seconds ? 0 : all - seen.seconds;
+}
+
+/// Whether events with this Period may have looked like those that were seen: in a second there may
+/// have been one more than its Periods, and in all the time, too.
+bool may_have(const Seen& seen, std::uint64_t period) {
+  const std::uint64_t frames = kReading / seen.gap;
+  if (frames >= 2 && period > kReading / (frames - 1)) return false;
+  return longer(seen, period) <= std::max(kReading, period);
+}
+
+/// A round Period that these frames may have, and otherwise one that is not longer than their gap.
+std::uint64_t drafted_period(const Seen& seen) {
+  const std::uint64_t round = tools::nominal(seen.gap);
+  return round <= seen.gap || may_have(seen, round) ? round : seen.gap;
+}
+
 /// A channel that is drafted or described, with what all findings say about it.
 struct Channel {
   std::string name;
   std::uint64_t period = 0;    ///< of its fastest sender, in ns; 0: no event was seen twice
   std::uint64_t provided = 0;  ///< the longest Period of what carries it, in ns; 0: none is stated
+  std::vector<Seen> seen;      ///< of each finding with more than one frame
   std::uint32_t bytes = 1;
   bool is_described = false;
   bool stands = false;          ///< an addition contains it
@@ -164,47 +209,79 @@ class Additions {
           channel.is_described ? f.described : free_name(channel_names_, elements.channel);
     channel.bytes = std::max(channel.bytes, elements.bytes);
     channel.provided = std::max(channel.provided, f.provided_period_ns);
-    if (f.busy_gap_ns == 0) return;
-    const std::uint64_t period = nominal(f.busy_gap_ns);
+    const auto seen = seen_of(f);
+    if (!seen) return;
+    const std::uint64_t period = drafted_period(*seen);
     channel.period = channel.period == 0 ? period : std::min(channel.period, period);
+    channel.seen.push_back(*seen);
   }
 
   static std::string seen(const control::Finding& f, const Channel& channel) {
     const std::uint64_t frames = f.dropped + f.would_drop;
     std::string out = fmt::format("{}{} since {}", f.at_least ? "at least " : "",
                                   many(frames, "frame"), print_second(f.first_unix_s));
-    if (f.busy_gap_ns != 0)
-      out +=
-          fmt::format(", in the busiest second one every {}", time_words(nominal(f.busy_gap_ns)));
+    const auto seen = seen_of(f);
+    if (seen)
+      out += fmt::format(", in the busiest second one every {}", time_words(drafted_period(*seen)));
     if (channel.is_described)
       return out + fmt::format(". The description has its channel {}, and lacks {}.{}",
                                in_comment(channel.name),
                                f.egress && !is_of_sender(f) ? "this delivery" : "this publisher",
                                is_of_sender(f) ? warning(f) : "");
     if (channel.stands) return out + fmt::format("; of {}, see above.", in_comment(channel.name));
-    if (channel.period == 0) return out + "; the Period is assumed.";
-    if (channel.period < channel.provided)
-      return out + (is_provided(channel)
-                        ? fmt::format(": the Period is {}, which network and gateway provide.",
-                                      time_words(channel.provided))
-                        : fmt::format(": the Period is {}. It is refused, because network and "
-                                      "gateway provide a Period of {}.",
-                                      time_words(channel.period), time_words(channel.provided)));
-    return out + (nominal(f.busy_gap_ns) == channel.period ? ": the Period is that." : ".");
+    return out + stated_period(seen, channel) + not_measured(channel);
   }
 
-  /// Whether events with the Period that is provided may have looked like those that were seen: in
-  /// a second there may have been one more than its Periods.
+  /// What a gate does not keep, and who measures it. A comment contains no two hyphens.
+  static std::string not_measured(const Channel& channel) {
+    const bool is_early = jitter_of(channel) != 0;
+    return fmt::format(
+        " When within a second they came was not measured{}, and with arrival=\"sporadic\" silence "
+        "is no fault: mlccactl learn, with its option merge, measures it.",
+        is_early ? ", so the Jitter lets them come at once" : "");
+  }
+
+  /// What Period the draft states, and why.
+  static std::string stated_period(const std::optional<Seen>& seen, const Channel& channel) {
+    if (channel.period == 0) return "; the Period is assumed.";
+    if (channel.period < channel.provided)
+      return is_provided(channel)
+                 ? fmt::format(": the Period is {}, which network and gateway provide.",
+                               time_words(channel.provided))
+                 : fmt::format(
+                       ": the Period is {}. It is refused, because network and "
+                       "gateway provide a Period of {}.",
+                       time_words(channel.period), time_words(channel.provided));
+    return seen && drafted_period(*seen) == channel.period ? ": the Period is that." : ".";
+  }
+
+  /// Whether events with the Period that is provided may have looked like all that were seen.
   static bool is_provided(const Channel& channel) {
-    constexpr std::uint64_t second = 1'000'000'000;
-    const std::uint64_t seen = second / channel.period;
-    return seen < 2 || channel.provided <= second / (seen - 1);
+    return std::ranges::all_of(channel.seen,
+                               [&](const Seen& seen) { return may_have(seen, channel.provided); });
   }
 
   /// The Period of a drafted channel in ns.
   static std::uint64_t period_of(const Channel& channel) {
     if (channel.period == 0) return std::max(kPeriodOfOne, channel.provided);
     return is_provided(channel) ? std::max(channel.period, channel.provided) : channel.period;
+  }
+
+  /// The Jitter with which all frames pass that were seen, in ns and at whatever times they came
+  /// between two readings of the counters. By a Period alone two events pass at once. At most the
+  /// frames of two readings come at once, the first ones late and the others early.
+  static std::uint64_t jitter_of(const Channel& channel) {
+    const std::uint64_t period = period_of(channel);
+    std::uint64_t jitter = 0;
+    for (const Seen& seen : channel.seen) {
+      const std::uint64_t of_two =
+          mul_div_up(2 * kReading, period, seen.gap) + longer(seen, period);
+      const std::uint64_t of_all = seen.seconds == 0 ? of_two : mul_saturating(seen.frames, period);
+      const std::uint64_t together = std::min(of_two, of_all);
+      jitter = std::max(jitter, together - std::min(together, 2 * period));
+    }
+    constexpr std::uint64_t step = 1'000'000;
+    return (jitter + step - 1) / step * step;
   }
 
   /// Others may send what only the granted publisher should, and a person may copy the addition.
@@ -217,7 +294,7 @@ class Additions {
 
   static std::string draft(const Channel& channel, const Elements& elements) {
     return fmt::format(
-        "<EventChannel name=\"{}\">\n  <SubjectUID>{}</SubjectUID>\n"
+        "<EventChannel name=\"{}\" arrival=\"sporadic\">\n  <SubjectUID>{}</SubjectUID>\n"
         "  <Attributes period=\"{}\" maxPayload=\"{}\"/>\n</EventChannel>\n",
         escaped(channel.name), elements.subject, time_words(period_of(channel)), channel.bytes);
   }
@@ -237,13 +314,18 @@ class Additions {
         elements.publisher;
     if (!channel.parts.insert("publisher " + end).second) return {};
     const char* const unless = channel.is_described ? ", unless it is described" : "";
-    return fmt::format("{}<Publisher name=\"{}\" channel=\"{}\" {}/>\n",
+    const std::uint64_t jitter = channel.is_described ? 0 : jitter_of(channel);
+    const std::string attributes =
+        jitter == 0
+            ? "/>"
+            : fmt::format(">\n  <Attributes jitter=\"{}\"/>\n</Publisher>", time_words(jitter));
+    return fmt::format("{}<Publisher name=\"{}\" channel=\"{}\" {}{}\n",
                        network.empty() && f.user.empty()
                            ? fmt::format("<!-- sent by this computer: state the user of the "
                                          "program{} -->\n",
                                          unless)
                            : "",
-                       escaped(name(elements.channel)), escaped(channel.name), end);
+                       escaped(name(elements.channel)), escaped(channel.name), end, attributes);
   }
 
   /// A subscriber for the frames that were seen; empty for frames that arrive on a described

@@ -70,18 +70,20 @@ Of deliveries that the description has:
 
 To admit what is wanted of it, add to the description:
 
-<!-- 123 on can0: 4217 frames since 2023-11-14 22:13:21, in the busiest second one every 20ms: the Period is that. -->
-<EventChannel name="robot-can-123">
+<!-- 123 on can0: 4217 frames since 2023-11-14 22:13:21, in the busiest second one every 20ms: the Period is that. When within a second they came was not measured, so the Jitter lets them come at once, and with arrival="sporadic" silence is no fault: mlccactl learn, with its option merge, measures it. -->
+<EventChannel name="robot-can-123" arrival="sporadic">
   <SubjectUID>{}</SubjectUID>
   <Attributes period="20ms" maxPayload="8"/>
 </EventChannel>
 <!-- in Network robot-can: -->
 <Binding channel="robot-can-123" format="fd"><Identifier form="standard">0x123</Identifier></Binding>
-<Publisher name="robot-can-123" channel="robot-can-123" network="robot-can"/>
+<Publisher name="robot-can-123" channel="robot-can-123" network="robot-can">
+  <Attributes jitter="1.951s"/>
+</Publisher>
 <Subscriber name="robot-can-123-receiver" channel="robot-can-123" gateway="bridge"/>
 
-<!-- 0cf00417 on can1: 1 frame since 2023-11-14 22:13:22; the Period is assumed. -->
-<EventChannel name="truck-pgn-F004">
+<!-- 0cf00417 on can1: 1 frame since 2023-11-14 22:13:22; the Period is assumed. When within a second they came was not measured, and with arrival="sporadic" silence is no fault: mlccactl learn, with its option merge, measures it. -->
+<EventChannel name="truck-pgn-F004" arrival="sporadic">
   <SubjectUID>{}</SubjectUID>
   <Attributes period="100ms" maxPayload="8"/>
 </EventChannel>
@@ -90,12 +92,14 @@ To admit what is wanted of it, add to the description:
 <Publisher name="truck-pgn-F004" channel="truck-pgn-F004" network="truck" node="23"/>
 <Subscriber name="truck-pgn-F004-receiver" channel="truck-pgn-F004" gateway="bridge"/>
 
-<!-- 0x4e6f626f64790000 on eth0: 3 frames since 2023-11-14 22:13:23, in the busiest second one every 500ms: the Period is that. -->
-<EventChannel name="lan-Nobody">
+<!-- 0x4e6f626f64790000 on eth0: 3 frames since 2023-11-14 22:13:23, in the busiest second one every 500ms: the Period is that. When within a second they came was not measured, so the Jitter lets them come at once, and with arrival="sporadic" silence is no fault: mlccactl learn, with its option merge, measures it. -->
+<EventChannel name="lan-Nobody" arrival="sporadic">
   <SubjectUID>0x4e6f626f64790000</SubjectUID>
   <Attributes period="500ms" maxPayload="40"/>
 </EventChannel>
-<Publisher name="lan-Nobody" channel="lan-Nobody" network="lan" address="192.0.2.7"/>
+<Publisher name="lan-Nobody" channel="lan-Nobody" network="lan" address="192.0.2.7">
+  <Attributes jitter="500ms"/>
+</Publisher>
 <Subscriber name="lan-Nobody-receiver" channel="lan-Nobody" gateway="bridge"/>
 )";
   EXPECT_EQ(render(audit_, Color::no),
@@ -136,7 +140,7 @@ TEST_F(AuditReport, APartOfNoAdmittedMessageNamesItsNode) {
 TEST_F(AuditReport, WhatThisComputerSendsIsOfAProgramHere) {
   audit_.findings[0].egress = true;
   const std::string text = addition_for(audit_.findings[0]);
-  EXPECT_TRUE(text.contains("gateway=\"bridge\" user=\"root\"/>")) << text;
+  EXPECT_TRUE(text.contains("gateway=\"bridge\" user=\"root\">")) << text;
   EXPECT_TRUE(text.contains("-receiver\" channel=\"robot-can-123\" network=\"robot-can\"/>"))
       << text;
 }
@@ -171,13 +175,13 @@ TEST_F(AuditReport, ASubjectOnTwoNetworksIsOneChannelWithAPublisherForEach) {
   EXPECT_TRUE(text.contains(R"(<Attributes period="20ms" maxPayload="60"/>)")) << text;
   const std::string of = R"( channel="lan-Nobody" network=)";
   EXPECT_TRUE(
-      text.contains("<Publisher name=\"lan-Nobody\"" + of + "\"lan\" address=\"192.0.2.7\"/>"))
+      text.contains("<Publisher name=\"lan-Nobody\"" + of + "\"lan\" address=\"192.0.2.7\">"))
       << text;
   EXPECT_TRUE(text.contains("<Publisher name=\"field-Nobody\"" + of +
-                            "\"field\" address=\"198.51.100.4\"/>"))
+                            "\"field\" address=\"198.51.100.4\">"))
       << text;
   EXPECT_TRUE(text.contains("<Publisher name=\"field-Nobody-2\"" + of +
-                            "\"field\" address=\"198.51.100.5\"/>"))
+                            "\"field\" address=\"198.51.100.5\">"))
       << text;
   const auto json = nlohmann::json::parse(to_json(control::Reply{1, audit_}));
   std::string all;
@@ -192,8 +196,8 @@ TEST_F(AuditReport, SubjectsWithOneTextInNamesAreTwoChannels) {
   audit_.findings = {f, f};
   audit_.findings[1].subject = 0x615f620000000000;  // "a_b"
   const std::string text = additions(audit_);
-  EXPECT_EQ(times(text, "<EventChannel name=\"lan-a_b\">"), 1U) << text;
-  EXPECT_EQ(times(text, "<EventChannel name=\"lan-a_b-2\">"), 1U) << text;
+  EXPECT_EQ(times(text, "<EventChannel name=\"lan-a_b\" arrival="), 1U) << text;
+  EXPECT_EQ(times(text, "<EventChannel name=\"lan-a_b-2\" arrival="), 1U) << text;
   EXPECT_EQ(times(text, " channel=\"lan-a_b-2\" network="), 1U) << text;
 }
 
