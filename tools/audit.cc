@@ -77,10 +77,8 @@ std::string clean_words(const control::Audit& audit) {
   constexpr std::uint64_t second = 1'000'000'000;
   if (audit.clean_ns >= second)
     return fmt::format("for {} nothing would have been dropped", core::format_span(audit.clean_ns));
-  const bool any = std::ranges::any_of(audit.findings,
-                                       [](const control::Finding& f) { return f.would_drop != 0; });
-  return any ? "within the last second something would have been dropped"
-             : "nothing would have been dropped yet: it is counted for less than a second";
+  return "for less than a second nothing would have been dropped: the time begins again with each "
+         "such frame, reload, start and change of the mode";
 }
 
 /// The lines that admit what was refused; empty if there are none.
