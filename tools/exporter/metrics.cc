@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "tools/exporter/metrics.hpp"
 
+#include <algorithm>
+
 #include "base/ascii.hpp"
 #include "control/version.hpp"
 #include "tools/exporter/exposition.hpp"
@@ -33,6 +35,17 @@ bool goes_on(std::string_view text, std::size_t at) {
   const char after = at + 1 < text.size() ? text[at + 1] : ' ';
   if (text[at] == '.' || text[at] == ':') return is_of_a_word(after);
   return is_of_a_word(text[at]);
+}
+
+/// Whether a word is what a sender chooses that nobody has described: a subject or identifier in
+/// hexadecimal form, or an address.
+bool is_of_a_sender(std::string_view word) {
+  const auto is_hex = [](std::string_view text) {
+    return std::ranges::all_of(
+        text, [](char c) { return is_digit(c) || std::string_view("abcdefABCDEF.:").contains(c); });
+  };
+  if (word.starts_with("0x")) return is_hex(word.substr(2));
+  return is_hex(word) && (std::ranges::count(word, ':') >= 2 || std::ranges::count(word, '.') == 3);
 }
 
 void add_self(const Answers& answers, const LeftOut& left_out, const Past& past, double took_s,
@@ -70,7 +83,9 @@ void add_self(const Answers& answers, const LeftOut& left_out, const Past& past,
 
 }  // namespace
 
-std::string without_numbers(std::string_view reason) {
+std::string kind_of(std::string_view reason) {
+  // What was seen latest differs from time to time, and anybody can send it.
+  reason = reason.substr(0, reason.find(", the latest"));
   std::string out;
   out.reserve(reason.size());
   for (std::size_t at = 0; at < reason.size();) {
@@ -82,11 +97,19 @@ std::string without_numbers(std::string_view reason) {
       at = end;
       continue;
     }
-    // Copies the complete word, so that its digits do not count as numbers.
-    do {
-      out += reason[at++];
-    } while (at < reason.size() && is_of_a_word(reason[at - 1]) &&
-             (is_of_a_word(reason[at]) || reason[at] == '.'));
+    // Takes the complete word, so that its digits do not count as numbers.
+    const std::size_t from = at++;
+    while (at < reason.size() && (is_of_a_word(reason[at - 1]) || reason[at - 1] == '.') &&
+           (is_of_a_word(reason[at]) || reason[at] == '.'))
+      ++at;
+    std::string_view word = reason.substr(from, at - from);
+    std::string_view name = word;
+    while (name.ends_with('.') || name.ends_with(':')) name.remove_suffix(1);
+    if (!name.empty() && is_of_a_sender(name)) {
+      out += 'N';
+      word.remove_prefix(name.size());
+    }
+    out += word;
   }
   return out;
 }
@@ -111,6 +134,8 @@ std::string page(const Answers& answers, const Most& most, const Past& past, dou
       if (reports.members) add_members(*reports.members, most, left_out, page);
     }
     if (live.channels) add_deliveries(*live.channels, most, left_out, page);
+  } else {
+    add_health_state(control::HealthState::unknown, page);
   }
   add_self(answers, left_out, past, took_s, page);
   return page;

@@ -31,7 +31,8 @@ using LeftOut = std::map<std::string, std::size_t>;
 [[nodiscard]] std::string page(const Answers& answers, const Most& most, const Past& past,
                                double took_s);
 
-/// Each of these adds the metrics of a part.
+/// Each of these adds the metrics of a part. The state is `unknown` if the daemon did not answer.
+void add_health_state(control::HealthState state, std::string& page);
 void add_status(const control::Status& status, const Most& most, LeftOut& left_out,
                 std::string& page);
 void add_networks(const Reports& reports, const Most& most, LeftOut& left_out, std::string& page);
@@ -42,8 +43,9 @@ void add_cluster(const control::Cluster& cluster, std::string& page);
 void add_members(const control::ClusterMembers& members, const Most& most, LeftOut& left_out,
                  std::string& page);
 
-/// A reason with "N" in place of each number: a number that changes in a label would create another
-/// time series with each scrape.
-[[nodiscard]] std::string without_numbers(std::string_view reason);
+/// A reason without what changes while it holds or what any sender may choose: otherwise each new
+/// number, and each new sender, would create another time series. It has "N" in place of numbers,
+/// addresses and subjects, and ends before what was seen latest.
+[[nodiscard]] std::string kind_of(std::string_view reason);
 
 }  // namespace mlcca::exporter

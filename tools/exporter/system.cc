@@ -54,16 +54,13 @@ std::uint64_t number_of(control::HealthState state) {
 
 void add_health(const control::Health& health, const Most& most, LeftOut& left_out,
                 std::string& page) {
-  add_one("mlcca_health", "gauge",
-          "As the exit status of 'mlccactl status --check': 0 healthy, 1 degraded, 2 closed, "
-          "3 unknown.",
-          number_of(health.state), page);
+  add_health_state(health.state, page);
   add_one("mlcca_health_reasons", "gauge", "Reasons why the health is not 'healthy'.",
           static_cast<std::uint64_t>(health.reasons.size()) + health.left_out, page);
   Family reasons("mlcca_health_reason", "gauge",
-                 "A reason that holds now; N stands for each number in it. Always 1.");
+                 "A reason that holds now; N stands for each number and address in it. Always 1.");
   std::set<std::string> different;
-  for (const auto& reason : health.reasons) different.insert(without_numbers(reason));
+  for (const auto& reason : health.reasons) different.insert(kind_of(reason));
   std::size_t listed = 0;
   for (const auto& reason : different)
     if (listed++ < most.others) reasons.add(Labels{{"reason", reason}}, true);
@@ -183,6 +180,13 @@ void add_resources(std::span<const control::Resource> resources, std::string& pa
 }
 
 }  // namespace
+
+void add_health_state(control::HealthState state, std::string& page) {
+  add_one("mlcca_health", "gauge",
+          "As the exit status of 'mlccactl status --check': 0 healthy, 1 degraded, 2 closed, "
+          "3 unknown, because mlccad does not answer.",
+          number_of(state), page);
+}
 
 void add_status(const control::Status& s, const Most& most, LeftOut& left_out, std::string& page) {
   Family info("mlcca_info", "gauge", "Which gateway of which system this is; always 1.");

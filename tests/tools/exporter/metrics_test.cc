@@ -16,8 +16,8 @@ namespace mlcca {
 namespace {
 
 using exporter::Answers;
+using exporter::kind_of;
 using exporter::Most;
-using exporter::without_numbers;
 
 bool has(const std::string& page, const std::string& line) {
   return ('\n' + page).find('\n' + line + '\n') != std::string::npos;
@@ -76,7 +76,8 @@ TEST(ExporterPage, KnowsNothingWithoutADaemon) {
   answers.reports.networks->networks.push_back({.name = "robot"});
   const auto page = page_of(answers);
   EXPECT_TRUE(has(page, "mlcca_up 0"));
-  EXPECT_EQ(page.find("mlcca_health"), std::string::npos);
+  EXPECT_TRUE(has(page, "mlcca_health 3"));
+  EXPECT_EQ(page.find("mlcca_health_reason"), std::string::npos);
   EXPECT_EQ(page.find("robot"), std::string::npos);
 }
 
@@ -103,14 +104,36 @@ TEST(ExporterPage, NumbersTheHealthAsTheExitStatusOfStatusCheck) {
 }
 
 TEST(ExporterPage, ReplacesNumbersButNotNames) {
-  EXPECT_EQ(without_numbers("can0 (robot-2): 3 of 12.5 ms"), "can0 (robot-2): N of N ms");
-  EXPECT_EQ(without_numbers("from 10.0.0.7, 02:00:5e:10:00:01, 0x4e6f"),
-            "from 10.0.0.7, 02:00:5e:10:00:01, 0x4e6f");
-  EXPECT_EQ(without_numbers("Omission 2 required, bridge provides 5 (3 too many)"),
+  EXPECT_EQ(kind_of("can0 (robot-2): 3 of 12.5 ms"), "can0 (robot-2): N of N ms");
+  EXPECT_EQ(kind_of("from 10.0.0.7, 02:00:5e:10:00:01, 0x4e6f"), "from N, N, N");
+  EXPECT_EQ(kind_of("fe80::1: can0-100 of 0xb1ue, bed-1.2.3, ab:cd"),
+            "N: can0-100 of 0xb1ue, bed-1.2.3, ab:cd");
+  EXPECT_EQ(kind_of("Omission 2 required, bridge provides 5 (3 too many)"),
             "Omission N required, bridge provides N (N too many)");
-  EXPECT_EQ(without_numbers("1"), "N");
-  EXPECT_EQ(without_numbers("for 5: 6."), "for N: N.");
-  EXPECT_EQ(without_numbers(""), "");
+  EXPECT_EQ(kind_of("1"), "N");
+  EXPECT_EQ(kind_of("for 5: 6."), "for N: N.");
+  EXPECT_EQ(kind_of(""), "");
+}
+
+/// Any station can send them, and each would be a series for ever.
+TEST(ExporterPage, HasTheSameSeriesWhateverUnknownSendersChoose) {
+  Answers answers;
+  answers.live.status.emplace();
+  auto& reasons = answers.live.status->health.reasons;
+  const auto with = [&](const std::string& latest) {
+    reasons = {
+        "a from lan (p) to g: 3 frames on lan in the last 4 s named no known subject, the "
+        "latest " +
+            latest + ": does the publisher send by another name?",
+        "lan: frames of " + latest};
+    return page_of(answers);
+  };
+  const auto page = with("0x4e6f626f64790000 from 192.0.2.7 (02:00:5e:10:00:01)");
+  EXPECT_EQ(page, with("0xa4efeccc3210b497 from 198.51.100.77 (02:00:5e:10:aa:ff)"));
+  EXPECT_TRUE(has(page,
+                  "mlcca_health_reason{reason=\"a from lan (p) to g: N frames on lan in the "
+                  "last N s named no known subject\"} 1"))
+      << page;
 }
 
 TEST(ExporterPage, GivesTheReasonOtherToFramesOfWhichNoneIsStated) {
