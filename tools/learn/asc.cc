@@ -35,20 +35,36 @@ class Asc {
 
   Result<void> read() {
     while (lines_.next()) {
-      const auto is_long = is_long_line(recording_, lines_);
-      if (!is_long) return std::unexpected(is_long.error());
-      if (*is_long) continue;
+      if (is_long_line(recording_, lines_)) continue;
       std::string_view line = lines_.line();
       const auto first = next_word(line);
       if (first == "base") take_base(line);
-      if (first.empty() || std::isdigit(static_cast<unsigned char>(first[0])) == 0) continue;
-      if (const auto time = Decimal::read(first))
-        if (const auto ns = time->scaled(9, false)) take_event(*ns, line);
+      if (first.empty() || is_of_head(first)) continue;
+      if (const auto ns = time_of(first))
+        take_event(*ns, line);
+      else if (!is_cut_line(recording_, lines_))
+        pass_over_line(recording_, lines_, "begins with no time, and with no word of a header");
     }
     return {};
   }
 
  private:
+  /// Whether a line that begins with this word has no event.
+  static bool is_of_head(std::string_view word) {
+    constexpr auto words = std::to_array<std::string_view>(
+        {"date", "base", "internal", "no", "previous", "Begin", "End", "begin", "end"});
+    return word.starts_with("//") || std::ranges::find(words, word) != words.end();
+  }
+
+  /// A time in seconds, as ns. Some countries write it with a comma.
+  static std::optional<std::uint64_t> time_of(std::string_view word) {
+    if (std::isdigit(static_cast<unsigned char>(word[0])) == 0) return std::nullopt;
+    std::string text(word);
+    if (const auto comma = text.find(','); comma != std::string::npos) text[comma] = '.';
+    const auto time = Decimal::read(text);
+    return time ? time->scaled(9, false) : std::nullopt;
+  }
+
   /// Reads a line such as "hex  timestamps absolute".
   void take_base(std::string_view line) {
     base_ = next_word(line) == "dec" ? kDecimalBase : kHexadecimalBase;

@@ -102,14 +102,11 @@ bool take_candump_time(std::string_view word, std::uint64_t& ns) {
   return true;
 }
 
-Result<bool> is_long_line(Recording& recording, const Lines& lines) {
-  const auto words = [&](std::size_t most) {
-    return "line " + std::to_string(lines.number()) + " has more than " + std::to_string(most) +
-           " characters: no line is so long";
-  };
-  if (lines.is_endless()) return fail(words(Lines::kLongestPassedOver));
+bool is_long_line(Recording& recording, const Lines& lines) {
   if (!lines.is_long()) return false;
-  if (!is_cut_line(recording, lines)) recording.pass_over(words(Lines::kLongest));
+  if (!is_cut_line(recording, lines))
+    recording.pass_over("line " + std::to_string(lines.number()) + " has more than " +
+                        std::to_string(Lines::kLongest) + " characters: no line is so long");
   return true;
 }
 
@@ -130,9 +127,7 @@ Result<void> read_candump(Recording& recording) {
   std::array<std::uint8_t, kMostData> data{};
   while (lines.next()) {
     std::string_view line = lines.line();
-    const auto is_long = is_long_line(recording, lines);
-    if (!is_long) return std::unexpected(is_long.error());
-    if (*is_long) continue;
+    if (is_long_line(recording, lines)) continue;
     Frame frame;
     const auto time = next_word(line);
     if (time.empty()) continue;

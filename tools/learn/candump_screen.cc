@@ -149,9 +149,7 @@ Result<void> read_candump_screen(Recording& recording) {
   Shown data{};
   while (lines.next()) {
     std::string_view line = lines.line();
-    const auto is_long = is_long_line(recording, lines);
-    if (!is_long) return std::unexpected(is_long.error());
-    if (*is_long) continue;
+    if (is_long_line(recording, lines)) continue;
     Frame frame;
     const auto time = next_word(line);
     if (time.empty()) continue;

@@ -62,7 +62,6 @@ Result<void> read_pcapng(Recording& recording);
 class Lines {
  public:
   static constexpr std::size_t kLongest = 4096;
-  static constexpr std::size_t kLongestPassedOver = std::size_t{1} << 20U;  ///< bytes
   explicit Lines(Input& input) : input_(&input) {}
   /// For the beginning of a text, whose last line may be cut.
   explicit Lines(Bytes head) : rest_(text_of(head)) {}
@@ -88,8 +87,6 @@ class Lines {
   [[nodiscard]] bool is_open() const { return is_open_; }
   /// It is no line of any format.
   [[nodiscard]] bool is_long() const { return size_ > kLongest; }
-  /// It does not end for so long that the input cannot be a text.
-  [[nodiscard]] bool is_endless() const { return size_ > kLongestPassedOver; }
 
  private:
   static std::string_view text_of(Bytes bytes) {
@@ -112,7 +109,7 @@ class Lines {
   void shorten() {
     beginning_ = line_.substr(0, kLongest);
     line_ = beginning_;
-    while (is_open_ && input_ != nullptr && !is_endless()) {
+    while (is_open_ && input_ != nullptr) {
       rest_ = text_of(input_->from(offset_, 1));
       if (rest_.empty()) return;
       const auto end = rest_.find('\n');
@@ -142,9 +139,8 @@ Screen screen_of(Bytes head);
 bool is_candump_frame(std::string_view word);
 /// Reads a time such as "(1436509052.249713)" as ns. False if it is not one.
 bool take_candump_time(std::string_view word, std::uint64_t& ns);
-/// Passes over a line that is longer than any format allows: true if it was one. An error if it
-/// does not end for Lines::kLongestPassedOver bytes.
-Result<bool> is_long_line(Recording& recording, const Lines& lines);
+/// Passes over a line that is longer than any format allows: true if it was one.
+bool is_long_line(Recording& recording, const Lines& lines);
 /// Skips a line that is not a frame: "line 3: 'hello' is no frame …".
 void pass_over_line(Recording& recording, const Lines& lines, std::string_view why);
 /// The last line is no frame and has no end: the file is cut off there, behind frames.
