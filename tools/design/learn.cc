@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
+#include <filesystem>
+#include <functional>
 #include <iterator>
 #include <map>
 #include <memory>
@@ -86,10 +88,7 @@ class Learn {
     if (const auto refused = note_silence()) return say(*refused, context_.json);
     observer_.finish(interfaces_.names().size(), interfaces_.media());
     note_profiles();
-    a_.draft.made_up = interfaces_.made_up();
-    for (const std::string& name : a_.draft.made_up)
-      notes_.push_back(name +
-                       ": its recording has no names of interfaces: state the one that it is");
+    note_made_up();
     if (::isatty(STDERR_FILENO) != 0)
       to_stderr("drafting, and checking what the buses can carry\n");
     learn::Draft draft = draft_that_holds(observer_, interfaces_.names(), a_.draft);
@@ -183,6 +182,25 @@ class Learn {
         observer_.state(static_cast<std::uint32_t>(stated_), profile->second);
   }
 
+  /// Adds a note about each interface without a name. Where its name had to be distinguished from
+  /// another one, it says which one it is.
+  void note_made_up() {
+    const auto& made_up = interfaces_.made_up();
+    const auto is_distinguished = [](const auto& one) { return one.first != one.second.wanted; };
+    const bool any = std::ranges::any_of(made_up, is_distinguished);
+    for (const auto& [name, origin] : made_up) {
+      a_.draft.made_up.insert(name);
+      const std::string which =
+          any ? fmt::format("is {} of {}; ", origin.wanted, origin.recording) : std::string();
+      notes_.push_back(fmt::format(
+          "{}: {}its recording has no names of interfaces: state the one that it is", name, which));
+    }
+    if (any)
+      notes_.emplace_back(
+          "several interfaces would have one name, and are taken for different ones: if one was "
+          "recorded in parts, join the parts to one recording");
+  }
+
   /// Adds a note about each CAN profile that was stated for an Ethernet interface.
   void note_profiles() {
     for (std::size_t i = 0; i < interfaces_.names().size(); ++i) {
@@ -196,10 +214,10 @@ class Learn {
   }
 
   std::optional<Refusal> observe() {
-    std::set<std::pair<::dev_t, ::ino_t>> files;
-    std::set<unsigned> indices;
-    for (const std::string& source : a_.sources)
-      if (auto refused = take_source(source, files, indices)) return refused;
+    std::vector<OfRecording> recordings;
+    if (auto refused = sort_sources(recordings)) return refused;
+    for (const auto& [order, path] : recordings)
+      if (auto refused = read_file_of_frames(path, order.first)) return refused;
     if (live_.empty() && !a_.time.empty())
       return wrong(fmt::format(
           "--for {}: there is no interface to listen to, and recordings are read to their end",
@@ -212,22 +230,33 @@ class Learn {
     return live_.empty() ? std::nullopt : listen(live_);
   }
 
-  /// Reads a recording, or notes an interface in `live_`.
-  std::optional<Refusal> take_source(const std::string& source,
-                                     std::set<std::pair<::dev_t, ::ino_t>>& files,
-                                     std::set<unsigned>& indices) {
-    struct stat status{};
-    const bool is_standard = source == "-";
-    if ((is_standard ? ::fstat(STDIN_FILENO, &status) : ::stat(source.c_str(), &status)) == 0) {
-      if (!files.emplace(status.st_dev, status.st_ino).second)
-        return wrong(source + " is given twice: each recording counts once");
-      return read_file_of_frames(source);
+  /// A recording in the order in which it is read, and its path.
+  using OfRecording = std::pair<std::pair<learn::Naming, std::string>, std::string>;
+
+  /// Finds out which sources are recordings, and notes the others, which are interfaces, in
+  /// `live_`. The order in which recordings without names are given makes no difference.
+  std::optional<Refusal> sort_sources(std::vector<OfRecording>& recordings) {
+    std::set<std::pair<::dev_t, ::ino_t>> files;
+    std::set<unsigned> indices;
+    for (const std::string& source : a_.sources) {
+      struct stat status{};
+      const bool is_standard = source == "-";
+      if ((is_standard ? ::fstat(STDIN_FILENO, &status) : ::stat(source.c_str(), &status)) == 0) {
+        if (!files.emplace(status.st_dev, status.st_ino).second)
+          return wrong(source + " is given twice: each recording counts once");
+        const learn::Naming naming = learn::naming_of(source);
+        recordings.emplace_back(
+            std::pair(naming, naming == learn::Naming::none ? source : std::string()), source);
+        continue;
+      }
+      if (!learn::is_interface(source))
+        return wrong(source + ": there is neither such a file nor such an interface");
+      if (!indices.insert(::if_nametoindex(source.c_str())).second)
+        return wrong(source + " is given twice: each interface counts once");
+      live_.push_back(source);
+      interfaces_.reserve(source);
     }
-    if (!learn::is_interface(source))
-      return wrong(source + ": there is neither such a file nor such an interface");
-    if (!indices.insert(::if_nametoindex(source.c_str())).second)
-      return wrong(source + " is given twice: each interface counts once");
-    live_.push_back(source);
+    std::ranges::stable_sort(recordings, {}, &OfRecording::first);
     return std::nullopt;
   }
 
@@ -265,16 +294,33 @@ class Learn {
     return std::nullopt;
   }
 
-  std::optional<Refusal> read_file_of_frames(const std::string& path) {
+  std::optional<Refusal> read_file_of_frames(const std::string& path, learn::Naming naming) {
     const std::string name = path == "-" ? "standard input" : path;
+    const bool may_be_pipe = naming == learn::Naming::unknown;
+    if (may_be_pipe && stop_asked != 0) {
+      notes_.push_back(name + ": not read, because a signal has ended it before");
+      return std::nullopt;
+    }
     observer_.begin(name);
     bool has_frames = false;
-    const auto left = learn::read_recording(path, interfaces_, [&](const auto& frame) {
-      has_frames = true;
-      state_profiles();
-      observer_.add(frame);
-    });
+    std::function<bool()> stop;
+    if (may_be_pipe) {
+      on_end([](int) { stop_asked = 1; });
+      stop = [] { return stop_asked != 0; };
+    }
+    const auto left = learn::read_recording(
+        path, interfaces_,
+        [&](const auto& frame) {
+          has_frames = true;
+          state_profiles();
+          observer_.add(frame);
+        },
+        stop);
     if (!left) return wrong(left.error().text);
+    if (!has_frames && left->errors != 0 && left->lines == 0)
+      return wrong(fmt::format(
+          "{}: {} and no other: the bus was disturbed, or nobody acknowledged what was sent", name,
+          many(left->errors, "error frame")));
     if (!has_frames)
       return wrong(fmt::format("{}: no frame was recognised in it{}{}", name,
                                left->first.empty() ? "" : ": ", left->first));

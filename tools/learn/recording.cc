@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "tools/learn/recording.hpp"
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -93,25 +96,67 @@ std::string stem_of(const std::filesystem::path& path) {
 
 }  // namespace
 
+void Interfaces::begin_recording(std::string recording) {
+  recording_ = std::move(recording);
+  unnamed_.clear();
+}
+
+std::uint32_t Interfaces::add(std::string name, Medium medium) {
+  if (names_.size() == kMost) return kMost;
+  names_.push_back(std::move(name));
+  media_.push_back(medium);
+  return static_cast<std::uint32_t>(names_.size() - 1);
+}
+
+bool Interfaces::is_taken(const std::string& name) const {
+  return reserved_.contains(name) || std::ranges::find(names_, name) != names_.end();
+}
+
+/// "can1-2" of "can1": the first such name that is free, and no longer than that of an interface.
+std::string Interfaces::distinguished(const std::string& name) const {
+  constexpr std::size_t longest = 15;
+  for (std::size_t i = 2;; ++i) {
+    const std::string end = "-" + std::to_string(i);
+    if (std::string out = name.substr(0, longest - end.size()) + end; !is_taken(out)) return out;
+  }
+}
+
+/// The name of this interface was made up, and is that of another one.
+void Interfaces::rename(std::uint32_t number) {
+  auto origin = made_up_.extract(names_[number]);
+  names_[number] = distinguished(names_[number]);
+  origin.key() = names_[number];
+  made_up_.insert(std::move(origin));
+}
+
 std::uint32_t Interfaces::number_of(std::string_view name, Medium medium) {
   const auto known = std::ranges::find(names_, name);
   if (known != names_.end()) {
     const auto number = static_cast<std::size_t>(known - names_.begin());
+    if (made_up_.contains(*known)) {
+      rename(static_cast<std::uint32_t>(number));
+      return add(std::string(name), medium);
+    }
     if (media_[number] == Medium::unknown) media_[number] = medium;
     if (medium == Medium::unknown || media_[number] == medium)
       return static_cast<std::uint32_t>(number);
     return number_of(std::string(name) + (medium == Medium::can ? "-can" : "-eth"), medium);
   }
-  if (names_.size() == kMost) return kMost;
-  names_.emplace_back(name);
-  media_.push_back(medium);
-  return static_cast<std::uint32_t>(names_.size() - 1);
+  return add(std::string(name), medium);
 }
 
 std::uint32_t Interfaces::number_of_made_up(std::string_view name, Medium medium) {
-  const std::size_t before = names_.size();
-  const std::uint32_t number = number_of(name, medium);
-  if (names_.size() != before) made_up_.insert(names_.back());
+  const std::pair key{std::string(name), medium};
+  if (const auto known = unnamed_.find(key); known != unnamed_.end()) return known->second;
+  std::string own = key.first;
+  for (const Medium other : {Medium::can, Medium::ethernet})
+    if (other != medium && unnamed_.contains({own, other}))
+      own += medium == Medium::can ? "-can" : "-eth";
+  if (is_taken(own)) own = distinguished(own);
+  const std::uint32_t number = add(own, medium);
+  if (number == kMost) return kMost;
+  unnamed_.emplace(key, number);
+  made_up_.emplace(std::move(own), Origin{recording_, key.first});
   return number;
 }
 
@@ -127,12 +172,47 @@ std::string_view next_word(std::string_view& line) {
   return word;
 }
 
-Result<Left> read_recording(Input& input, const std::string& stem, Interfaces& interfaces,
-                            const OnFrame& on_frame) {
+namespace {
+
+Result<Left> read_input(Input& input, const std::string& stem, Interfaces& interfaces,
+                        const OnFrame& on_frame) {
   if (!is_gzip(input)) return read_plain(input, stem, interfaces, on_frame, {});
   Gunzip gunzip(input);
   Input unpacked([&](std::span<std::uint8_t> to) { return gunzip.pull(to); });
   return read_plain(unpacked, stem, interfaces, on_frame, gunzip.remark());
+}
+
+Naming naming_in(Input& input) {
+  constexpr std::string_view mark = "\xef\xbb\xbf";
+  if (text_of(input.from(0, mark.size())).starts_with(mark)) input.begin_at(mark.size());
+  const Bytes head = input.from(0, Lines::kLongest);
+  const Reader reader = reader_of(head.first(std::min(head.size(), Lines::kLongest)));
+  return reader == read_asc || reader == read_blf || reader == read_pcap ? Naming::none
+                                                                         : Naming::names;
+}
+
+}  // namespace
+
+Naming naming_of(const std::string& path) {
+  struct stat status{};
+  const bool is_standard = path == "-";
+  // To open a named pipe would wait for its writer.
+  if ((is_standard ? ::fstat(STDIN_FILENO, &status) : ::stat(path.c_str(), &status)) != 0 ||
+      !S_ISREG(status.st_mode))
+    return Naming::unknown;
+  const auto file = RecordingFile::open(path);
+  if (!file || !file->bytes()) return Naming::unknown;
+  Input input(*file->bytes());
+  if (!is_gzip(input)) return naming_in(input);
+  Gunzip gunzip(input);
+  Input unpacked([&](std::span<std::uint8_t> to) { return gunzip.pull(to); });
+  return naming_in(unpacked);
+}
+
+Result<Left> read_recording(Input& input, const std::string& stem, Interfaces& interfaces,
+                            const OnFrame& on_frame) {
+  interfaces.begin_recording(stem);
+  return read_input(input, stem, interfaces, on_frame);
 }
 
 Result<Left> read_recording(Bytes bytes, const std::string& stem, Interfaces& interfaces,
@@ -142,7 +222,7 @@ Result<Left> read_recording(Bytes bytes, const std::string& stem, Interfaces& in
 }
 
 Result<Left> read_recording(const std::string& path, Interfaces& interfaces,
-                            const OnFrame& on_frame) {
+                            const OnFrame& on_frame, const std::function<bool()>& stop) {
   const bool is_standard = path == "-";
   const std::string name = is_standard ? "standard input" : path;
   const auto named = [&](Result<Left> left) -> Result<Left> {
@@ -151,11 +231,14 @@ Result<Left> read_recording(const std::string& path, Interfaces& interfaces,
   };
   const auto file = RecordingFile::open(path);
   if (!file) return fail(name + ": " + file.error().text);
-  if (const auto bytes = file->bytes(); bytes)
-    return named(
-        read_recording(*bytes, stem_of(is_standard ? "stdin" : path), interfaces, on_frame));
-  Input input([&](std::span<std::uint8_t> to) { return file->read(to); });
-  return named(read_recording(input, stem_of(is_standard ? "stdin" : path), interfaces, on_frame));
+  interfaces.begin_recording(name);
+  const std::string stem = stem_of(is_standard ? "stdin" : path);
+  if (const auto bytes = file->bytes(); bytes) {
+    Input input(*bytes);
+    return named(read_input(input, stem, interfaces, on_frame));
+  }
+  Input input([&](std::span<std::uint8_t> to) { return file->read(to, stop); });
+  return named(read_input(input, stem, interfaces, on_frame));
 }
 
 }  // namespace mlcca::learn

@@ -2,6 +2,7 @@
 // Opens a recording.
 #pragma once
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -9,6 +10,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -55,8 +57,17 @@ class RecordingFile {
     if (at_ == nullptr) return std::nullopt;
     return std::span(at_, size_);
   }
-  [[nodiscard]] Result<std::size_t> read(std::span<std::uint8_t> to) const {
+  /// Reads from a pipe; 0 at its end, and when `stop` returns true, which is called ten times a
+  /// second.
+  [[nodiscard]] Result<std::size_t> read(std::span<std::uint8_t> to,
+                                         const std::function<bool()>& stop) const {
+    constexpr int tenth_of_a_second = 100;  // ms
     for (;;) {
+      if (stop) {
+        if (stop()) return std::size_t{0};
+        pollfd readable{.fd = fd_.get(), .events = POLLIN, .revents = 0};
+        if (::poll(&readable, 1, tenth_of_a_second) <= 0) continue;
+      }
       const ssize_t got = ::read(fd_.get(), to.data(), to.size());
       if (got >= 0) return static_cast<std::size_t>(got);
       if (errno != EINTR) return fail(reason());

@@ -255,6 +255,22 @@ struct PackedVerb : ::testing::Test {
   Folder folder;
 };
 
+/// The pipe stays open, as that of a candump that goes on.
+TEST_F(PackedVerb, ASignalEndsAPipeAndWhatWasReadIsDrafted) {
+  folder.write("a.log", log_of(300));
+  const std::string plain = run({"learn", folder.path("a.log")}).out;
+  for (const std::string number : {"INT", "TERM", "HUP"}) {
+    const std::string text =
+        shell(
+            "rm -f p; mkfifo p; exec 3<>p; cat a.log >&3; mlccactl learn - <p >out 2>err & "
+            "sleep 0.5; kill -" +
+            number + " $!; wait $!; echo status $?; cat err out")
+            .out;
+    EXPECT_TRUE(text.starts_with("status 0\n")) << number << text;
+    EXPECT_TRUE(text.ends_with(plain)) << number << text;
+  }
+}
+
 TEST_F(PackedVerb, AFileAPipeAndStandardInputGiveTheSameDraft) {
   folder.write("a.log", log_of(300));
   folder.write("a.log.gz", gzip(log_of(300)));

@@ -244,6 +244,37 @@ TEST(Recording, CountsLinesThatAreNeitherEventsNorOfAHeaderInLogsOfVectorInText)
   EXPECT_TRUE(is.left.first.starts_with("line 5: '   2:501 1")) << is.left.first;
 }
 
+/// The interfaces of several recordings, in the order in which they are read.
+Interfaces interfaces_of(const std::vector<std::string>& texts) {
+  Interfaces out;
+  for (const std::string& text : texts) {
+    Input input(Bytes{reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});  // NOLINT
+    EXPECT_TRUE(read_recording(input, "x", out, [](const Frame&) {}));
+  }
+  return out;
+}
+
+TEST(Recording, AMadeUpNameIsNotThatOfAnotherInterface) {
+  const std::string asc = "base hex  timestamps absolute\n 2.5 1  223  Rx   d 1 01\n";
+  const std::string log = "(1.0) can1 123#11\n";
+  EXPECT_EQ(interfaces_of({asc}).names(), (std::vector<std::string>{"can1"}));
+  EXPECT_EQ(interfaces_of({log, asc}).names(), (std::vector<std::string>{"can1", "can1-2"}));
+  EXPECT_EQ(interfaces_of({asc, log}).names(), (std::vector<std::string>{"can1-2", "can1"}));
+  EXPECT_EQ(interfaces_of({asc, asc}).names(), (std::vector<std::string>{"can1", "can1-2"}));
+  const Interfaces all = interfaces_of({asc, log, asc});
+  EXPECT_EQ(all.names(), (std::vector<std::string>{"can1-2", "can1", "can1-3"}));
+  EXPECT_EQ(all.made_up().size(), 2U);
+  EXPECT_EQ(all.made_up().at("can1-3").wanted, "can1");
+}
+
+TEST(Recording, AMadeUpNameIsNoLongerThanThatOfAnInterface) {
+  Interfaces all;
+  all.reserve("a-long-name-can");
+  EXPECT_EQ(all.number_of_made_up("a-long-name-can"), 0U);
+  EXPECT_EQ(all.number_of_made_up("a-long-name-can"), 0U);
+  EXPECT_EQ(all.names(), (std::vector<std::string>{"a-long-name-c-2"}));
+}
+
 std::string blf_object(std::uint32_t type, const std::string& body, std::uint64_t time = 0) {
   return "LOBJ" + little(32, 2) + little(1, 2) + little(32 + body.size(), 4) + little(type, 4) +
          little(2, 4) + little(0, 4) + little(time, 8) + body;

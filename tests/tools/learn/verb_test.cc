@@ -414,6 +414,46 @@ TEST_F(LearnVerb, AnInterfaceThatNoRecordingNamesIsSaid) {
   EXPECT_FALSE(named.out.contains("name of this interface")) << named.out;
 }
 
+/// A log of a Vector tool with 60 frames on channel 1.
+std::string vector_log(const std::string& id) {
+  std::string out = "date Wed Apr 20 10:10:10 am 2016\nbase hex  timestamps absolute\n";
+  for (unsigned i = 0; i < 60; ++i)
+    out += "   " + std::to_string(100 + i / 10) + "." + std::to_string(i % 10) + "00 1  " + id +
+           "  Rx   d 1 01\n";
+  return out;
+}
+
+TEST_F(LearnVerb, TwoBusesStayTwoInWhateverOrderTheirRecordingsAreGiven) {
+  const auto log = folder.write("a.log", frames("can1", "123", 4, 60));
+  const auto one = folder.write("b.asc", vector_log("223"));
+  const auto other = folder.write("c.asc", vector_log("224"));
+  const Ran first = run({"learn", log, one, other});
+  ASSERT_EQ(first.status, 0) << first.error;
+  for (const char* name : {"can1-123", "can1-2-223", "can1-3-224"})
+    EXPECT_TRUE(first.out.contains(std::string("<EventChannel name=\"") + name)) << first.out;
+  EXPECT_TRUE(first.error.contains("note: can1-2: is can1 of " + one + "; its recording has no"))
+      << first.error;
+  EXPECT_TRUE(first.error.contains("note: can1-3: is can1 of " + other + "; its recording has no"))
+      << first.error;
+  for (const auto& order : {std::vector{one, log, other}, std::vector{other, one, log}}) {
+    std::vector<std::string> command = {"learn"};
+    command.insert(command.end(), order.begin(), order.end());
+    EXPECT_EQ(run(command).out, first.out);
+  }
+  const Ran alone = run({"learn", one});
+  EXPECT_TRUE(alone.error.contains("note: can1: its recording has no names")) << alone.error;
+}
+
+TEST_F(LearnVerb, ALogOfErrorFramesSaysWhatTheyAre) {
+  std::string text;
+  for (unsigned i = 0; i < 60; ++i)
+    text += "(" + std::to_string(100 + i) + ".0) can0 20000080#0000000000000000\n";
+  const auto log = folder.write("errors.log", text);
+  EXPECT_EQ(refused({"learn", log}, {},
+                    "60 error frames and no other: the bus was disturbed, or nobody acknowledged"),
+            2);
+}
+
 TEST_F(LearnVerb, AProfileOfCanIsNoneOfAnEthernet) {
   const auto trace = folder.write("eth0.pcap", datagrams(kDistance, 7, 8));
   const Ran ran = run({"learn", trace, "--profile", "eth0=j1939"});
