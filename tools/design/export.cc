@@ -81,7 +81,7 @@ class Export {
     if (a_.format == "wireshark") return export_wireshark(admitted);
     if (a_.format == "dbc") {
       const auto network =
-          one_of(system.networks, a_.network, "network", "--network",
+          one_of(system.networks, a_.network, "CAN network", "--network",
                  [](const core::Network& n) { return n.kind == core::NetworkKind::can; });
       if (!network) return std::unexpected(network.error());
       return export_dbc(admitted, *network);
@@ -110,7 +110,8 @@ class Export {
     }
     if (found && !several) return *found;
     if (names.empty()) return fail(fmt::format("there is no {} to export for", what));
-    if (several) return fail(fmt::format("there are several; {} says which: {}", option, names));
+    if (several)
+      return fail(fmt::format("there are several {}s; {} says which: {}", what, option, names));
     return fail(fmt::format("there is no such {} {}; there are {}", what, name, names));
   }
 

@@ -184,6 +184,16 @@ TEST_F(ExportTest, TheShellTakesTheScripts) {
   }
 }
 
+TEST_F(ExportTest, SaysOfWhichKindThereIsNoneOrAreSeveral) {
+  const auto several = run(robot(), {"dbc"});
+  EXPECT_EQ(several.status, 2);
+  EXPECT_TRUE(has(several.error, "there are several CAN networks; --network says which: first, "))
+      << several.error;
+  const auto none = run("<System name=\"s\"/>", {"dbc"});
+  EXPECT_EQ(none.status, 2);
+  EXPECT_TRUE(has(none.error, "there is no CAN network to export for")) << none.error;
+}
+
 TEST_F(ExportTest, AnInterfaceWithoutANameIsRefused) {
   auto text = robot();
   text.replace(text.find("name=\"can1\""), 11, "serial=\"7\"");
