@@ -431,7 +431,8 @@ class Learn {
       return say(json_of(draft).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
     std::string text = a_.output.empty() ? draft.xml : text_of(draft);
     print_notes(notes_);
-    if (!a_.output.empty())
+    std::error_code error;
+    if (!a_.output.empty() && std::filesystem::is_regular_file(a_.output, error))
       text +=
           fmt::format("\n{}: created; read it, then 'mlccactl check {}'\n", a_.output, a_.output);
     return say(text);

@@ -444,6 +444,13 @@ TEST_F(LearnVerb, TwoBusesStayTwoInWhateverOrderTheirRecordingsAreGiven) {
   EXPECT_TRUE(alone.error.contains("note: can1: its recording has no names")) << alone.error;
 }
 
+TEST_F(LearnVerb, WhatIsNoFileIsNotCreated) {
+  const auto log = folder.write("first.log", frames("can0", "123", 4, 60));
+  const Ran ran = run({"learn", log, "--output", "/dev/null"});
+  EXPECT_EQ(ran.status, 0) << ran.error;
+  EXPECT_FALSE(ran.out.contains("created")) << ran.out;
+}
+
 TEST_F(LearnVerb, ALogOfErrorFramesSaysWhatTheyAre) {
   std::string text;
   for (unsigned i = 0; i < 60; ++i)
