@@ -104,8 +104,8 @@ class DbcMeaning {
     return static_cast<std::uint8_t>(*number);
   }
 
-  /// Sets Period and size, and notes what was assumed.
-  void describe(const DbcMessage& from, ImportedMessage& to) {
+  /// Sets Period and size, and notes what was assumed. True if the Period is.
+  bool describe(const DbcMessage& from, ImportedMessage& to) {
     to.name = from.long_name && !from.long_name->empty() ? *from.long_name : from.name;
     to.description = from.comment;
     to.line = from.line;
@@ -118,6 +118,21 @@ class DbcMeaning {
     if (from.multiplexed)
       lack("multiplexed", "one channel has all that a message is multiplexed of", from.line,
            from.name);
+    return timing.assumed;
+  }
+
+  /// Lengthens an assumed Period in which the transport protocol cannot carry the message of a
+  /// parameter group: to whole seconds, as learn does.
+  void lengthen(const DbcMessage& from, ImportedMessage& to) {
+    constexpr Value second = 1'000'000'000;
+    const auto* const transport = core::traits_of(out_.profile).fragmentation;
+    if (transport == nullptr || from.bytes <= kClassicBytes) return;
+    const Value pauses = transport->frames(from.bytes, kClassicBytes) - 1;
+    const Value least = (pauses * transport->longest_pause / second + 1) * second;
+    if (to.attributes[Attribute::period] >= least) return;
+    to.attributes.set(Attribute::period, least);
+    lack("transport", "the transport protocol takes longer than the assumed Period: lengthened",
+         from.line, fmt::format("{}: {}", from.name, print_duration(least)));
   }
 
   void add_frame(const DbcMessage& from) {
@@ -138,7 +153,7 @@ class DbcMeaning {
     if (!known_.try_emplace({next.id, next.extended}, 0).second)
       return lack("repeated", "another message has the identifier: left out", from.line, from.name);
     next.format = format_of(from);
-    describe(from, next);
+    static_cast<void>(describe(from, next));
     if (!is_bindable(out_, next)) return;
     frame_senders(from, next);
     out_.messages.push_back(std::move(next));
@@ -194,7 +209,7 @@ class DbcMeaning {
       next.id &= 0x3ff00U;
       if (destination != kNullAddress) next.destination = destination;
     }
-    describe(from, next);
+    if (describe(from, next)) lengthen(from, next);
     group_senders(from, static_cast<std::uint8_t>(id), next);
     if (!is_bindable(out_, next)) return;
     auto& group = groups_[next.id];

@@ -141,6 +141,7 @@ class TimingOf {
     DbcTiming out;
     if (!least_ || !is_cyclic || varies_) out.arrival = core::Arrival::sporadic;
     out.period = least_.value_or(default_period);
+    out.assumed = !least_;
     if (!least_) {
       out.remark = fmt::format("Assumed: the file states no cycle time of {}.", from_.name);
       lack("no-cycle",

@@ -27,7 +27,8 @@ DbcSendType send_type_of(std::string_view type);
 struct DbcTiming {
   Value period = 0;  ///< ns
   core::Arrival arrival{};
-  std::string remark;  ///< an assumption, for an XML comment; empty: none
+  std::string remark;    ///< an assumption, for an XML comment; empty: none
+  bool assumed = false;  ///< no time is stated
 };
 
 /// The timing of a message. `default_period` (ns) is that of a message without any stated time.

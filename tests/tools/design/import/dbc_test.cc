@@ -488,6 +488,12 @@ TEST_F(DbcImportTest, ParameterGroupsOfJ1939AreRecognised) {
   EXPECT_NE(part("<EventChannel name=\"Long\"", "</EventChannel>").find("maxPayload=\"20"),
             std::string::npos)
       << "the transport protocol carries it";
+  EXPECT_NE(part("<EventChannel name=\"Long\"", "</EventChannel>").find("period=\"1s\""),
+            std::string::npos)
+      << draft_;
+  EXPECT_NE(part("<EventChannel name=\"EEC1\"", "</EventChannel>").find("period=\"100ms\""),
+            std::string::npos)
+      << draft_;
   json("truck.dbc", kTruck, {"--profile", "raw"});
   EXPECT_TRUE(has("<Profile>raw</Profile>"));
 }
