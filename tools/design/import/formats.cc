@@ -59,6 +59,27 @@ bool is_recording(std::string_view text) {
          line.substr(1, closed - 1).find_first_not_of("0123456789.") == std::string_view::npos;
 }
 
+/// Whether the root of an XML text is one that a description has.
+bool is_description(std::string_view text) {
+  while (true) {
+    const auto at = text.find('<');
+    if (at == std::string_view::npos) return false;
+    text.remove_prefix(at);
+    std::string_view end;
+    if (text.starts_with("<!--")) end = "-->";
+    if (text.starts_with("<?")) end = "?>";
+    if (end.empty()) break;
+    const auto past = text.find(end);
+    if (past == std::string_view::npos) return false;
+    text.remove_prefix(past);
+  }
+  text.remove_prefix(1);
+  const auto name = text.substr(0, text.find_first_of(" \t\r\n/>"));
+  constexpr auto roots = std::to_array<std::string_view>(
+      {"System", "Component", "Network", "Gateway", "EventChannel"});
+  return std::ranges::find(roots, name) != roots.end();
+}
+
 constexpr std::array kOfDbc = {Takes::profile, Takes::bitrate, Takes::data_bitrate};
 constexpr std::array kOfEds = {Takes::node, Takes::bitrate};
 constexpr std::array kOfCyphal = {Takes::node, Takes::bitrate, Takes::data_bitrate};
@@ -101,6 +122,9 @@ std::string reason_of(std::string_view text) {
              "canmatrix does";
   if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
     return "is a text in UTF-16: convert it first, by 'iconv -f UTF-16 -t UTF-8'";
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) return "is empty";
+  if (is_description(text))
+    return "is a description already, which nothing has to import: 'mlccactl check' checks it";
   if (is_recording(text)) return "is a recording of traffic: 'mlccactl learn' drafts from it";
   return "is in no format that is known: --format states one of " + format_names();
 }

@@ -293,6 +293,10 @@ TEST_F(DbcImportTest, OtherDescriptionsOfABusAreNamedWithWhatToDo) {
        "B",
        "is a text in UTF-16: convert it first, by 'iconv"},
       {"(1700000000.000100) can0 123#00\n", "is a recording of traffic: 'mlccactl learn'"},
+      {" \n", "is empty"},
+      {"<?xml version=\"1.0\"?>\n<!-- <Bus> -->\n<System name=\"s\"/>\n",
+       "is a description already, which nothing has to import: 'mlccactl check'"},
+      {"{}", "is in no format that is known"},
       {"hello", "is in no format that is known: --format states one of dbc, eds"}};
   for (const auto& [text, says] : cases) {
     const auto done = import("a.xml", text);
