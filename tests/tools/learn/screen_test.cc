@@ -127,9 +127,8 @@ TEST(Screen, ALearnedScreenIsADraft) {
 TEST(Screen, ARecordingWithoutAFrameIsRefusedAndWritesNothing) {
   const Folder folder;
   const auto path = folder.path("draft.xml");
-  for (const char* text :
-       {"(1.0) can0 12#11\n(1.1) can0 13#11\n",
-        "(1.0) can0 20000080#0000000000000000\n(1.1) can0 13#11\n"}) {
+  for (const char* text : {"(1.0) can0 12#11\n(1.1) can0 13#11\n",
+                           "(1.0) can0 20000080#0000000000000000\n(1.1) can0 13#11\n"}) {
     const Ran ran = run({"learn", folder.write("empty.log", text), "--output", path});
     EXPECT_EQ(ran.status, 2) << ran.out;
     EXPECT_TRUE(ran.error.contains("empty.log: no frame was recognised in it")) << ran.error;
