@@ -134,9 +134,10 @@ std::optional<Seen> seen_of(const control::Finding& f) {
   if (f.busy_gap_ns == 0 && frames < 2) return std::nullopt;
   const std::uint64_t seconds =
       f.last_unix_s >= f.first_unix_s ? f.last_unix_s - f.first_unix_s : 0;
-  return Seen{.gap = f.busy_gap_ns != 0 ? f.busy_gap_ns : std::max(kReading / frames, 1UL),
-              .frames = frames,
-              .seconds = f.at_least ? 0 : (seconds + 1) * kReading};
+  return Seen{
+      .gap = f.busy_gap_ns != 0 ? f.busy_gap_ns : std::max<std::uint64_t>(kReading / frames, 1),
+      .frames = frames,
+      .seconds = f.at_least ? 0 : (seconds + 1) * kReading};
 }
 
 /// How much longer than these readings the frames would take if a gate let one pass each Period.
