@@ -126,8 +126,8 @@ class DbcMeaning {
   void lengthen(const DbcMessage& from, ImportedMessage& to) {
     constexpr Value second = 1'000'000'000;
     const auto* const transport = core::traits_of(out_.profile).fragmentation;
-    if (transport == nullptr || from.bytes <= kClassicBytes) return;
-    const Value pauses = transport->frames(from.bytes, kClassicBytes) - 1;
+    if (transport == nullptr || from.bytes <= core::kClassicBytes) return;
+    const Value pauses = transport->frames(from.bytes, core::kClassicBytes) - 1;
     const Value least = (pauses * transport->longest_pause / second + 1) * second;
     if (to.attributes[Attribute::period] >= least) return;
     to.attributes.set(Attribute::period, least);
