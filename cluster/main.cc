@@ -98,7 +98,8 @@ int main(int argc, char** argv) {
   app.add_option("--settings", options.settings, "file of settings")->capture_default_str();
   app.add_option("--socket", options.socket, "socket for mlccad, where systemd has made none")
       ->capture_default_str();
-  app.add_flag("--check", options.check, "read the settings, and end");
+  app.add_flag("--check", options.check,
+               "read the settings, the certificates and the key, and end");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& wrong) {
@@ -109,7 +110,11 @@ int main(int argc, char** argv) {
     write_at_once(STDERR_FILENO, settings.error().text + '\n');
     return kWrongUse;
   }
-  if (options.check) return EXIT_SUCCESS;
+  if (options.check) {
+    const auto checked = check_credentials(*settings);
+    if (!checked) write_at_once(STDERR_FILENO, checked.error().text + '\n');
+    return checked ? EXIT_SUCCESS : kWrongUse;
+  }
   if (const auto served = serve(options, *settings); !served) {
     say(served.error().text);
     return EXIT_FAILURE;

@@ -16,8 +16,9 @@ namespace mlcca::cluster {
 namespace {
 
 constexpr std::size_t kMostEndpoints = 16;
-constexpr std::size_t kLongestFile = std::size_t{64} << 10U;  // bytes
-constexpr std::uint64_t kShortest = 100;                      // ms
+constexpr std::size_t kLongestFile = std::size_t{64} << 10U;         // bytes
+constexpr std::size_t kLongestCertificates = std::size_t{1} << 20U;  // bytes
+constexpr std::uint64_t kShortest = 100;                             // ms
 constexpr std::uint64_t kLongest = 10'000;
 constexpr std::string_view kScheme = "https://";
 constexpr std::string_view kDefaultPort = "2379";
@@ -152,6 +153,23 @@ class Parser {
   unsigned line_ = 0;
 };
 
+/// The content of a file of at most `most` bytes.
+Result<std::string> read_short_file(const std::string& file, std::size_t most) {
+  const Fd from(::open(file.c_str(), O_RDONLY | O_CLOEXEC));  // NOLINT(*-vararg)
+  if (!from) return system_error(file);
+  std::string text(most + 1, '\0');
+  std::size_t size = 0;
+  while (size < text.size()) {
+    const ssize_t n = ::read(from.get(), text.data() + size, text.size() - size);
+    if (n < 0) return system_error(file);
+    if (n == 0) break;
+    size += static_cast<std::size_t>(n);
+  }
+  if (size > most) return fail(file + ": it is too long");
+  text.resize(size);
+  return text;
+}
+
 }  // namespace
 
 Result<Settings> parse_settings(std::string_view text, const std::string& file,
@@ -166,18 +184,28 @@ Result<Settings> parse_settings(std::string_view text, const std::string& file,
 }
 
 Result<Settings> read_settings(const std::string& file, const std::string& credentials) {
-  const Fd from(::open(file.c_str(), O_RDONLY | O_CLOEXEC));  // NOLINT(*-vararg)
-  if (!from) return system_error(file);
-  std::string text(kLongestFile + 1, '\0');
-  std::size_t size = 0;
-  while (size < text.size()) {
-    const ssize_t n = ::read(from.get(), text.data() + size, text.size() - size);
-    if (n < 0) return system_error(file);
-    if (n == 0) break;
-    size += static_cast<std::size_t>(n);
+  const auto text = read_short_file(file, kLongestFile);
+  if (!text) return std::unexpected(text.error());
+  return parse_settings(*text, file, credentials);
+}
+
+Result<void> check_credentials(const Settings& settings) {
+  struct Credential {
+    const std::string& file;
+    std::string_view marks;  ///< a line of PEM
+    const char* content;
+  };
+  std::string errors;
+  for (const Credential& one :
+       {Credential{settings.ca, "-----BEGIN CERTIFICATE-----", "certificate"},
+        Credential{settings.certificate, "-----BEGIN CERTIFICATE-----", "certificate"},
+        Credential{settings.key, "PRIVATE KEY-----", "private key"}}) {
+    const auto text = read_short_file(one.file, kLongestCertificates);
+    if (text && text->contains(one.marks)) continue;
+    if (!errors.empty()) errors += '\n';
+    errors += text ? one.file + ": it has no " + one.content + " (PEM)" : text.error().text;
   }
-  if (size > kLongestFile) return fail(file + ": it is too long");
-  return parse_settings({text.data(), size}, file, credentials);
+  return errors.empty() ? Result<void>() : fail(std::move(errors));
 }
 
 }  // namespace mlcca::cluster

@@ -29,5 +29,9 @@ struct Settings {
                                               const std::string& credentials);
 [[nodiscard]] Result<Settings> read_settings(const std::string& file,
                                              const std::string& credentials);
+/// Whether the files of certificates and key can be read and are such (PEM). An error has a line
+/// for each file that is not. Whether the key belongs to the certificate, and whether the store
+/// accepts both, shows the first connection.
+[[nodiscard]] Result<void> check_credentials(const Settings& settings);
 
 }  // namespace mlcca::cluster

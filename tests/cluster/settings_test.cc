@@ -89,6 +89,24 @@ TEST(ClusterSettings, AFileThatIsMissingOrTooLongIsNamed) {
   EXPECT_TRUE(read_settings(folder / "right", "/k").has_value());
 }
 
+TEST(ClusterSettings, CertificatesAndKeyThatAreMissingOrSomethingElseAreNamed) {
+  const test::WorkFolder folder;
+  const Settings settings{.endpoints = {"https://a"},
+                          .ca = folder / "ca.pem",
+                          .certificate = folder / "cert.pem",
+                          .key = folder / "key.pem"};
+  const std::string certificate = "-----BEGIN CERTIFICATE-----\nMIIB\n";
+  test::write_file(settings.ca, certificate);
+  test::write_file(settings.key, certificate);
+  const auto checked = check_credentials(settings);
+  ASSERT_FALSE(checked.has_value());
+  EXPECT_EQ(checked.error().text, settings.certificate + ": No such file or directory\n" +
+                                      settings.key + ": it has no private key (PEM)");
+  test::write_file(settings.certificate, certificate);
+  test::write_file(settings.key, "-----BEGIN EC PRIVATE KEY-----\nMHcC\n");
+  EXPECT_TRUE(check_credentials(settings).has_value());
+}
+
 TEST(ClusterEndpoints, AllAreTriedAtOnceAndThenAfterPausesThatGrow) {
   StoreMembers endpoints({"a", "b", "c"});
   EXPECT_EQ(endpoints.current(), "a");
