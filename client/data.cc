@@ -241,6 +241,8 @@ Result<void> Client::Data::use(const PartOf& part, const control::Reply& reply) 
   auto done = use_endpoints(part, channels->endpoints);
   if (done && !part->local && std::ranges::any_of(part->endpoints, is_of_programs))
     return fail("programs on this gateway: " + why_no_receiver_);
+  if (done && !channels->local_problem.empty())
+    return fail("programs on this gateway: " + channels->local_problem);
   return done;
 }
 

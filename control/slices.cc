@@ -94,6 +94,7 @@ class Slicer {
     for (Reply& reply : out_) {
       std::get<Channels>(reply.body).left_out = all.left_out;
       std::get<Channels>(reply.body).grace_ns = all.grace_ns;
+      std::get<Channels>(reply.body).local_problem = all.local_problem;
     }
     return std::move(out_);
   }

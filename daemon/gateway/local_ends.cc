@@ -2,41 +2,46 @@
 #include "daemon/gateway/local_ends.hpp"
 
 #include <algorithm>
+#include <ranges>
 #include <utility>
 
-#include "control/local_address.hpp"
-
 namespace mlcca {
-Result<void> LocalEnds::add(const core::EventChannel& channel, uid_t user, std::uint64_t session,
-                            const std::string& address) {
-  // The address is not repeated in the error: it may be almost a key.
-  if (!control::local_address_in(address))
-    return fail(
-        "local is the name of a socket that was bound without one (unix(7)) and its key: 5 and 16 "
-        "hexadecimal digits in lower case");
+std::optional<std::string> LocalEnds::add(const core::EventChannel& channel, const Program& program,
+                                          const std::string& address) {
   Ends& ends = ends_[channel.subject];
-  const auto known = ends.by_session.find(session);
-  if (known != ends.by_session.end() && known->second.address == address) return {};
-  if (known == ends.by_session.end())
-    if (auto why = refusal(channel.name, ends, user)) return fail(std::move(*why));
+  const auto known = ends.by_session.find(program.session);
+  if (known == ends.by_session.end()) {
+    if (auto why = refusal(channel.name, ends, program)) return why;
+  } else {
+    known->second.standing = std::max(known->second.standing, program.standing);
+    if (known->second.end.address == address) return std::nullopt;
+  }
   ends.channel = channel.name;
-  ends.by_session[session] = {user, address};
+  Place& place = ends.by_session[program.session];
+  place = {{program.user, address}, std::max(place.standing, program.standing)};
   report(channel.subject, channel.name);
-  return {};
+  return std::nullopt;
 }
 
 std::optional<std::string> LocalEnds::refusal(const std::string& channel, const Ends& ends,
-                                              uid_t user) {
-  if (ends.by_session.size() >= kMostOfChannel)
-    return channel + " has " + std::to_string(kMostOfChannel) +
-           " subscribers on this gateway, which is the most";
-  const auto of_user = std::ranges::count_if(
-      ends.by_session, [user](const auto& one) { return one.second.user == user; });
-  if (user != 0 && static_cast<std::size_t>(of_user) >= kMostOfUser)
-    return "user " + std::to_string(user) + " has " + std::to_string(of_user) + " of the " +
-           std::to_string(kMostOfChannel) + " places of " + channel +
-           " for subscribers on this gateway, which is the most of one user";
-  return std::nullopt;
+                                              const Program& program) {
+  const auto places = ends.by_session | std::views::values;
+  const std::string of_channel = " places of " + channel + " for subscribers on this gateway";
+  const auto of_user =
+      std::ranges::count_if(places, [&](const Place& one) { return one.end.user == program.user; });
+  if (program.user != 0 && static_cast<std::size_t>(of_user) >= kMostOfUser)
+    return "user " + std::to_string(program.user) + " has " + std::to_string(of_user) + " of the " +
+           std::to_string(kMostOfChannel) + of_channel + ", which is the most of one user";
+  // Those of a higher standing do not count, so that they take no place from the others.
+  const Standing standing = program.standing;
+  const auto taken = static_cast<std::size_t>(std::ranges::count_if(
+      places, [standing](const Place& one) { return one.standing <= standing; }));
+  if (taken < most_up_to(standing) && ends.by_session.size() < kMostOfChannel) return std::nullopt;
+  if (standing == Standing::trusted || ends.by_session.size() >= kMostOfChannel)
+    return "the " + std::to_string(kMostOfChannel) + of_channel + " are taken";
+  return "the " + std::to_string(most_up_to(standing)) + of_channel + " are taken that " +
+         (standing == Standing::anyone ? "every program can have"
+                                       : "programs of other users than root and members can have");
 }
 
 void LocalEnds::session_closed(std::uint64_t session) {
@@ -50,8 +55,8 @@ std::vector<LocalEnds::End> LocalEnds::all(core::Subject subject) const {
   std::vector<End> out;
   const auto known = ends_.find(subject);
   if (known == ends_.end()) return out;
-  for (const auto& [session, end] : known->second.by_session)
-    if (std::ranges::find(out, end) == out.end()) out.push_back(end);
+  for (const Place& place : known->second.by_session | std::views::values)
+    if (std::ranges::find(out, place.end) == out.end()) out.push_back(place.end);
   return out;
 }
 

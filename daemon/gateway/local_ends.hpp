@@ -11,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "base/result.hpp"
 #include "core/model/system.hpp"
 #include "daemon/gateway/event_log.hpp"
 
@@ -23,16 +22,33 @@ class LocalEnds {
   /// The most subscribers of one channel. A publisher sends to each of them.
   static constexpr std::size_t kMostOfChannel = 64;
   /// The most of these that one user other than root may have.
-  static constexpr std::size_t kMostOfUser = 32;
+  static constexpr std::size_t kMostOfUser = 16;
+  /// Who a subscriber is. Each has places that those before it in this list cannot take.
+  enum class Standing : std::uint8_t {
+    anyone,   ///< any program may take up the end
+    stated,   ///< the end states which programs may take it up
+    trusted,  ///< the program is of root, or of a member of the control group
+  };
+  /// The most subscribers of one channel whose standing is at most this.
+  static constexpr std::size_t most_up_to(Standing standing) {
+    if (standing == Standing::anyone) return kMostOfChannel / 2;
+    return standing == Standing::stated ? kMostOfChannel - kMostOfChannel / 8 : kMostOfChannel;
+  }
 
   /// `log` reports changed addresses to clients. It must outlive this object.
   explicit LocalEnds(EventLog& log) : log_(log) {}
 
-  /// Adds the address of a subscriber until the session ends. A session has one address for each
-  /// channel. The error: it is no valid address (see control::LocalAddress), or the channel or the
-  /// user has too many.
-  [[nodiscard]] Result<void> add(const core::EventChannel& channel, uid_t user,
-                                 std::uint64_t session, const std::string& address);
+  /// The program that states an address.
+  struct Program {
+    uid_t user = 0;
+    std::uint64_t session = 0;
+    Standing standing = Standing::anyone;
+  };
+  /// Adds the valid address (see control::LocalAddress) of a subscriber until the session ends. A
+  /// session has one address for each channel. Returns why there is no place for it; nullopt: it is
+  /// added.
+  [[nodiscard]] std::optional<std::string> add(const core::EventChannel& channel,
+                                               const Program& program, const std::string& address);
   void session_closed(std::uint64_t session);
   /// An address, and the user that stated it.
   struct End {
@@ -45,13 +61,17 @@ class LocalEnds {
   [[nodiscard]] std::vector<End> all(core::Subject subject) const;
 
  private:
+  struct Place {
+    End end;
+    Standing standing = Standing::anyone;
+  };
   struct Ends {
     std::string channel;
-    std::map<std::uint64_t, End> by_session;
+    std::map<std::uint64_t, Place> by_session;
   };
   /// Why there is no room for one more; nullopt if there is.
   static std::optional<std::string> refusal(const std::string& channel, const Ends& ends,
-                                            uid_t user);
+                                            const Program& program);
   void report(core::Subject subject, const std::string& channel);
 
   EventLog& log_;

@@ -347,6 +347,21 @@ TEST(Exceptions, EventsThatCannotBeCarriedAreTriedAgain) {
   EXPECT_EQ(all[1].text, "its events can be carried again") << "and the first one once";
 }
 
+/// The other events are carried meanwhile, and the program asks again by itself.
+TEST(Exceptions, APlaceForEventsOfProgramsIsAskedForAgain) {
+  control::Channels full{{delivery("field", true)}, 0};
+  full.local_problem = "all places are taken";
+  Scene scene({{{{0, full}}}, {{{0, full}}}, {{channels({delivery("field", true)})}}});
+  Client client(scene.options());
+  SubscriberChannel stop(client, "stop");
+  EXPECT_EQ(stop.subscribe()->state, State::granted);
+  const auto all = exceptions(client, stop, 2);
+  EXPECT_EQ(all[0].text,
+            "its events cannot be carried: programs on this gateway: all places are taken");
+  EXPECT_EQ(all[1].text, "its events can be carried again") << "and the first one once";
+  EXPECT_EQ(scene.requests().size(), 3U);
+}
+
 TEST(Exceptions, AHandlerKeepsItsState) {
   Scene scene({{{channels({delivery("robot-can", true)}), event("missing"), event("restored")}}});
   Client client(scene.options());

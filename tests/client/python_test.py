@@ -371,6 +371,13 @@ class Clients:
         _, told = self.both([wrong], [wrong], [channels(True)], count=2)
         self.assertEqual(told[1].text, "its events can be carried again")
 
+    def test_a_place_for_events_of_programs_is_asked_for_again(self):
+        full = channels(True)
+        full.channels.local_problem = "all places are taken"
+        answers, told = self.both([full], [full], [channels(True)], count=2)
+        self.assertEqual(told[0].text, "its events cannot be carried: programs on this gateway: all places are taken")
+        self.assertEqual(told[1].text, "its events can be carried again")
+
     def test_what_else_happens_neither_puts_a_retry_off_nor_makes_more_of_it(self):
         self.longest_retry = 0.2
         wrong = channels(True)

@@ -446,7 +446,8 @@ Channel long_channel() {
 static Channels full_announced() {
   return {.channels = {granted_channel()},
           .endpoints = {full_transfers().transfers[0].to},
-          .grace_ns = 10'000'000'000};
+          .grace_ns = 10'000'000'000,
+          .local_problem = "all places are taken"};
 }
 
 std::vector<NamedReply> all_replies() {

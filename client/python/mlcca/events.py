@@ -91,6 +91,7 @@ class Events:
         """Makes the end send or receive as granted. Returns what cannot be used, and why; empty if everything can."""
         wanted = control_pb2.Reply(id=1)
         wanted.channels.grace_ns = reply.channels.grace_ns
+        wanted.channels.local_problem = reply.channels.local_problem
         wanted.channels.endpoints.extend(reply.channels.endpoints)
         for of in reply.channels.channels:
             row = wanted.channels.channels.add(subject=of.subject, publisher=of.publisher, to=of.to, granted=of.granted)

@@ -8,9 +8,11 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "control/attributes.hpp"
+#include "control/local_address.hpp"
 #include "core/model/text.hpp"
 #include "daemon/gateway/channel_reports.hpp"
 #include "daemon/gateway/endpoints.hpp"
@@ -97,9 +99,7 @@ class Ends {
     if (role_ == Role::publisher && members_.publisher(end).uid != peer.uid)
       return fmt::format("is for programs of user {}, and this one is of user {}",
                          members_.publisher(end).uid.value_or(0), peer.uid);
-    const core::ProgramRule* const rule = state_.system().program_rule(
-        role_ == Role::publisher ? members_.publisher(end).program_rule
-                                 : members_.subscriber(end).program_rule);
+    const core::ProgramRule* const rule = rule_of(end);
     if (rule == nullptr) return std::nullopt;
     if (!rule->group.empty() &&
         (!rule->gid || peer.process == nullptr || !peer.process->is_in(*rule->gid)))
@@ -111,6 +111,13 @@ class Ends {
     if (*unit == rule->unit) return std::nullopt;
     return fmt::format("is for programs of unit {}, and this one is of {}", rule->unit,
                        unit->empty() ? "none" : *unit);
+  }
+
+  /// What the end states about the programs that may take it up; null if it states nothing.
+  [[nodiscard]] const core::ProgramRule* rule_of(std::size_t end) const {
+    return state_.system().program_rule(role_ == Role::publisher
+                                            ? members_.publisher(end).program_rule
+                                            : members_.subscriber(end).program_rule);
   }
 
   /// The end of that name that a program may take up. With an empty name there must be only one.
@@ -173,6 +180,23 @@ class Ends {
   std::vector<std::size_t> ends_;
 };
 
+/// Adds the address of a subscriber. Returns why that is not possible now; empty: it is added.
+std::string add_address(LocalEnds& local_ends, const core::EventChannel& channel,
+                        const serve::Peer& peer, const std::string& address, bool is_for_some) {
+  using enum LocalEnds::Standing;
+  const auto standing = peer.may_change ? trusted : is_for_some ? stated : anyone;
+  return local_ends.add(channel, {peer.uid, peer.session, standing}, address).value_or("");
+}
+
+/// States that events of programs on the gateway do not arrive, although they may be granted.
+void note_no_place(control::Channels& answer, const std::string& why) {
+  if (why.empty()) return;
+  answer.local_problem = why;
+  for (control::Channel& delivery : answer.channels)
+    if (delivery.from == delivery.to)
+      delivery.problems.insert(delivery.problems.begin(), "its events do not arrive: " + why);
+}
+
 }  // namespace
 
 Response announce(const AnnounceParts& parts, const Asker& asker,
@@ -193,22 +217,27 @@ Response announce(const AnnounceParts& parts, const Asker& asker,
   const auto announced = control::set_of(request.attributes);
   if (!announced) return invalid(announced.error().text);
   if (const auto why = ends.conflict(*end, *announced)) return invalid(*why);
+  std::string no_place;
   if (!request.local.empty()) {
     if (request.role != Role::subscriber)
       return invalid("local is for subscribers: a publisher sends, and receives nothing");
-    const core::EventChannel& followed = state.system().channels[*channel];
-    if (const auto done =
-            parts.local_ends.add(followed, asker.peer.uid, asker.peer.session, request.local);
-        !done)
-      return invalid(done.error().text);
+    // The address is not repeated in the error: it may be almost a key.
+    if (!control::local_address_in(request.local))
+      return invalid(
+          "local is the name of a socket that was bound without one (unix(7)) and its key: 5 and "
+          "16 hexadecimal digits in lower case");
+    no_place = add_address(parts.local_ends, state.system().channels[*channel], asker.peer,
+                           request.local, ends.rule_of(*end) != nullptr);
   }
-  const auto report = [parts, channel = *channel, role = request.role, end = *end] {
+  const auto report = [parts, channel = *channel, role = request.role, end = *end,
+                       no_place = std::move(no_place)] {
     const bool publishes = role == Role::publisher;
     control::Channels out = publishes ? parts.channels.of_publisher(channel, end)
                                       : parts.channels.of_subscriber(channel, end);
     out.endpoints = publishes ? parts.endpoints.of_publisher(channel, end)
                               : parts.endpoints.of_subscriber(channel, end);
     out.grace_ns = parts.control.grace();
+    note_no_place(out, no_place);
     return out;
   };
   Response response = parts.replies.made(asker, parts.estimates.has_many_lines(*channel), report);

@@ -290,26 +290,95 @@ TEST_F(Announce, AProgramInAnotherNetworkNamespaceIsRefused) {
               "the gates of this gateway: run it in that of mlccad");
 }
 
-TEST_F(Announce, OneUserHasAShareOfThePlacesOnTheGateway) {
-  const auto subscribe = [&](uid_t user, std::uint64_t session) {
-    AnnounceRequest request{"c0", Role::subscriber, "lamp", {}};
-    request.local = fmt::format("{:05x}{:016x}", session, session);
-    return refusal(request, {.pid = 7, .uid = user, .session = session});
-  };
-  std::uint64_t session = 0;
-  for (std::size_t i = 0; i < LocalEnds::kMostOfUser; ++i)
-    EXPECT_EQ(subscribe(1000, ++session), "");
-  EXPECT_EQ(subscribe(1000, ++session),
-            "user 1000 has 32 of the 64 places of c0 for subscribers on this gateway, which is the "
+/// The address of a session.
+std::string address_of(std::uint64_t session) {
+  return fmt::format("{:05x}{:016x}", session, session);
+}
+
+/// Channel c0 with the subscribers "lamp", which every program may be, and "motor", for a group.
+class AnnouncePlaces : public Announce {
+ protected:
+  void SetUp() override {
+    core::Subscriber motor = bench_.system.subscribers.back();
+    motor.name = "motor";
+    motor.program_rule = 0;
+    bench_.system.program_rules = {{.gid = kGroup, .group = "drivers", .unit = ""}};
+    bench_.system.subscribers.push_back(motor);
+    ASSERT_FALSE(bench_.start());
+  }
+  control::Channels subscribe(const std::string& name, uid_t user, bool is_member = false) {
+    serve::Peer peer = program_in(kGroup, "");
+    peer.uid = user;
+    peer.session = ++session_;
+    peer.may_change = is_member || user == 0;
+    AnnounceRequest request{"c0", Role::subscriber, name, {}};
+    request.local = address_of(session_);
+    return std::get<control::Channels>(ask(request, peer).reply.body);
+  }
+  std::string problem(const std::string& name, uid_t user, bool is_member = false) {
+    return subscribe(name, user, is_member).local_problem;
+  }
+  std::size_t receivers() {
+    const serve::Answer answer = ask({"c0", Role::publisher, "", {}});
+    const auto& all = std::get<control::Channels>(answer.reply.body).endpoints;
+    return static_cast<std::size_t>(
+        std::ranges::count_if(all, [](const auto& one) { return !one.local.empty(); }));
+  }
+
+  static constexpr gid_t kGroup = 44;
+  std::uint64_t session_ = 0;
+};
+
+TEST_F(AnnouncePlaces, OneUserHasAShare) {
+  for (std::size_t i = 0; i < LocalEnds::kMostOfUser; ++i) EXPECT_EQ(problem("lamp", 1000), "");
+  EXPECT_EQ(problem("lamp", 1000),
+            "user 1000 has 16 of the 64 places of c0 for subscribers on this gateway, which is the "
             "most of one user");
-  EXPECT_EQ(subscribe(1000, 1), "") << "it has its place";
-  EXPECT_EQ(subscribe(1001, ++session), "");
-  // Root may have all that is left, and there are no more than that.
-  for (std::size_t i = LocalEnds::kMostOfUser + 1; i < LocalEnds::kMostOfChannel; ++i)
-    EXPECT_EQ(subscribe(0, ++session), "");
-  EXPECT_EQ(subscribe(1001, ++session), "c0 has 64 subscribers on this gateway, which is the most");
+  session_ = 0;
+  EXPECT_EQ(problem("lamp", 1000), "") << "it has its place";
+  session_ = LocalEnds::kMostOfUser;
+  EXPECT_EQ(problem("lamp", 1001), "");
   bench_.daemon().session_closed(1);
-  EXPECT_EQ(subscribe(1000, ++session), "");
+  EXPECT_EQ(problem("lamp", 1000), "");
+}
+
+TEST_F(AnnouncePlaces, WhoNeedsNoRightTakesNoPlaceOfThoseWhoHaveOne) {
+  for (const uid_t user : {1000U, 1001U})
+    for (std::size_t i = 0; i < 16; ++i) ASSERT_EQ(problem("lamp", user), "");
+  const std::string all_taken =
+      "the 32 places of c0 for subscribers on this gateway are taken that every program can have";
+  EXPECT_EQ(problem("lamp", 1002), all_taken);
+  for (const uid_t user : {2000U, 2001U})
+    for (std::size_t i = 0; i < 12; ++i) ASSERT_EQ(problem("motor", user), "");
+  EXPECT_EQ(problem("motor", 2002),
+            "the 56 places of c0 for subscribers on this gateway are taken that programs of other "
+            "users than root and members can have");
+  EXPECT_EQ(problem("lamp", 1002, true), "") << "a member";
+  for (std::size_t i = 57; i < LocalEnds::kMostOfChannel; ++i) ASSERT_EQ(problem("lamp", 0), "");
+  EXPECT_EQ(problem("lamp", 0), "the 64 places of c0 for subscribers on this gateway are taken");
+  EXPECT_EQ(receivers(), 64U);
+  bench_.daemon().session_closed(1);
+  EXPECT_EQ(problem("motor", 2002), "") << "one of all places is free";
+}
+
+/// Root and members that have the ends of everyone take no place from them.
+TEST_F(AnnouncePlaces, WhoHasARightTakesNoPlaceOfThoseWhoNeedNone) {
+  for (std::size_t i = 0; i < 32; ++i) ASSERT_EQ(problem("lamp", 0), "");
+  EXPECT_EQ(problem("lamp", 1000), "");
+}
+
+/// Events of networks arrive.
+TEST_F(AnnouncePlaces, WhoHasNoPlaceIsAnsweredNevertheless) {
+  const control::Channels before = subscribe("lamp", 0);
+  for (std::size_t i = 0; i < 16; ++i) ASSERT_EQ(problem("lamp", 1000), "");
+  const control::Channels answer = subscribe("lamp", 1000);
+  ASSERT_NE(answer.local_problem, "");
+  EXPECT_EQ(answer.endpoints, before.endpoints);
+  ASSERT_EQ(answer.channels.size(), 1U);
+  EXPECT_TRUE(answer.channels[0].granted);
+  ASSERT_FALSE(answer.channels[0].problems.empty());
+  EXPECT_EQ(answer.channels[0].problems[0], "its events do not arrive: " + answer.local_problem);
+  EXPECT_EQ(receivers(), 17U);
 }
 
 /// The Jitter of a publisher is its own: more of it is worse.

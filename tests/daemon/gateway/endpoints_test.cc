@@ -216,11 +216,17 @@ TEST_F(Endpoints, AKeyIsForGrantedPublishersAlone) {
 TEST_F(Endpoints, OneChannelHasSoManySubscribersAndNoMore) {
   start(with_programs());
   for (std::size_t n = 0; n < LocalEnds::kMostOfChannel; ++n)
-    ASSERT_EQ(refusal({"c0", Role::subscriber, "", {}, kLocal}, 2 + n, n == 0 ? kUser : 0), "");
-  EXPECT_EQ(refusal({"c0", Role::subscriber, "", {}, kLocal}, 1000),
-            "c0 has 64 subscribers on this gateway, which is the most");
-  const std::string other = std::string("0a1b3") + kKey;
-  EXPECT_EQ(refusal({"c0", Role::subscriber, "", {}, other}, 2), "") << "it has another one";
+    bench_->ask(AnnounceRequest{"c0", Role::subscriber, "", {}, kLocal},
+                {.pid = 7, .uid = 0, .may_change = true, .session = 2 + n});
+  const std::size_t has_place = 2;
+  EXPECT_EQ(refusal({"c0", Role::subscriber, "", {}, kLocal}, has_place, 0), "");
+  const auto problem = [this](const std::string& local, std::uint64_t session) {
+    const auto answer = bench_->ask(AnnounceRequest{"c0", Role::subscriber, "", {}, local},
+                                    {.pid = 7, .uid = 0, .may_change = true, .session = session});
+    return std::get<control::Channels>(answer.reply.body).local_problem;
+  };
+  EXPECT_EQ(problem(kLocal, 1000), "the 64 places of c0 for subscribers on this gateway are taken");
+  EXPECT_EQ(problem(std::string("0a1b3") + kKey, 3), "") << "it has another one";
 }
 
 TEST_F(Endpoints, ATransferSaysWhereItComesFromAndGoesTo) {
