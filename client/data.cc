@@ -351,11 +351,10 @@ Published Client::Data::publish(const PartOf& part, Octets event) {
     if (passed == Passed::lost || passed == Passed::too_long) ++lost;
     if (passed == Passed::gone) gone.push_back(endpoint);
   }
+  // Nobody is there who could have got the event. One that the daemon states is looked for again
+  // later.
   for (const SharedEndpoint& endpoint : gone)
-    if (former_receivers_.forget(part, endpoint))
-      std::erase(part->endpoints, endpoint);
-    else
-      ++lost;
+    if (former_receivers_.forget(part, endpoint)) std::erase(part->endpoints, endpoint);
   if (lost == 0) return sent == 0 ? Published::not_granted : Published::sent;
   if (sent != 0) return Published::partly;
   return too_long ? Published::too_long : Published::lost;

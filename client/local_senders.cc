@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include "base/clock.hpp"
+
 namespace mlcca::client {
 
 LocalSenders::Receiver LocalSenders::receiver_of(const control::Endpoint& to) {
@@ -28,6 +30,7 @@ LocalSenders::Senders::iterator LocalSenders::of(const control::Endpoint& to) {
 
 LocalSender::Sent LocalSenders::send(const control::Endpoint& to, std::uint64_t subject,
                                      Octets event) {
+  if (was_gone(to)) return LocalSender::Sent::gone;
   const auto one = of(to);
   if (one == senders_.end()) return LocalSender::Sent::full;
   LocalSender& sender = one->second.sender;
@@ -35,14 +38,30 @@ LocalSender::Sent LocalSenders::send(const control::Endpoint& to, std::uint64_t 
   const auto sent = is_open ? sender.send(subject, event) : sender.lose(subject);
   one->second.owes = sent != LocalSender::Sent::sent;
   if (sent == LocalSender::Sent::full && is_open) wait_for_room(sender);
-  if (sent == LocalSender::Sent::gone) {
-    open_ -= is_open ? 1 : 0;
-    senders_.erase(one);
-  }
-  return sent;
+  if (sent != LocalSender::Sent::gone) return sent;
+  open_ -= is_open ? 1 : 0;
+  senders_.erase(one);
+  return note_gone(receiver_of(to));
+}
+
+/// Any user can state an address where nothing receives, and it must not cost a socket for each
+/// event.
+LocalSender::Sent LocalSenders::note_gone(const Receiver& receiver) {
+  gone_[receiver] = monotonic_ns() + kPause;
+  return LocalSender::Sent::gone;
+}
+
+bool LocalSenders::was_gone(const control::Endpoint& to) {
+  if (gone_.empty()) return false;
+  const auto known = gone_.find(receiver_of(to));
+  if (known == gone_.end()) return false;
+  if (monotonic_ns() < known->second) return true;
+  gone_.erase(known);
+  return false;
 }
 
 LocalSender::Sent LocalSenders::withhold(const control::Endpoint& to, std::uint64_t subject) {
+  if (was_gone(to)) return LocalSender::Sent::gone;
   const auto one = of(to);
   if (one == senders_.end()) return LocalSender::Sent::full;
   static_cast<void>(one->second.sender.lose(subject));
@@ -50,7 +69,7 @@ LocalSender::Sent LocalSenders::withhold(const control::Endpoint& to, std::uint6
   if (one->second.sender.fd() >= 0 || open(one)) return report(one);
   if (!one->second.sender.is_gone()) return LocalSender::Sent::full;
   senders_.erase(one);
-  return LocalSender::Sent::gone;
+  return note_gone(receiver_of(to));
 }
 
 bool LocalSenders::reaches(const control::Endpoint& to, std::uint64_t subject) {
@@ -90,6 +109,7 @@ void LocalSenders::make_room() {
 }
 
 void LocalSenders::keep_only(const std::set<Receiver>& receivers) {
+  gone_.clear();
   std::erase_if(senders_, [&](const auto& one) {
     if (receivers.contains(one.first)) return false;
     open_ -= one.second.sender.fd() >= 0 ? 1 : 0;
@@ -109,11 +129,11 @@ LocalSender::Sent LocalSenders::report(Senders::iterator one) {
   const auto sent = one->second.sender.send_notice();
   one->second.owes = sent == LocalSender::Sent::full;
   if (one->second.owes) wait_for_room(one->second.sender);
-  if (sent == LocalSender::Sent::gone) {
-    --open_;
-    senders_.erase(one);
-  }
-  return sent;
+  if (sent != LocalSender::Sent::gone) return sent;
+  --open_;
+  const Receiver receiver = one->first;
+  senders_.erase(one);
+  return note_gone(receiver);
 }
 
 /// A socket that need not wait any more makes room for the reports of those that were closed.

@@ -41,6 +41,9 @@ class LocalSenders {
   /// Senders are added to `epoll` while they wait for room. It must outlive this object.
   explicit LocalSenders(const Fd& epoll) : epoll_(epoll) {}
 
+  /// How long (ns) a receiver that is gone is not looked for again, unless keep_only() is called.
+  static constexpr std::uint64_t kPause = 1'000'000'000;
+
   /// Sends an event to a local endpoint.
   [[nodiscard]] LocalSender::Sent send(const control::Endpoint& to, std::uint64_t subject,
                                        Octets event);
@@ -48,8 +51,8 @@ class LocalSenders {
   LocalSender::Sent withhold(const control::Endpoint& to, std::uint64_t subject);
   /// Whether something receives at a local endpoint.
   [[nodiscard]] bool reaches(const control::Endpoint& to, std::uint64_t subject);
-  /// Forgets all other receivers. A receiver may have ended without notice, and the kernel may have
-  /// given its name to another one.
+  /// Forgets all other receivers, and which ones were gone. A receiver may have ended without
+  /// notice, and the kernel may have given its name to another one.
   void keep_only(const std::set<Receiver>& receivers);
   /// Handles room in the queue behind the descriptor. Returns false if no sender has it.
   [[nodiscard]] bool on_room(int fd);
@@ -67,10 +70,14 @@ class LocalSenders {
   bool open(Senders::iterator one);
   void make_room();
   LocalSender::Sent report(Senders::iterator one);
+  LocalSender::Sent note_gone(const Receiver& receiver);
+  [[nodiscard]] bool was_gone(const control::Endpoint& to);
   void wait_for_room(const LocalSender& sender) const;
 
   const Fd& epoll_;
   Senders senders_;
+  std::map<Receiver, std::uint64_t>
+      gone_;              ///< until when they count as gone, CLOCK_MONOTONIC in ns
   std::size_t open_ = 0;  ///< how many of them have an open socket
   std::uint64_t turn_ = 0;
 };

@@ -229,7 +229,8 @@ Result<void> LocalSender::open() {
   if (!socket) return system_error("socket");
   const Address receiver = address_of(to_.name);
   if (::connect(socket.get(), generic(receiver.name), receiver.size) != 0) {
-    is_gone_ = errno == ECONNREFUSED;
+    // EPROTOTYPE: a socket of another kind has the name, which receives no datagrams either.
+    is_gone_ = errno == ECONNREFUSED || errno == EPROTOTYPE;
     return system_error("connect");
   }
   socket_ = std::move(socket);

@@ -6,6 +6,7 @@
 #include <net/if.h>
 #include <netinet/in.h>
 #include <poll.h>
+#include <sys/epoll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <sys/wait.h>
@@ -21,6 +22,9 @@
 #include <vector>
 
 #include "base/clock.hpp"
+#include "base/handle.hpp"
+#include "base/unix_address.hpp"
+#include "client/local_senders.hpp"
 #include "client/local_socket.hpp"
 #include "tests/client/events_scene.hpp"
 
@@ -146,8 +150,55 @@ TEST_F(EventsInC, ManyReceiversTakeABoundedNumberOfSockets) {
   ASSERT_EQ(use(publisher_, 7, MLCCA_PUBLISHER, reply_with(endpoints)), "");
   EXPECT_LE(descriptors(), before + 3);
   receivers.clear();
-  EXPECT_EQ(publish("go"), MLCCA_LOST);
+  EXPECT_EQ(publish("go"), MLCCA_NOT_GRANTED) << "nobody is there";
   EXPECT_EQ(descriptors(), before - 300);
+}
+
+/// Any user can announce an address that no socket has.
+TEST_F(EventsInC, AReceiverThatIsGoneIsNoLoss) {
+  std::string nobody;
+  {
+    const Events gone{mlcca_events_new()};
+    nobody = mlcca_events_address(gone.get(), 3);
+  }
+  const auto both = reply_with({to_program(nobody), to_program(address_)});
+  ASSERT_EQ(use(publisher_, 7, MLCCA_PUBLISHER, both), "");
+  ASSERT_EQ(use(subscriber_, 3, MLCCA_SUBSCRIBER, reply_with({from_programs_of(::getuid())})), "");
+  EXPECT_EQ(publish("1"), MLCCA_SENT);
+  EXPECT_EQ(publish("2"), MLCCA_SENT);
+  EXPECT_EQ(came(), (std::vector<std::string>{"3 1", "3 2"}));
+}
+
+/// A socket that receives no datagrams has the name.
+TEST_F(EventsInC, AReceiverThatIsNoneIsNoLoss) {
+  const Fd stream(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  sockaddr_un own{};
+  own.sun_family = AF_UNIX;
+  ASSERT_EQ(::bind(stream.get(), generic(own), sizeof own.sun_family), 0);
+  socklen_t size = sizeof own;
+  ASSERT_EQ(::getsockname(stream.get(), reinterpret_cast<sockaddr*>(&own), &size), 0);
+  const std::string name(&own.sun_path[1], 5);
+  ASSERT_EQ(
+      use(publisher_, 7, MLCCA_PUBLISHER, reply_with({to_program(name + address_.substr(5))})), "");
+  EXPECT_EQ(publish("1"), MLCCA_NOT_GRANTED);
+}
+
+/// It is not looked for with each event, but when the daemon states it again, and later.
+TEST(LocalSendersTest, AReceiverThatIsGoneIsLookedForAgain) {
+  const std::string address = LocalReceiver::open().value().address();
+  const Fd epoll(::epoll_create1(EPOLL_CLOEXEC));
+  LocalSenders senders(epoll);
+  const auto to = to_program(address);
+  EXPECT_EQ(senders.send(to, kStop, {}), LocalSender::Sent::gone);
+  // Somebody has the name now.
+  const Fd other(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  sockaddr_un own{};
+  own.sun_family = AF_UNIX;
+  name_in(address).copy(&own.sun_path[1], 5);
+  ASSERT_EQ(::bind(other.get(), generic(own), offsetof(sockaddr_un, sun_path) + 6), 0);
+  EXPECT_EQ(senders.send(to, kStop, {}), LocalSender::Sent::gone) << "it is not tried";
+  senders.keep_only({LocalSenders::receiver_of(to)});
+  EXPECT_EQ(senders.send(to, kStop, {}), LocalSender::Sent::sent);
 }
 
 /// A daemon gives none of these.

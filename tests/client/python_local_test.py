@@ -5,6 +5,7 @@ import asyncio
 import os
 import re
 import select
+import socket
 import tempfile
 import unittest
 
@@ -63,6 +64,27 @@ class Local(unittest.TestCase):
 
     def is_readable(self, client):
         return bool(select.select([client], [], [], 0)[0])
+
+    def test_a_receiver_that_is_gone_is_no_loss(self):
+        """Any user can announce an address that no socket has."""
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as gone:
+            gone.bind("")
+            nobody = gone.getsockname()[1:].decode()
+        client, daemon = self.start()
+        stop, _ = self.subscriber(client, daemon)
+        came = []
+        stop.on_event = came.append
+        local = daemon.requests[0].announce.local
+        both = granted_for(local=local)
+        both.channels.endpoints.add(local=nobody + local[5:], local_user=os.getuid())
+        publishers = Daemon([both])
+        self.addCleanup(publishers.close)
+        with mlcca.Client(publishers.path, patience=60) as other:
+            lever = other.publisher("stop")
+            lever.announce()
+            self.assertEqual([lever.publish(b"1"), lever.publish(b"2")], [Published.SENT] * 2)
+        client.process()
+        self.assertEqual([event.data for event in came], [b"1", b"2"])
 
     def test_a_silence_is_an_exception(self):
         client, daemon = self.start(silence_ns=SECOND // 100, period_ns=SECOND // 200, publisher="lever")

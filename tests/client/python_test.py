@@ -518,7 +518,7 @@ class Asyncio(Clients, unittest.TestCase):
                 before = stop.publish(b"early")
                 await stop.announce()
                 return before, stop.publish(b"go")
-        daemon = Daemon([granted_for(local="0" * 21)])  # nobody is there
+        daemon = Daemon([granted_for(local="0" * 20)])  # it is no address
         try:
             self.assertEqual(asyncio.run(asyncio.wait_for(program(daemon.path), 120)), (Published.NOT_GRANTED, Published.LOST))
         finally:

@@ -47,7 +47,7 @@ class Published(enum.Enum):
     SENT = "sent"                # sent to every place that the channel is granted for
     PARTLY = "sent in part"      # sent to some of these places; at the others the queue was full or the gate dropped it
     LOST = "lost"                # sent to none of them
-    NOT_GRANTED = "not granted"  # not sent, because nothing is granted or no decision is known yet
+    NOT_GRANTED = "not granted"  # not sent, because nothing is granted, nobody receives, or no decision is known yet
     TOO_LONG = "too long"        # not sent, because it is longer than a network carries or than 65,535 bytes
 
 

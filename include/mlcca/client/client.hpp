@@ -140,7 +140,8 @@ enum class Published : std::uint8_t {
   partly,  ///< sent to some of these places; at the others the queue was full, the gate dropped
            ///< it, or the daemon is gone
   lost,    ///< sent to none of them
-  not_granted,  ///< not sent, because nothing is granted or no decision is known yet
+  not_granted,  ///< not sent, because nothing is granted, nobody receives, or no decision is known
+                ///< yet
   too_long,     ///< not sent, because it is longer than a network carries or than 65,535 bytes
 };
 MLCCA_API const char* name_of(Published published);
