@@ -57,6 +57,10 @@ Result<Loop> Loop::open(sd_event* raw, Controller& gateway, const RealOutside& o
   if (e >= 0) e = sd_event_add_io(raw, &work, s->always.get(), EPOLLIN, on_work, s);
   s->work.reset(work);
   if (e >= 0) e = sd_event_source_set_enabled(work, SD_EVENT_OFF);
+  sd_event_source* due = nullptr;
+  if (e >= 0) e = sd_event_add_time(raw, &due, CLOCK_MONOTONIC, 0, kAccuracy, on_due, s);
+  s->due.reset(due);
+  if (e >= 0) e = sd_event_source_set_enabled(due, SD_EVENT_OFF);
   if (e >= 0) e = sd_event_add_post(raw, nullptr, after_turn, s);
   // sd_event_set_watchdog() is not used, because it waits if no process reads the socket of the
   // service manager.
@@ -156,6 +160,11 @@ int Loop::after_turn(sd_event_source*, void* self) noexcept {
   if (std::exchange(s.links_dirty, false)) s.gateway.links_changed();
   if (std::exchange(s.identities_dirty, false)) s.gateway.identities_changed();
   s.gateway.act();
+  if (const auto due = s.gateway.due()) {
+    constexpr std::uint64_t in_a_micro = 1000;
+    sd_event_source_set_time(s.due.get(), *due / in_a_micro + 1);
+    sd_event_source_set_enabled(s.due.get(), SD_EVENT_ONESHOT);
+  }
   if (s.ends && s.gateway.may_stop()) sd_event_exit(s.event, 0);
   return 0;
 }

@@ -44,6 +44,7 @@ class Loop {
     std::uint64_t watchdog = 0;  ///< µs between the signs of life for the service manager; 0: none
     Fd always;                   ///< always readable: queues behind the sockets of clients
     Source work;  ///< the event source of always: does a part of a round in each turn
+    Source due;   ///< the timer of Controller::due(); its handler does nothing but begin a turn
     std::unique_ptr<sd_device_monitor, FreeWith<sd_device_monitor_unref>> udev;
   };
   explicit Loop(std::unique_ptr<Sources> sources) : sources_(std::move(sources)) {}
@@ -53,6 +54,7 @@ class Loop {
   static int on_beat(sd_event_source* source, std::uint64_t now, void* self) noexcept;
   static int on_round(sd_event_source* source, std::uint64_t now, void* self) noexcept;
   static int on_work(sd_event_source*, int, std::uint32_t, void* self) noexcept;
+  static int on_due(sd_event_source*, std::uint64_t, void*) noexcept { return 0; }
   static int on_watchdog(sd_event_source* source, std::uint64_t now, void* self) noexcept;
   static int on_end(sd_event_source*, const signalfd_siginfo*, void* self) noexcept;
   static int on_hangup(sd_event_source*, const signalfd_siginfo*, void* self) noexcept;

@@ -45,6 +45,7 @@ void Controller::act() {
     parts_.membership->act();
   else
     static_cast<void>(parts_.turn.settle());
+  parts_.local_ends.report_waiting();
   parts_.forwarding.act();  // before clients get their answers
   parts_.turn.commit();
 }

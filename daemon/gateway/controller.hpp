@@ -69,6 +69,8 @@ class Controller {
   /// To be called once in each turn of the loop, after the handlers: decides again where links have
   /// changed, and commits what was granted to the disk.
   void act();
+  /// The next time when act() is to be called even if nothing happens, CLOCK_MONOTONIC in ns.
+  [[nodiscard]] std::optional<std::uint64_t> due() const { return parts_.local_ends.due(); }
   /// Writes a heart-beat for the kernel. To be called at least every beat_interval().
   void beat();
   [[nodiscard]] std::uint64_t beat_interval() const {

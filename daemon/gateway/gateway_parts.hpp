@@ -105,7 +105,7 @@ struct GatewayParts {
   std::unique_ptr<Membership> membership;  ///< null unless the gateway is in a cluster
   ChannelReports channels{scene, outside.gates, delivery_health, deliveries};
   ReportEstimates estimates{scene, outside.gates, forwarding, meshes};
-  LocalEnds local_ends{outside.log};
+  LocalEnds local_ends{outside.log, outside.clock};
   Endpoints endpoints{scene, outside.gates, local_ends};
   Safeguards safeguards;
   Reconciler reconciler;

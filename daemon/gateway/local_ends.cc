@@ -15,12 +15,25 @@ std::optional<std::string> LocalEnds::add(const core::EventChannel& channel, con
   } else {
     known->second.standing = std::max(known->second.standing, program.standing);
     if (known->second.end.address == address) return std::nullopt;
+    if (!may_change(known->second))
+      return "its address for " + channel.name + " was changed " + std::to_string(kChangesAtOnce) +
+             " times in a few seconds, and may be once a second";
   }
   ends.channel = channel.name;
   Place& place = ends.by_session[program.session];
-  place = {{program.user, address}, std::max(place.standing, program.standing)};
+  place.end = {program.user, address};
+  place.standing = std::max(place.standing, program.standing);
   report(channel.subject, channel.name);
   return std::nullopt;
+}
+
+/// Each change makes all programs of the channel announce it again.
+bool LocalEnds::may_change(Place& place) const {
+  const std::uint64_t now = clock_.monotonic_ns();
+  const std::uint64_t until = std::max(place.changes_until, now) + kChange;
+  if (until > now + kChangesAtOnce * kChange) return false;
+  place.changes_until = until;
+  return true;
 }
 
 std::optional<std::string> LocalEnds::refusal(const std::string& channel, const Ends& ends,
@@ -60,7 +73,32 @@ std::vector<LocalEnds::End> LocalEnds::all(core::Subject subject) const {
   return out;
 }
 
+/// Reports the change at once, unless one was reported shortly before.
 void LocalEnds::report(core::Subject subject, const std::string& channel) {
+  const auto [at, fresh] = reports_.try_emplace(subject);
+  if (!fresh) {
+    at->second = {channel, true};
+    return;
+  }
+  due_.emplace_back(clock_.monotonic_ns() + kReport, subject);
+  report_now(subject, channel);
+}
+
+void LocalEnds::report_waiting() {
+  const std::uint64_t now = clock_.monotonic_ns();
+  while (!due_.empty() && due_.front().first <= now) {
+    const core::Subject subject = due_.front().second;
+    due_.pop_front();
+    auto node = reports_.extract(subject);
+    if (!node.empty() && node.mapped().waits) report(subject, node.mapped().channel);
+  }
+}
+
+std::optional<std::uint64_t> LocalEnds::due() const {
+  return due_.empty() ? std::nullopt : std::optional(due_.front().first);
+}
+
+void LocalEnds::report_now(core::Subject subject, const std::string& channel) {
   control::Event event;
   event.kind = "local";
   event.subject = subject;

@@ -381,6 +381,48 @@ TEST_F(AnnouncePlaces, WhoHasNoPlaceIsAnsweredNevertheless) {
   EXPECT_EQ(receivers(), 17U);
 }
 
+TEST_F(AnnouncePlaces, ChangesOfAnAddressAreFew) {
+  const auto state = [this](std::uint64_t address) {
+    AnnounceRequest request{"c0", Role::subscriber, "lamp", {}};
+    request.local = address_of(address);
+    const auto answer = ask(request, {.pid = 7, .uid = 1000, .session = 5});
+    return std::get<control::Channels>(answer.reply.body).local_problem;
+  };
+  std::uint64_t address = 0;
+  for (std::uint64_t n = 0; n <= LocalEnds::kChangesAtOnce; ++n) EXPECT_EQ(state(++address), "");
+  const std::string too_often =
+      "its address for c0 was changed 4 times in a few seconds, and may be once a second";
+  EXPECT_EQ(state(address + 1), too_often);
+  EXPECT_EQ(state(address), "") << "it is the former one";
+  bench_.clock.monotonic += LocalEnds::kChange;
+  EXPECT_EQ(state(++address), "");
+  EXPECT_EQ(state(address + 1), too_often);
+}
+
+TEST_F(AnnouncePlaces, ChangesThatFollowEachOtherAreReportedAsOne) {
+  const auto reports = [this] {
+    return std::ranges::count(bench_.published, "local", &control::Event::kind);
+  };
+  for (int i = 0; i < 10; ++i) ASSERT_EQ(problem("lamp", 1000), "");
+  EXPECT_EQ(reports(), 1) << "the first one at once";
+  const auto due = bench_.daemon().due();
+  ASSERT_TRUE(due);
+  EXPECT_EQ(*due, bench_.clock.monotonic + LocalEnds::kReport);
+  bench_.clock.monotonic = *due - 1;
+  bench_.act();
+  EXPECT_EQ(reports(), 1);
+  bench_.clock.monotonic = *due;
+  bench_.act();
+  EXPECT_EQ(reports(), 2) << "the others together";
+  bench_.clock.monotonic += LocalEnds::kReport;
+  bench_.act();
+  EXPECT_EQ(reports(), 2) << "nothing has changed since";
+  EXPECT_FALSE(bench_.daemon().due());
+  bench_.daemon().session_closed(1);
+  EXPECT_EQ(reports(), 3);
+  EXPECT_EQ(bench_.published.back().channel, "c0");
+}
+
 /// The Jitter of a publisher is its own: more of it is worse.
 TEST_F(Announce, APublisherWithMoreJitterThanIsStatedIsRefused) {
   bench_.system.publishers[0].attributes.set(Attribute::jitter, kMs);

@@ -124,6 +124,8 @@ TEST_F(Endpoints, ProgramsOnTheGatewayReachEachOtherWithoutANetwork) {
   const std::size_t events = bench_->events.size();
   endpoints(here, 2, 4711);
   EXPECT_EQ(bench_->events.size(), events) << "nothing is different";
+  bench_->clock.monotonic += LocalEnds::kReport;
+  bench_->act();
   bench_->daemon().session_closed(2);
   EXPECT_EQ(bench_->events.size(), events + 1);
   EXPECT_EQ(of_publisher().size(), 1U);

@@ -166,7 +166,7 @@ class Handlers : public ::testing::Test {
   DeliveryHealth delivery_health_{scene_,    gates_, drops_,   forwarding_,
                                   carriers_, clock_, silences_};
   Admissions admissions_{scene_, recorder_, log_, turn_, tags_, clock_};
-  LocalEnds local_ends_{log_};
+  LocalEnds local_ends_{log_, clock_};
   Endpoints endpoints_{scene_, gates_, local_ends_};
   ChannelReports channels_{scene_, gates_, delivery_health_, deliveries_};
   SilenceReports silence_reports_{loop_.get(), scene_,           clock_,   gates_,
