@@ -6,6 +6,7 @@ import os
 import re
 import select
 import socket
+import sys
 import tempfile
 import unittest
 
@@ -134,6 +135,41 @@ class Local(unittest.TestCase):
         self.assertEqual(first, second)
         self.assertEqual(first[:5], third[:5])
         self.assertNotEqual(first, third)
+
+    def test_an_event_costs_the_same_however_many_channels_there_are(self):
+        daemon = Daemon([granted_for(user=os.getuid())], [channels(True)])
+        self.addCleanup(daemon.close)
+        client = mlcca.Client(daemon.path, patience=60)
+        self.addCleanup(client.close)
+        stop, lever = self.subscriber(client, daemon)
+        came = []
+        stop.on_event = came.append
+
+        def steps():
+            """The lines of Python that run until an event has been handled."""
+            count = 0
+
+            def trace(*_):
+                nonlocal count
+                count += 1
+                return trace
+            lever.publish(b"go")
+            before = sys.gettrace()
+            sys.settrace(trace)
+            try:
+                client.wait(60)
+            finally:
+                sys.settrace(before)
+            return count
+
+        steps()
+        alone = steps()
+        others = [client.publisher(f"other{number}") for number in range(200)]
+        for other in others:
+            other.announce()
+        client.process()
+        self.assertEqual(steps(), alone)
+        self.assertEqual(len(came), 3)
 
     def test_whatever_holds_bytes_is_an_event(self):
         client, daemon = self.start()

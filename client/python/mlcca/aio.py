@@ -210,7 +210,7 @@ class Client:
                     self._send()
                     self._supervise_later()
                     self._wake()
-                    if any(part.failed for part in self._session.parts):
+                    if self._session.failed:
                         self._ask_failed_in(retry if self._session.retry_soon else LONGER * self._longest_retry)
             except ProtocolError as wrong:
                 why = str(wrong)

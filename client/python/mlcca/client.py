@@ -103,7 +103,7 @@ class Client:
         self._timer = Timer()  # expires when it is time to connect, or to ask again for channels that failed
         self._epoll.register(self._timer, select.EPOLLIN)
         self._socket: Optional[socket.socket] = None
-        self._channels: list[Channel] = []
+        self._channels: dict[Part, Channel] = {}
 
     def publisher(self, channel: str, name: str = "", **stated: int | str) -> PublisherChannel:
         """Makes a publisher. It must be announced before it can publish.
@@ -138,15 +138,15 @@ class Client:
         raises the same, and what was not handled is kept for the next call."""
         self._turn()
         try:
-            for channel in list(self._channels):
-                part = channel._part
-                for _ in range(part.waits() if channel in self._channels else 0):
-                    exception = part.take_exception()
-                    if channel.on_exception:
-                        channel.on_exception(exception)
-                    if channel not in self._channels:
-                        break
-                self._call_with_events(channel)
+            for part in list(self._session.waiting):
+                try:
+                    channel = self._channels.get(part)
+                    if channel:
+                        self._call_with_exceptions(channel)
+                        self._call_with_events(channel)
+                finally:
+                    if not part.waits() and not part.events:
+                        self._session.waiting.pop(part, None)
         finally:
             self._wake_or_not()
 
@@ -166,6 +166,7 @@ class Client:
             self._socket.close()
         self._socket = None
         self._channels.clear()
+        self._session.waiting.clear()
         self._session.sockets.close()
         if not self._epoll.closed:
             os.close(self._wakes)
@@ -184,8 +185,7 @@ class Client:
         part = channel._part
         if self._epoll.closed:
             raise RuntimeError("the client is closed")
-        if channel not in self._channels:
-            self._channels.append(channel)
+        self._channels[part] = channel
         self._session.add(part)
         part.lost = False
         if not self._socket:
@@ -204,7 +204,7 @@ class Client:
         return part.answer
 
     def _has_waiting(self) -> bool:
-        return any(channel._part.waits() or channel._part.events for channel in self._channels)
+        return bool(self._session.waiting)
 
     def _wake_or_not(self) -> None:
         """Keeps fileno() readable as long as something waits for a handler."""
@@ -219,17 +219,27 @@ class Client:
             pass
 
     def _forget(self, channel: Channel) -> None:
-        if channel in self._channels:
-            self._channels.remove(channel)
+        self._channels.pop(channel._part, None)
         self._session.remove(channel._part)
 
+    def _call_with_exceptions(self, channel: Channel) -> None:
+        """What is added while a handler runs waits for the next turn. A handler may end its channel."""
+        part = channel._part
+        for _ in range(part.waits()):
+            exception = part.take_exception()
+            if channel.on_exception:
+                channel.on_exception(exception)
+            if part not in self._channels:
+                return
+
     def _call_with_events(self, channel: Channel) -> None:
-        for _ in range(len(channel._part.events) if channel in self._channels else 0):
-            event = channel._part.events.popleft()
+        part = channel._part
+        for _ in range(len(part.events) if part in self._channels else 0):
+            event = part.events.popleft()
             handler = channel.on_event if isinstance(channel, SubscriberChannel) else None
             if handler:
                 handler(event)
-            if channel not in self._channels:
+            if part not in self._channels:
                 return
 
     # --- the connection -------------------------------------------------------------------------------------------
@@ -306,7 +316,7 @@ class Client:
                 return
             self._session.receive(data)
             self._retry = self._first_retry
-            if any(part.failed for part in self._session.parts):
+            if self._session.failed:
                 now = time.monotonic()
                 due = now + (self._retry if self._session.retry_soon else LONGER * self._longest_retry)
                 # A later reply must not delay it.
@@ -314,7 +324,7 @@ class Client:
 
     def _is_to_retry(self) -> bool:
         """Whether something must be tried again at `_retry_at`."""
-        return bool(self._channels) and (not self._socket or any(part.failed for part in self._session.parts))
+        return bool(self._channels) and (not self._socket or bool(self._session.failed))
 
     def _pause(self, seconds: Optional[float]) -> None:
         """Waits for events, for the daemon, and until something must be tried again."""

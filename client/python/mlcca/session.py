@@ -114,10 +114,10 @@ class Part:
         self.subject = int(channel, 16) if re.fullmatch("0x[0-9a-fA-F]{1,16}", channel) else 0  # 0: unknown yet
         self.asked = 0         # id of the pending request; 0: none
         self.outdated = False  # something has changed since that request was sent
-        self.failed = False    # the daemon could not answer, or its answer could not be applied: ask again later
         self.problem = ""      # why events cannot be carried; empty if they can
         self.lost = False      # the connection was lost, or the answer is overdue: its return is reported
         self.number = 0        # its end at the sockets
+        self.waiting: dict["Part", None] = {}  # it is added when something waits for the program; of the session that it is in
         self.events: Deque[Event] = deque()
         self.untaken = 0       # events that were lost because MOST_EVENTS waited
         self._waiting: Deque[ChannelException] = deque()
@@ -133,6 +133,7 @@ class Part:
             self.untaken += 1
             return False
         self.events.append(event)
+        self.waiting[self] = None
         return True
 
     def waits(self) -> int:
@@ -146,6 +147,7 @@ class Part:
         return self._waiting.popleft()
 
     def note(self, cause: Cause, text: str, event: Optional[control_pb2.Event] = None) -> None:
+        self.waiting[self] = None
         if len(self._waiting) >= MOST_WAITING:
             least = next((i for i, e in enumerate(self._waiting) if e.cause in ONLY_INFORM), 0)
             del self._waiting[least]
@@ -222,7 +224,10 @@ class Session:
         self._stops = False               # the daemon has said on this connection that it stops
         self._supervises = False          # there is a connection to a daemon that has answered so far
         self._knows_pings = True          # False: an older daemon, which closes the connection instead
-        self.parts: list[Part] = []
+        self.parts: dict[int, Part] = {}      # by their numbers
+        self.failed: dict[Part, None] = {}    # those to announce again later
+        self.waiting: dict[Part, None] = {}   # those with something that waits; mlcca.Client removes them
+        self._asked: dict[int, Part] = {}     # by the ids of the pending requests
         self.sockets = Events()
         self.out = bytearray()
         self._in = bytearray()
@@ -238,32 +243,48 @@ class Session:
 
     def add(self, part: Part) -> None:
         """Has the channel announced whenever a connection is made."""
-        if part in self.parts:
+        if self.has(part):
             return
         self._last_number += 1
         part.number = self._last_number
-        self.parts.append(part)
+        part.waiting = self.waiting
+        self.parts[part.number] = part
+        if part.waits() or part.events:
+            self.waiting[part] = None
+
+    def has(self, part: Part) -> bool:
+        return self.parts.get(part.number) is part
 
     def remove(self, part: Part) -> None:
-        if part in self.parts:
-            self.parts.remove(part)
-            self.sockets.leave(part.number)
+        if not self.has(part):
+            return
+        del self.parts[part.number]
+        self.failed.pop(part, None)
+        self.waiting.pop(part, None)
+        part.waiting = {}
+        self.sockets.leave(part.number)
+
+    def _set_failed(self, part: Part, failed: bool) -> None:
+        """Has the channel announced again later, or not."""
+        if failed:
+            self.failed[part] = None
+        else:
+            self.failed.pop(part, None)
 
     def take_events(self) -> None:
         """Moves the events that have arrived from the sockets to their channels."""
         arrived, happened = self.sockets.take(), self.sockets.happened()
-        of_number = {part.number: part for part in self.parts} if arrived or happened else {}
         for arrival in arrived:
-            if arrival.end in of_number and not of_number[arrival.end].arrived(arrival.event):
+            if arrival.end in self.parts and not self.parts[arrival.end].arrived(arrival.event):
                 self._untaken += 1
         for end, event in happened:
-            if end in of_number:
-                self._on_happened(of_number[end], event)
+            if end in self.parts:
+                self._on_happened(self.parts[end], event)
 
     def connected(self) -> None:
         self._heard, self._ping, self._stops = time.monotonic(), 0, False
         self._supervises = self._answers_within > 0 and self._knows_pings
-        for part in self.parts:
+        for part in self.parts.values():
             self.ask(part)
 
     def lost(self, why: str) -> None:
@@ -271,13 +292,15 @@ class Session:
         self._in.clear()
         self._partial.clear()
         self._supervises = False
-        for part in self.parts:
-            part.asked, part.outdated, part.failed = 0, False, False
+        self.failed.clear()
+        self._asked.clear()
+        for part in self.parts.values():
+            part.asked, part.outdated = 0, False
         self._note_gone(why, time.monotonic())
 
     def _note_gone(self, why: str, since: float) -> None:
         self.sockets.gone(int(since * NANOSECONDS["s"]))
-        for part in self.parts:
+        for part in self.parts.values():
             answered = part.answer.state not in (State.NO_DAEMON, State.UNANNOUNCED)
             part.lost = True
             part.answer = Answer(State.NO_DAEMON, why)
@@ -313,20 +336,22 @@ class Session:
         if self._supervises or self._ping == 0:
             return
         self._supervises = True  # it had not answered; the decisions may have changed since
-        for part in self.parts:
+        for part in self.parts.values():
             self.ask_again(part)
 
     def ask(self, part: Part) -> None:
         if not part.publishes:
             part.request.local = self.sockets.address(part.number)
         request = control_pb2.Request(id=self._last_id + 1, announce=part.request, slices=True)
-        part.outdated, part.failed = False, False
+        part.outdated = False
+        self._set_failed(part, False)
         if request.ByteSize() > MOST_REQUEST:  # the daemon would close the connection, and with it all channels
             part.asked = 0
             part.take(Answer(State.REJECTED, f"the names and attributes are longer than a request may be, {MOST_REQUEST:,} bytes"))
             return
         self._last_id += 1
         part.asked = self._last_id
+        self._asked[part.asked] = part
         self.out += encode(request)
 
     def ask_again(self, part: Part) -> None:
@@ -339,13 +364,12 @@ class Session:
     @property
     def retry_soon(self) -> bool:
         """Whether a channel failed because the daemon could not answer. What another program holds is tried again later."""
-        return any(part.failed and not part.problem for part in self.parts)
+        return any(not part.problem for part in self.failed)
 
     def ask_failed(self) -> None:
         """Announces the channels that failed once more."""
-        for part in self.parts:
-            if part.failed:
-                self.ask(part)
+        for part in list(self.failed):
+            self.ask(part)
 
     def receive(self, data: bytes) -> None:
         """Takes bytes from the daemon. Raises ProtocolError if they are no replies."""
@@ -402,16 +426,16 @@ class Session:
         if reply.more:
             self._partial[reply.id] = reply
             return
-        for part in self.parts:
-            if part.asked == reply.id:
-                self._on_answer(part, reply)
+        asked = self._asked.pop(reply.id, None)
+        if asked is not None and asked.asked == reply.id and self.has(asked):
+            self._on_answer(asked, reply)
 
     def _on_answer(self, part: Part, reply: control_pb2.Reply) -> None:
         part.asked = 0
         answer = answer_of(reply)
         if answer is None:
             # A temporary error, e.g. overload or lack of memory. The last known answer stays.
-            part.failed = True
+            self._set_failed(part, True)
             if part.answer.state in (State.UNANNOUNCED, State.NO_DAEMON):
                 part.answer = Answer(State.NO_DAEMON, reply.error.message or "mlccad answered with something else")
                 part.lost = True
@@ -425,7 +449,7 @@ class Session:
             self.sockets.close_end(part.number)
         if reply.HasField("channels") and not part.publishes and part.request.local != self.sockets.address(part.number):
             part.outdated = True
-        part.failed = bool(wrong)
+        self._set_failed(part, bool(wrong))
         if wrong != part.problem:
             part.problem = wrong
             part.note(Cause.OTHER, f"its events cannot be carried: {wrong}" if wrong else "its events can be carried again")
@@ -447,9 +471,9 @@ class Session:
     def _on_event(self, event: control_pb2.Event) -> None:
         if event.kind == "stopped":
             self._stops = True
-            for part in self.parts:
+            for part in self.parts.values():
                 self.sockets.close_end(part.number)
-        for part in self.parts:
+        for part in self.parts.values():
             # Without a delivery only the channel's name is known.
             of_channel = event.subject != 0 and (event.subject == part.subject or event.channel == part.request.channel)
             if not of_channel and event.subject != 0:
