@@ -60,11 +60,26 @@ bool BusBroker::may_answer(std::uint64_t now) {
   return ++answered_ <= kMostPerSecond;
 }
 
+/// A node that gets no answer asks without end, so each is logged once.
+void BusBroker::say_what_is_used_up() {
+  const auto say = [this](const std::string& what) {
+    log_(what +
+         " are assigned. To assign them again, stop all nodes of the bus and this program, and "
+         "remove " +
+         file_.path());
+  };
+  if (const auto& uid = nodes_.without_number(); uid && std::exchange(says_numbers_, false))
+    say(fmt::format("node {:#018x} gets no number, since all", from_big_endian(*uid)));
+  if (const auto subject = tags_.without_tag(); subject && std::exchange(says_tags_, false))
+    say(fmt::format("{:#018x} gets no tag, since all", *subject));
+}
+
 std::vector<Frame> BusBroker::take(const Frame& frame, std::uint64_t now) {
   if (!may_answer(now)) return {};
   std::vector<Frame> out;
   if (const auto answer = nodes_.take(frame, now)) out.push_back(*answer);
   if (const auto answer = tags_.take(frame)) out.insert(out.end(), answer->begin(), answer->end());
+  say_what_is_used_up();
   const auto written = write_down();
   const std::string trouble = written ? "" : written.error().text;
   if (trouble != std::exchange(trouble_, trouble) && !trouble.empty())

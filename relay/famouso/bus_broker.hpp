@@ -46,12 +46,15 @@ class BusBroker {
       : file_(std::move(file)), nodes_(uid, nodes), tags_(tags), log_(std::move(log)) {}
   [[nodiscard]] bool may_answer(std::uint64_t now);
   [[nodiscard]] Result<void> write_down();
+  void say_what_is_used_up();
 
   DealtFile file_;
   NodeBroker nodes_;
   TagBroker tags_;
   Log log_;
   std::string trouble_;
+  bool says_numbers_ = true;  ///< it has not logged yet that all numbers are assigned
+  bool says_tags_ = true;     ///< the same of tags
   std::uint64_t second_ = 0;  ///< when the present second began, ns
   std::uint64_t answered_ = 0;
 };

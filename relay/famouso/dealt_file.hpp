@@ -27,6 +27,7 @@ class DealtFile {
   /// number twice.
   static Result<DealtFile> open(const std::string& path);
 
+  [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] const All& nodes() const { return nodes_; }
   [[nodiscard]] const All& tags() const { return tags_; }
 

@@ -110,7 +110,7 @@ void EventChannelHandler::turn(std::uint64_t now) {
   if (std::exchange(is_back_, false) && std::exchange(is_away_, false))
     outside_.log("mlccad answers again");
   read_again(now);
-  close_ended();
+  close_ended(now);
 }
 
 // --- connections ---------------------------------------------------------------------------------
@@ -135,11 +135,16 @@ bool EventChannelHandler::has_share(uid_t user) const {
 }
 
 /// Logs at most one line per second, whoever connects.
+void EventChannelHandler::say_counted(Counted& all, const std::string& text,
+                                      std::uint64_t now) const {
+  ++all.count;
+  if (all.said_at != 0 && now - all.said_at < kRefusalPause) return;
+  all.said_at = now;
+  outside_.log(fmt::format("{} ({} so far)", text, all.count));
+}
+
 void EventChannelHandler::refuse(const std::string& whom_and_why, std::uint64_t now) {
-  ++refused_;
-  if (refused_at_ != 0 && now - refused_at_ < kRefusalPause) return;
-  refused_at_ = now;
-  outside_.log(fmt::format("refused: {} ({} so far)", whom_and_why, refused_));
+  say_counted(refused_, "refused: " + whom_and_why, now);
 }
 
 void EventChannelHandler::make_room(uid_t user, std::uint64_t now) {
@@ -149,7 +154,7 @@ void EventChannelHandler::make_room(uid_t user, std::uint64_t now) {
     if (!connection.opened && now - connection.since >= kPatience &&
         (of_all || connection.user == user))
       ended_.emplace(fd, "it has not said what it wants, and there is no room for others");
-  close_ended();
+  close_ended(now);
 }
 
 void EventChannelHandler::accept(std::uint64_t now) {
@@ -243,14 +248,14 @@ void EventChannelHandler::read_again(std::uint64_t now) {
   }
 }
 
-void EventChannelHandler::close_ended() {
-  for (const auto& [fd, why] : std::exchange(ended_, {})) close(fd, why);
+void EventChannelHandler::close_ended(std::uint64_t now) {
+  for (const auto& [fd, why] : std::exchange(ended_, {})) close(fd, why, now);
 }
 
-void EventChannelHandler::close(int fd, const std::string& why) {
+void EventChannelHandler::close(int fd, const std::string& why, std::uint64_t now) {
   const auto known = connections_.find(fd);
   if (known == connections_.end()) return;
-  if (!why.empty()) outside_.log(known->second.name + " is closed: " + why);
+  if (!why.empty()) say_counted(closed_, known->second.name + " is closed: " + why, now);
   const std::uint64_t subject = known->second.session.subject();
   const auto leave = [&](auto& all) {
     const auto shared = all.find(subject);
@@ -299,7 +304,7 @@ void EventChannelHandler::on_exception(std::uint64_t subject, const client::Exce
   }
   shared.said =
       std::string(client::name_of(exception.answer->state)) + ", " + exception.answer->reason;
-  outside_.log(text_of(subject) + ": " + client::name_of(exception.cause) + ": " + shared.said);
+  outside_.log(text_of(subject) + ": " + client::name_of(exception.cause) + ": " + exception.text);
 }
 
 /// To be called when the session knows its channel. The answer may be there at once, or come later

@@ -95,6 +95,12 @@ class EventChannelHandler {
   void rest(int error, std::uint64_t now);
   void accept_again();
   [[nodiscard]] std::optional<std::string> refusal(const Connection& connection, uid_t user) const;
+  /// Connections of which at most one per second is logged.
+  struct Counted {
+    std::uint64_t count = 0;
+    std::uint64_t said_at = 0;
+  };
+  void say_counted(Counted& all, const std::string& text, std::uint64_t now) const;
   void refuse(const std::string& whom_and_why, std::uint64_t now);
   /// Closes a connection if necessary, so that a program of `user` has a place.
   void make_room(uid_t user, std::uint64_t now);
@@ -107,8 +113,8 @@ class EventChannelHandler {
   void publish(Connection& connection, const std::vector<LocalSession::Event>& events);
   void hand_out(std::uint64_t subject, const client::Event& event);
   void write(int fd, Connection& connection);
-  void close(int fd, const std::string& why);
-  void close_ended();
+  void close(int fd, const std::string& why, std::uint64_t now);
+  void close_ended(std::uint64_t now);
   void say_away(const std::string& why);
   /// Logs the answer about a channel if it has changed.
   void say_answer(std::uint64_t subject, const client::Answer& answer, std::string& said);
@@ -127,8 +133,8 @@ class EventChannelHandler {
   bool is_away_ = false;                      ///< the log says that mlccad is not available
   bool is_back_ = false;                      ///< a channel has an answer again since then
   std::optional<std::uint64_t> rests_since_;  ///< since when no connection can be accepted
-  std::uint64_t refused_ = 0;
-  std::uint64_t refused_at_ = 0;  ///< when refusals were logged last
+  Counted refused_;
+  Counted closed_;  ///< for a reason
   /// Descriptors to close at the end of the turn, with the reason.
   std::map<int, std::string> ended_;
 };

@@ -78,6 +78,7 @@ std::optional<Frame> NodeBroker::take(const Frame& frame, std::uint64_t now) {
   begin();
   if (uid == Uid{}) return std::nullopt;
   const auto number = deal(uid);
+  if (!number && !without_number_) without_number_ = uid;
   return number ? std::optional(answer(0, *number, uid)) : std::nullopt;
 }
 

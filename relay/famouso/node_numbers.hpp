@@ -51,6 +51,8 @@ class NodeBroker {
   /// All assignments. They must survive restarts, because a node keeps its number.
   [[nodiscard]] std::span<const Dealt> dealt() const { return dealt_; }
   [[nodiscard]] std::optional<NodeNumber> number_of(const Uid& uid) const;
+  /// The first node that got no number, because all are assigned; nullopt: there was none.
+  [[nodiscard]] const std::optional<Uid>& without_number() const { return without_number_; }
 
  private:
   std::optional<NodeNumber> deal(const Uid& uid);
@@ -60,6 +62,7 @@ class NodeBroker {
   unsigned stage_ = 15;
   Uid so_far_{};
   std::uint64_t last_ = 0;  ///< when the latest request of the present node arrived
+  std::optional<Uid> without_number_;
 };
 
 }  // namespace mlcca::relay

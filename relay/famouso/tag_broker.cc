@@ -41,7 +41,10 @@ std::optional<TagNumber> TagBroker::tag_of_subject(SubjectId subject) {
   if (subject == 0) return std::nullopt;
   if (const auto known = tags_.find(subject); known != tags_.end()) return known->second;
   while (next_ >= kLowestTag && taken_[next_]) --next_;
-  if (next_ < kLowestTag) return std::nullopt;
+  if (next_ < kLowestTag) {
+    without_tag_ = without_tag_.value_or(subject);
+    return std::nullopt;
+  }
   deal(subject, next_);
   return next_;
 }

@@ -38,6 +38,9 @@ class TagBroker {
   /// The tag of a channel of the broker itself, without frames.
   std::optional<TagNumber> tag_of_subject(SubjectId subject);
 
+  /// The first subject that got no tag, because all are assigned; nullopt: there was none.
+  [[nodiscard]] std::optional<SubjectId> without_tag() const { return without_tag_; }
+
   /// All assignments. They must be stored before an answer is sent.
   [[nodiscard]] std::span<const Dealt> dealt() const { return dealt_; }
 
@@ -48,6 +51,7 @@ class TagBroker {
   std::unordered_map<SubjectId, TagNumber> tags_;
   std::vector<bool> taken_;
   TagNumber next_ = kHighestTag;
+  std::optional<SubjectId> without_tag_;
 };
 
 }  // namespace mlcca::relay

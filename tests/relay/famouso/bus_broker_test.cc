@@ -3,6 +3,7 @@
 // own.
 #include "relay/famouso/bus_broker.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -72,6 +73,36 @@ TEST_F(BusBrokerTest, ATagIsItsSubjectsOverRestarts) {
   EXPECT_EQ(tag_from(*again, kSwitch), 0x3ffeU);
   EXPECT_EQ(tag_from(*again, 1), 0x3ffdU);
   EXPECT_EQ(tag_from(*again, kDistance), 0x3fffU);
+}
+
+/// Whoever asks asks again without end.
+TEST_F(BusBrokerTest, WhoGetsNoTagOrNumberIsSaidOnce) {
+  std::string text;
+  for (unsigned node = 0; node <= kHighestNode; ++node)
+    text += fmt::format("node {:#x} {:#018x}\n", node, 0x6e6f646530303030U + node);
+  for (unsigned tag = kLowestTag; tag <= kHighestTag; ++tag)
+    text += fmt::format("tag {:#x} {:#018x}\n", tag, 0x7461675f30303030U + tag);
+  write(text);
+  auto broker = make();
+  ASSERT_TRUE(broker) << broker.error().text;
+  said_.clear();
+  const std::string again =
+      " are assigned. To assign them again, stop all nodes of the bus and this "
+      "program, and remove " +
+      path_;
+  for (const SubjectId subject : {kDistance, kSwitch, kDistance})
+    EXPECT_EQ(tag_from(*broker, subject), 0U);
+  EXPECT_EQ(said_, std::vector<std::string>{"0x44697374616e6365 gets no tag, since all" + again});
+  said_.clear();
+  for (int i = 0; i < 2; ++i) {
+    NodeClient node(big_endian(kDistance));
+    std::vector<Frame> answers = broker->take(node.start(0), 0);
+    while (answers.size() == 1)
+      if (const auto next = node.take(answers.front(), 0)) answers = broker->take(*next, 0);
+    EXPECT_FALSE(node.number());
+  }
+  EXPECT_EQ(said_,
+            std::vector<std::string>{"node 0x44697374616e6365 gets no number, since all" + again});
 }
 
 TEST_F(BusBrokerTest, ASubjectOfTheDescriptionHasItsTag) {

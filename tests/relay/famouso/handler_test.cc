@@ -103,7 +103,9 @@ class HandlerTest : public ::testing::Test {
         channels.endpoints.push_back(endpoint);
       }
     }
-    return {.replies = {{.id = 0, .body = std::move(channels)}}};
+    test::Server::Answer out{.replies = {{.id = 0, .body = std::move(channels)}}};
+    if (happened_) out.replies.push_back({.id = 0, .body = *happened_});
+    return out;
   }
 
   std::unique_ptr<EventChannelHandler> open(std::optional<std::set<uid_t>> users = {}) {
@@ -144,6 +146,7 @@ class HandlerTest : public ::testing::Test {
   std::vector<std::string> said_;
   std::function<Result<uid_t>(int)> user_of_ = user_at_other_end;
   std::uint64_t now_ = 1;
+  std::optional<control::Event> happened_;  ///< follows each answer; set before open()
 };
 
 TEST_F(HandlerTest, AnEventGoesFromOneProgramToTheOthers) {
@@ -198,6 +201,19 @@ TEST_F(HandlerTest, WhatIsRefusedIsDroppedAndSaidOnce) {
             1);
 }
 
+/// The log says what has happened, not the verdict that there is since.
+TEST_F(HandlerTest, WhatHappensIsSaidInItsOwnWords) {
+  happened_.emplace();
+  happened_->kind = "policed";
+  happened_->subject = kDistance;
+  happened_->publisher = "sonar";
+  happened_->message = "7 events too many";
+  const auto handler = open();
+  Tcp sonar(handler->port());
+  sonar.say(kAnnounce);
+  until(*handler, [&] { return has_said("0x44697374616e6365: policed: 7 events too many"); });
+}
+
 TEST_F(HandlerTest, WhoSaysSomethingElseIsClosed) {
   const auto handler = open();
   Tcp wrong(handler->port());
@@ -210,11 +226,17 @@ TEST_F(HandlerTest, WhoSaysSomethingElseIsClosed) {
   talkative.say(kSubscribe);
   talkative.say("x");
   until(*handler, [&] { return talkative.is_closed(); });
+  EXPECT_EQ(std::ranges::count_if(
+                said_, [](const auto& s) { return s.find(" is closed: ") != std::string::npos; }),
+            1)
+      << "at most one a second is logged";
+  now_ += 1'000'000'000;
   Tcp vast(handler->port());
   vast.say(std::string(kAnnounce) + std::string("\x52"
                                                 "Distance\0\1\0\0"sv));
   until(*handler, [&] { return vast.is_closed(); });
   EXPECT_TRUE(has_said("an event of 65536 octets"));
+  EXPECT_TRUE(has_said("(3 so far)"));
   EXPECT_EQ(handler->channels(), 0U);
 }
 
