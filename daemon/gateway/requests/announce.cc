@@ -49,9 +49,13 @@ std::optional<std::string> conflict(Role role, const AttributeSet& announced,
                                     const AttributeSet& decided, std::string_view whose) {
   const AttributeSet asked = normalised_requirement(announced);
   const AttributeSet given = normalised_requirement(decided);
-  for (std::size_t i = 0; i < kAttributes; ++i) {
-    const Attribute a = attribute_at(i);
-    if (!asked.has(a)) continue;
+  // What the program has announced comes before what that implies.
+  std::vector<Attribute> all;
+  for (const bool implied : {false, true})
+    for (std::size_t i = 0; i < kAttributes; ++i)
+      if (const Attribute a = attribute_at(i); asked.has(a) && announced.has(a) != implied)
+        all.push_back(a);
+  for (const Attribute a : all) {
     const std::string what =
         fmt::format("{} {} is announced{}", info(a).name, core::format_value(a, asked[a]),
                     announced.has(a) ? "" : " (implied by the Period)");
@@ -169,7 +173,8 @@ class Ends {
       return fmt::format("no {} of this channel is on {}: describe one there, or admit one",
                          requests::name_of(role_), gateway);
     return fmt::format("no {} '{}' of this channel is on {} (there are: {})",
-                       requests::name_of(role_), name, gateway, fmt::join(names(ends_), ", "));
+                       requests::name_of(role_), echoed(name), gateway,
+                       fmt::join(names(ends_), ", "));
   }
 
   const core::State& state_;

@@ -12,6 +12,7 @@
 #include "daemon/gateway/history_pages.hpp"
 #include "daemon/gateway/patience.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
+#include "daemon/gateway/requests/parsed_request.hpp"
 #include "daemon/system_log.hpp"
 
 namespace mlcca::requests {
@@ -36,14 +37,14 @@ Response history(const HistoryParts& parts, const Asker& /*asker*/,
                  const control::HistoryRequest& request) {
   if (!request.kind.empty() && !kind_named(request.kind))
     return invalid(
-        fmt::format("there is no kind '{}' (there are: {})", request.kind, kind_names()));
+        fmt::format("there is no kind '{}' (there are: {})", echoed(request.kind), kind_names()));
   auto pages = std::make_shared<HistoryPages>(parts.history, filter_of(request));
   auto first = parts.patience.wait_for([&pages] { return pages->next(); });
   if (!first) return failed(first.error().text);
   if (first->entries.empty() && !request.channel.empty() &&
       !parts.scene.state->find_channel(request.channel))
     return invalid(fmt::format("no event channel is called '{}', and the history knows none",
-                               request.channel));
+                               echoed(request.channel)));
   if (!pages->more()) return std::move(*first);
   return Response(
       [parts, pages, first = std::move(*first)]() mutable -> std::optional<serve::Slice> {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/number.hpp"
+#include "base/text.hpp"
 #include "core/profiles/profile.hpp"
 #include "daemon/gateway/requests/stated.hpp"
 #include "mlcca/der_format.hpp"
@@ -37,8 +38,9 @@ std::string known(const Range& things) {
 
 Result<core::Place> place_named(const core::State& state, const std::string& name) {
   if (const auto place = state.find_place(name)) return *place;
-  return fail(fmt::format("no network or gateway is called '{}' (networks: {}; gateways: {})", name,
-                          known(state.system().networks), known(state.system().gateways)));
+  return fail(fmt::format("no network or gateway is called '{}' (networks: {}; gateways: {})",
+                          echoed(name), known(state.system().networks),
+                          known(state.system().gateways)));
 }
 
 /// The node of a mesh at which an end is; nullopt if the request states none.
@@ -48,14 +50,15 @@ Result<std::optional<std::uint32_t>> mesh_node_named(const core::State& state, c
   const core::System& system = state.system();
   const bool network = place.kind == core::Place::Kind::network;
   if (!network || !system.networks[place.index].mesh)
-    return fail(fmt::format(
-        "{} is no mesh, and so has no node '{}'",
-        network ? system.networks[place.index].name : system.gateways[place.index].name, name));
+    return fail(
+        fmt::format("{} is no mesh, and so has no node '{}'",
+                    network ? system.networks[place.index].name : system.gateways[place.index].name,
+                    echoed(name)));
   const auto& nodes = system.networks[place.index].mesh->nodes;
   const auto it = std::ranges::find(nodes, name, &core::mesh::Node::name);
   if (it == nodes.end())
     return fail(fmt::format("{} has no node '{}' (nodes: {})", system.networks[place.index].name,
-                            name, known(nodes)));
+                            echoed(name), known(nodes)));
   return static_cast<std::uint32_t>(it - nodes.begin());
 }
 
@@ -221,8 +224,8 @@ Result<void> list(core::State& state, const control::ChannelRequest& request) {
     return fail(fmt::format("at most {} identifiers", most_identifiers));
   const auto subject = core::parse_subject(request.channel);
   if (!subject)
-    return fail(
-        fmt::format("'{}' is no subject: 0x and up to 16 hexadecimal digits", request.channel));
+    return fail(fmt::format("'{}' is no subject: 0x and up to 16 hexadecimal digits",
+                            echoed(request.channel)));
   core::UnlistedChannel wanted{.subject = *subject, .networks = {}, .bindings = {}};
   for (const std::string& end : {request.from, request.to}) {
     if (end.empty()) continue;
@@ -238,9 +241,14 @@ Result<void> list(core::State& state, const control::ChannelRequest& request) {
   return {};
 }
 
+std::string echoed(const std::string& name) {
+  constexpr std::size_t most = 64;
+  return printable(name, most) + (name.size() > most ? "…" : "");
+}
+
 Result<std::size_t> channel_named(const core::State& state, const std::string& name) {
   if (const auto channel = state.find_channel(name)) return *channel;
-  return fail(fmt::format("no event channel is called '{}' (channels: {})", name,
+  return fail(fmt::format("no event channel is called '{}' (channels: {})", echoed(name),
                           known(state.system().channels)));
 }
 

@@ -33,6 +33,9 @@ struct ParsedRequest {
 /// is already used.
 [[nodiscard]] Result<void> list(core::State& state, const control::ChannelRequest& request);
 
+/// A name of a request as an error repeats it: at most 64 bytes, without control characters.
+[[nodiscard]] std::string echoed(const std::string& name);
+
 /// Finds a channel by name or 0x subject. The error names channels that exist.
 [[nodiscard]] Result<std::size_t> channel_named(const core::State& state, const std::string& name);
 

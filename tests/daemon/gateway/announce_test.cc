@@ -172,6 +172,10 @@ TEST_F(Announce, WhatIsNotThereIsRefusedWithWhatIs) {
             "no subscriber 'lever' of this channel is on g (there are: lamp)");
   EXPECT_EQ(refusal({"c0", Role::unspecified, "", {}}), "say the role: publisher or subscriber");
   EXPECT_NE(refusal({"c9", Role::publisher, "", {}}).find("c9"), std::string::npos);
+  EXPECT_EQ(refusal({"c9\x1b[2J" + std::string(10'000, 'a'), Role::publisher, "", {}}),
+            "no event channel is called 'c9?[2J" + std::string(58, 'a') + "…' (channels: c0, c1)");
+  EXPECT_EQ(refusal({"c0", Role::publisher, "lee\nver", {}}),
+            "no publisher 'lee?ver' of this channel is on g (there are: lever)");
 }
 
 TEST_F(Announce, OfSeveralEndsOneUserSaysWhich) {
@@ -203,10 +207,9 @@ TEST_F(Announce, WhoStatesAsMuchOrLessIsTakenUp) {
 }
 
 TEST_F(Announce, WhoStatesMoreIsRefusedWithBothValues) {
-  EXPECT_EQ(
-      stating(Role::publisher, "Period", 49 * kMs),
-      "Deadline 49 ms is announced (implied by the Period), and 50 ms is stated for this end: "
-      "state what the program needs in the description");
+  EXPECT_EQ(stating(Role::publisher, "Period", 49 * kMs),
+            "Period 49 ms is announced, and 50 ms is stated for this end: state what the program "
+            "needs in the description");
   EXPECT_NE(stating(Role::publisher, "MaxPayload", 9), "");
   EXPECT_NE(stating(Role::subscriber, "Period", 49 * kMs), "");
   EXPECT_NE(stating(Role::subscriber, "MaxPayload", 7), "") << "events may have 8 bytes";
