@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Any frames of a CAN bus and of IEEE 802.15.4 and any datagrams, for followers of each profile.
 // Each frame has an octet of flags, one that says which identifier, its length, and its octets. All
-// of the input is a datagram, too.
+// of the input is a datagram, too, and a sequence of datagrams.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -64,6 +64,33 @@ class Radio : public WpanSocket {
   std::deque<Frame> in;
 };
 
+class Network : public UdpSocket {
+ public:
+  [[nodiscard]] int fd() const override { return -1; }
+  [[nodiscard]] mlcca::Result<void> join(std::uint32_t /*group*/) override { return {}; }
+  void leave(std::uint32_t /*group*/) override {}
+  Got receive(Datagram& to) override {
+    if (in.empty()) return Got::nothing;
+    octets_ = std::move(in.front().first);
+    to = {.octets = octets_, .from = in.front().second, .unix_ns = 1};
+    in.pop_front();
+    return Got::datagram;
+  }
+  void read_errors() override {}
+  Sent send(std::uint32_t /*to*/, Octets header, Octets data) override {
+    demand(header.size() + data.size() <= kDatagram, "more than a datagram holds");
+    return Sent::sent;
+  }
+  [[nodiscard]] std::uint32_t own_address() const override { return 0; }
+  [[nodiscard]] std::uint64_t dropped() const override { return 0; }
+
+  std::deque<std::pair<std::vector<std::uint8_t>, std::uint32_t>> in;  ///< octets and sender
+
+ private:
+  static constexpr std::size_t kDatagram = 65'507;
+  std::vector<std::uint8_t> octets_;
+};
+
 mlcca::control::Endpoint endpoint(const char* profile, std::uint32_t id, std::uint32_t mask) {
   mlcca::control::Endpoint out;
   out.can = out.classic = out.fd = true;
@@ -115,6 +142,40 @@ void send_by_radio(std::span<const std::uint8_t> rest) {
     });
 }
 
+/// Datagrams of two senders: an octet of flags and one of the length each. Some get the header of a
+/// whole event or of a fragment.
+void send_by_udp(std::span<const std::uint8_t> rest) {
+  auto socket = std::make_unique<Network>();
+  Network& network = *socket;
+  UdpLayer layer(std::move(socket), false, [] { return std::uint64_t{1}; });
+  constexpr std::array<std::uint64_t, 2> kSubjects{0, 0x44697374616e6365};
+  constexpr unsigned octet = 8;
+  for (std::uint32_t i = 0; i < kSubjects.size(); ++i)
+    demand(layer.follow(i, {}, kSubjects.at(i), kLongest).has_value(), "it is not followed");
+  while (rest.size() >= 2) {
+    const std::uint8_t flags = rest[0];
+    const std::size_t length = std::min<std::size_t>(rest[1], rest.size() - 2);
+    std::vector<std::uint8_t> datagram;
+    if ((flags & 1U) != 0) {
+      const std::uint64_t subject = kSubjects.at((flags & 2U) != 0 ? 1 : 0);
+      for (unsigned shift = 64; shift != 0; shift -= octet)
+        datagram.push_back(static_cast<std::uint8_t>(subject >> (shift - octet)));
+      datagram.push_back((flags & 4U) != 0 ? 1 : 0);
+    }
+    const auto octets = rest.subspan(2, length);
+    datagram.insert(datagram.end(), octets.begin(), octets.end());
+    network.in.emplace_back(std::move(datagram), (flags & octet) != 0 ? 2 : 1);
+    rest = rest.subspan(2 + length);
+  }
+  while (!network.in.empty())
+    layer.receive(16, [&](const Layer::Arrival& arrival) {
+      demand(arrival.event.size() <= kLongest, "longer than its follower takes");
+      demand(arrival.follower < kSubjects.size(), "nobody follows it");
+      static_cast<void>(layer.send({}, kSubjects.at(arrival.follower), arrival.event));
+    });
+  layer.expire();
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
@@ -158,5 +219,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (const auto datagram = parse_datagram({data, size}))
     demand(datagram->data.size() + kDatagramHeader == size, "octets are lost");
   send_by_radio({data, size});
+  send_by_udp({data, size});
   return 0;
 }
