@@ -9,8 +9,9 @@ PREFIX ?= /usr/local
 DESTDIR ?=
 
 CXX ?= g++
-# ccache, where it is installed and may write its folder, keeps what was compiled; `make CACHE=` does without it.
-CACHE ?= $(shell folder=$$(ccache -k cache_dir 2>/dev/null) && mkdir -p "$$folder" 2>/dev/null && [ -w "$$folder" ] && echo ccache)
+# ccache, where it is installed and may write its folder, keeps what was compiled; `make CACHE=` does without it. No home is
+# made: a build without one (HOME=/nonexistent) has no cache.
+CACHE ?= $(shell [ -d "$$HOME" ] && folder=$$(ccache -k cache_dir 2>/dev/null) && mkdir -p "$$folder" 2>/dev/null && [ -w "$$folder" ] && echo ccache)
 ifeq ($(origin CXX),default)
 CXX := $(if $(CACHE),$(CACHE) )g++
 endif
