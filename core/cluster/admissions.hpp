@@ -52,8 +52,9 @@ class Admissions {
   void release_all(const std::string& why, Value now, std::vector<Event>& events);
   /// The caller closes what is granted, and releases it; whoever waits is refused.
   void withdraw_all(const std::string& why, Value now, std::vector<Event>& events);
-  /// After a start or a new beginning, from a view that has all that was committed. What was granted
-  /// from the revision `since` on still is; what is older counts for nobody and leaves the store.
+  /// After a start or a new beginning, from a view that has all that was committed. What was
+  /// granted from the revision `since` on still is; what is older counts for nobody and leaves the
+  /// store.
   void find(const View& view, std::int64_t since, Value now, std::vector<Event>& events);
   /// Everything is lost; who waits is refused.
   void lose(const std::string& why, std::vector<Event>& events);

@@ -71,8 +71,8 @@ class Adopting {
   /// After a start the store has this reservation of this gateway, which was made for another one.
   /// True if it is to be kept: the request of the other one follows, or it is given back in step().
   [[nodiscard]] bool keep_found(const cluster::StoredRequest& asked);
-  /// What is decided of that channel has changed: what this gateway has agreed to may not be granted
-  /// any more.
+  /// What is decided of that channel has changed: what this gateway has agreed to may not be
+  /// granted any more.
   void note_changed(std::size_t channel) { changed_.insert(channel); }
   /// Publishers may have gone for which subscribers of other gateways were admitted here.
   void publishers_gone();

@@ -17,8 +17,8 @@
 #include <random>
 #include <set>
 #include <string>
-#include <tuple>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <variant>
 #include <vector>
