@@ -131,6 +131,7 @@ class Membership final : private core::Holdings, private Adopting::Hands {
   void admissions_gone(const std::vector<core::AdmissionId>& gone);
   void session_closed(std::uint64_t session);
   /// What is decided of that channel has changed.
+  // NOLINTNEXTLINE(readability-make-member-function-const): it changes the session
   void note_changed(std::size_t channel) {
     if (session_.adopting) session_.adopting->note_changed(channel);
   }

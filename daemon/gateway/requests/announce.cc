@@ -189,7 +189,8 @@ class Ends {
 std::string add_address(LocalEnds& local_ends, const core::EventChannel& channel,
                         const serve::Peer& peer, const std::string& address, bool is_for_some) {
   using enum LocalEnds::Standing;
-  const auto standing = peer.may_change ? trusted : is_for_some ? stated : anyone;
+  const auto of_program = is_for_some ? stated : anyone;
+  const auto standing = peer.may_change ? trusted : of_program;
   return local_ends.add(channel, {peer.uid, peer.session, standing}, address).value_or("");
 }
 
