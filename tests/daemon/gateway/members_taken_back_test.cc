@@ -27,7 +27,7 @@ class MembersTakenBack : public MembersPassing {
 TEST_F(MembersTakenBack, WhatEndsWithItsPublisherCountsAsLongAsTheStoreHasIt) {
   admit_both();
   ASSERT_EQ(counted(0), 2U);
-  // The gateway for which it was made does not hear of the end.
+  // The gateway for which it was made does not learn of the end.
   link(1).answers = false;
   at(0).ask(control::ReleaseRequest{.channel = {}, .admission = 0, .key = "c3own0"});
   for (int n = 0; n < 200; ++n) {
@@ -40,7 +40,7 @@ TEST_F(MembersTakenBack, WhatEndsWithItsPublisherCountsAsLongAsTheStoreHasIt) {
 
 /// The publisher is behind the network that is down: its gateway has admitted the subscriber in the
 /// name of the other one.
-TEST_F(MembersTakenBack, ASubscriberOfAPublisherWhoseNetworkIsDownIsToldAndAskedForAgain) {
+TEST_F(MembersTakenBack, ASubscriberOfAPublisherWhoseNetworkIsDownEndsAndIsAskedForAgain) {
   admit_both();
   set_link(0, "own0", false);
   pass(kSecondNs);
