@@ -84,7 +84,7 @@ void add_self(const Answers& answers, const LeftOut& left_out, const Past& past,
 }  // namespace
 
 std::string kind_of(std::string_view reason) {
-  // What was seen latest differs from time to time, and anybody can send it.
+  // What was seen latest differs from time to time, and any station can send it.
   reason = reason.substr(0, reason.find(", the latest"));
   std::string out;
   out.reserve(reason.size());

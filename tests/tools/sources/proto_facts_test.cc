@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/mesh/bounds.hpp"
+#include "core/mesh/link_table.hpp"
 #include "daemon/net/sources/facts.hpp"
 #include "tests/tools/sources/proto_loop.hpp"
 
@@ -88,7 +89,8 @@ TEST(Facts, AWordThatIsNoneIsRefused) {
 
 TEST(Facts, AQuestionArrivesAsItWasSent) {
   std::vector<std::string> addresses;
-  for (std::size_t i = 0; i < kMaxNodes; ++i) addresses.push_back("fe80::" + std::to_string(i));
+  for (std::size_t i = 0; i < core::mesh::kMaxNodes; ++i)
+    addresses.push_back("fe80::" + std::to_string(i));
   const auto mesh = test::mesh_of(addresses);
   core::mesh::Source source;
   source.kind = core::mesh::SourceKind::awds;
