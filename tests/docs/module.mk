@@ -1,7 +1,7 @@
 # Runs the commands in the documentation and compares their output. This target runs those that need
 # no gateway, the guest test `documents` those that need one, and check-docs-cluster those of
 # gateways that share a store. NOT_RUN is the number of blocks that say why they are not run.
-NOT_RUN := 40
+NOT_RUN := 41
 check-docs: $O/mlccactl $O/mlcca-design $O/mlcca-doctor $O/mlcca-system.5 ## links, drawings and form of the documentation, and its commands
 	$(Q)tests/docs/form
 	$(Q)tests/docs/layers
