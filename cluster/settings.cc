@@ -155,7 +155,8 @@ class Parser {
 
 /// The content of a file of at most `most` bytes.
 Result<std::string> read_short_file(const std::string& file, std::size_t most) {
-  const Fd from(::open(file.c_str(), O_RDONLY | O_CLOEXEC));  // NOLINT(*-vararg)
+  // A pipe without a writer must not make it wait.
+  const Fd from(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));  // NOLINT(*-vararg)
   if (!from) return system_error(file);
   std::string text(most + 1, '\0');
   std::size_t size = 0;

@@ -40,8 +40,10 @@ std::optional<std::string> LocalEnds::refusal(const std::string& channel, const 
                                               const Program& program) {
   const auto places = ends.by_session | std::views::values;
   const std::string of_channel = " places of " + channel + " for subscribers on this gateway";
-  const auto of_user =
-      std::ranges::count_if(places, [&](const Place& one) { return one.end.user == program.user; });
+  // Programs of a user without a group or unit take no place from those that state one.
+  const auto of_user = std::ranges::count_if(places, [&](const Place& one) {
+    return one.end.user == program.user && one.standing == program.standing;
+  });
   if (program.user != 0 && static_cast<std::size_t>(of_user) >= kMostOfUser)
     return "user " + std::to_string(program.user) + " has " + std::to_string(of_user) + " of the " +
            std::to_string(kMostOfChannel) + of_channel + ", which is the most of one user";

@@ -24,7 +24,7 @@ class LocalEnds {
  public:
   /// The most subscribers of one channel. A publisher sends to each of them.
   static constexpr std::size_t kMostOfChannel = 64;
-  /// The most of these that one user other than root may have.
+  /// The most of these that one user other than root may have with the same standing.
   static constexpr std::size_t kMostOfUser = 16;
   /// Who a subscriber is. Each has places that those before it in this list cannot take.
   enum class Standing : std::uint8_t {

@@ -134,7 +134,7 @@ void Membership::begin() {
           .objected =
               [this](const std::string& channel, std::vector<std::size_t> gateways,
                      const Reserving::Refusal& why) {
-                wishes_.note_objection(channel, std::move(gateways), why);
+                wishes_.note_withdrawal(channel, std::move(gateways), why);
               },
           .ended = [this](Number number) { session_.adopting->close_made_for(number); },
           .in_the_way = [this] { return former_.in_the_way(*session_.member); },

@@ -105,6 +105,13 @@ void Wishes::wish(std::size_t channel) {
                   }});
 }
 
+void Wishes::note_withdrawal(const std::string& channel, std::vector<std::size_t> gateways,
+                             const Reserving::Refusal& why) {
+  want_again_[{channel, gateways}] = add_saturating(now(), kRefusedWishAgain);
+  wish_again_.erase(channel);
+  note_objection(channel, std::move(gateways), why);
+}
+
 void Wishes::note_objection(const std::string& channel, std::vector<std::size_t> gateways,
                             const Reserving::Refusal& why) {
   if (why.gateway)

@@ -41,6 +41,10 @@ class Wishes {
   void anew();
   /// To be called now and then.
   void forget_past_pauses();
+  /// Another gateway has ended what was reserved for the channel over these gateways: it is asked
+  /// for again soon, also if it was granted only a short time ago.
+  void note_withdrawal(const std::string& channel, std::vector<std::size_t> gateways,
+                       const Reserving::Refusal& why);
   /// Another gateway, or one that was quicker, has kept the channel from being reserved over those
   /// gateways. Without a gateway in `why` nobody has objected.
   void note_objection(const std::string& channel, std::vector<std::size_t> gateways,
